@@ -145,6 +145,7 @@ MINUTES = {
     "python3 -m analysis.topics.machines.stated --poses 90 --seed 1": "python3 -m analysis.topics.machines.stated --poses 2",
     "python3 -m analysis.topics.machines.moving": "python3 -m analysis.topics.machines.moving --poses 2 --rtol 0.05",
     "build/bin/reduced_benchmark --moving SCENE POSES": "build/bin/reduced_benchmark --moving geometries/scenes/guarded_sensor.toml 2",
+    "build/bin/reduced_benchmark --covers 12": "build/bin/reduced_benchmark --covers 1",
     "build/bin/reduced_benchmark --machine 3": "build/bin/reduced_benchmark --machine 0",
     "build/bin/reduced_benchmark --meshes 40": "build/bin/reduced_benchmark --meshes 1",
     "build/bin/reduced_benchmark SCENE…": f"build/bin/reduced_benchmark {HAND}",

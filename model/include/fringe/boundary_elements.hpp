@@ -97,7 +97,7 @@ struct MaxwellMatrix {
 /// oriented; their triangles may cross, overlap and be given twice. Grounded objects that touch, overlap or
 /// contain each other are one conductor. Dielectric objects are bodies of triangles, too. They may touch and
 /// overlap conductors, which displace them, and each other, where the later one fills the common space; no
-/// entry is then a lower bound, and refinement ends at 3,000 panels. Throws InputError for dielectric objects
+/// entry is then a lower bound, and refinement ends at 9,000 panels. Throws InputError for dielectric objects
 /// whose surface is not closed or that are inside a conductor, plates that are not rectangles, meshes without
 /// area, rooms, conductors that may have different potentials and touch, cross or are inside each other, more
 /// surfaces than unknowns allow, a scene without sensors and objects, and options out of range.

@@ -50,18 +50,31 @@ double edge_distance(const PreparedMesh& mesh, const PanelCluster& cluster,
   return least;
 }
 
+/// Returns the largest ratio of a panel's part's radius to its distance. With one point for each panel the
+/// error is like the square of this ratio; a fraction of `digits` suffices, because the errors of many panels
+/// differ in sign.
+double coarsest_ratio(QuadratureDigits digits) {
+  return 1.4 * std::exp(-digits.outer / 2);
+}
+
+/// Relative error of the nodes of panels beside faces, per square of that ratio. It is larger than the error
+/// that was measured with three bodies above a plate at a twentieth of their size.
+constexpr double error_per_square = 0.004;
+
 /// Distances from the other body, in its largest half sides, that separate the bands of clusters.
 constexpr std::array<double, 2> band_ends{0.35, 1.0};
 
 }  // namespace
 
-void MeshSide::set(const PreparedMesh& mesh, std::ptrdiff_t functions, double factor) {
+void MeshSide::set(const PreparedMesh& mesh, const ChargedPanels& nodes, std::ptrdiff_t functions,
+                   double factor) {
   mesh_ = &mesh;
+  nodes_ = &nodes;
   functions_ = functions;
   factor_ = static_cast<float>(factor);
-  charges.resize(static_cast<std::size_t>(mesh.places()));
-  potentials.resize(static_cast<std::size_t>(mesh.places()));
-  unused_.assign(static_cast<std::size_t>(mesh.places()), 0.0F);
+  charges.resize(static_cast<std::size_t>(nodes.places()));
+  potentials.resize(static_cast<std::size_t>(nodes.places()));
+  unused_.assign(static_cast<std::size_t>(nodes.places()), 0.0F);
   coefficients_.assign(static_cast<std::size_t>(whole_blocks(functions)), 0.0F);
 }
 
@@ -70,42 +83,53 @@ void MeshSide::spread(const float* coefficients) {
     coefficients_[static_cast<std::size_t>(k)] = factor_ * coefficients[k];
   std::fill(unused_.begin(), unused_.end(), 0.0F);
   std::vector<float>& sums = potentials;
-  best_kernels<NodeKernels>().apply(mesh_->functions(functions_), coefficients_.data(), unused_.data(),
+  best_kernels<NodeKernels>().apply(nodes_->functions(functions_), coefficients_.data(), unused_.data(),
                                     sums.data(), charges.data());
 }
 
 void MeshSide::gather(float* moments) {
   std::fill(coefficients_.begin(), coefficients_.end(), 0.0F);
-  best_kernels<NodeKernels>().apply(mesh_->functions(functions_), coefficients_.data(), potentials.data(),
+  best_kernels<NodeKernels>().apply(nodes_->functions(functions_), coefficients_.data(), potentials.data(),
                                     moments, unused_.data());
   for (std::ptrdiff_t k = 0; k < functions_; ++k)
     moments[k] *= factor_;
   std::fill(moments + functions_, moments + whole_blocks(functions_), 0.0F);
 }
 
-NodePoints MeshPart::points(const PanelClusters& panels) const {
-  const auto& of_fineness = panels.points[static_cast<std::size_t>(fineness)];
-  const std::ptrdiff_t at = repeats() * cluster->first;
-  return {of_fineness[0].data() + at, of_fineness[1].data() + at, of_fineness[2].data() + at, count()};
-}
-
-void MeshPair::place(const PlacedBody& a, int functions_a, const PlacedBody& b, int functions_b,
-                     QuadratureDigits digits) {
+void MeshPair::place(const PlacedBody& a, int functions_a, const PlacedBody& b, int functions_b, double gap,
+                     const BodySmoothness& of_faces, QuadratureDigits digits) {
   a_is_outer_ = a.shape->mesh() != nullptr;
   const PlacedBody &first = a_is_outer_ ? a : b, &second = a_is_outer_ ? b : a;
   const PlacedBody other = seen_from(first, second);
   frame_.translation() = first.centre;
   frame_.linear() = first.axes;
   scale_ = first.scale;
-  outer_.set(*first.shape->mesh(), a_is_outer_ ? functions_a : functions_b, 1 / first.scale);
+  const PreparedMesh& mesh = *first.shape->mesh();
+  const int functions = a_is_outer_ ? functions_a : functions_b;
   inner_has_faces_ = second.shape->mesh() == nullptr;
   used_ = 0;
   coarsest_ = 0;
   is_cut_short_ = false;
+  // A skeleton may have somewhat more of an error than the panels' nodes, and much more of a body so near
+  // that changes are a large part of entries. More digits are asked for where that is too much.
+  constexpr double near = 0.6, of_far_bodies = 2, of_near_bodies = 12;
+  const double allowed = (gap < near * first.scale ? of_near_bodies : of_far_bodies) *
+                         (error_left(digits.inner) + error_per_square * std::pow(coarsest_ratio(digits), 2));
+  relative_error_ = allowed;
+  if (const ChargedPanels* const skeleton = mesh.skeleton(gap / first.scale, functions, relative_error_)) {
+    outer_.set(mesh, *skeleton, functions, 1 / first.scale);
+    next_band().outer.push_back({skeleton->panels.clusters.data(), 0});
+    if (inner_has_faces_
+            ? place_skeleton_beside_faces(other, a_is_outer_ ? functions_b : functions_a, of_faces, digits)
+            : place_skeletons(other, functions_b, gap / second.scale, allowed))
+      return;
+    used_ = 0;
+  }
+  outer_.set(mesh, mesh.charged_panels(), functions, 1 / first.scale);
   if (inner_has_faces_) {
     place_beside_faces(other, a_is_outer_ ? functions_b : functions_a, digits);
   } else {
-    inner_.set(*second.shape->mesh(), functions_b, 1);
+    inner_.set(*second.shape->mesh(), second.shape->mesh()->charged_panels(), functions_b, 1);
     place_beside_mesh(other, digits);
   }
 }
@@ -121,9 +145,7 @@ MeshPair::Band& MeshPair::next_band() {
 
 /// Returns how often panels at a distance must be quartered for the points to be near enough to each other.
 int MeshPair::fineness(double panel_radius, double distance, QuadratureDigits digits) {
-  /// Largest ratio of a part's radius to its distance. With one point for each panel the error is like the
-  /// square of this ratio; a fraction of `digits` suffices, because the errors of many panels differ in sign.
-  const double most = 1.4 * std::exp(-digits.outer / 2);
+  const double most = coarsest_ratio(digits);
   int result = 0;
   double ratio = panel_radius / std::max(distance, 1e-9);
   for (; ratio > most && result < PanelClusters::finest; ++result)
@@ -131,6 +153,38 @@ int MeshPair::fineness(double panel_radius, double distance, QuadratureDigits di
   coarsest_ = std::max(coarsest_, ratio);
   is_cut_short_ |= ratio > most;
   return result;
+}
+
+/// Lays the nodes of faces beside the skeleton in the first band. Returns false if the faces would need more
+/// nodes than they may have.
+bool MeshPair::place_skeleton_beside_faces(const PlacedBody& faces, int functions,
+                                           const BodySmoothness& smooth, QuadratureDigits digits) {
+  // The skeleton's potentials are exact wherever the faces' nodes are, so that these are those of an outer
+  // body.
+  Band& band = bands_.front();
+  double missing = 0;
+  band.faces.choose_grids(faces, functions, smooth, digits.outer, most_node_points, missing);
+  if (missing > 0)
+    return false;
+  band.faces.lay(faces, Vector3d::Zero());
+  fill(band, band.faces.points());
+  relative_error_ += error_left(2 * digits.outer);
+  return true;
+}
+
+/// Lays a skeleton of the other body, which is at least `distance` away in its own unit, beside that in the
+/// first band. Returns false if it has none of this error.
+bool MeshPair::place_skeletons(const PlacedBody& other, int functions, double distance, double error) {
+  const PreparedMesh& mesh = *other.shape->mesh();
+  const ChargedPanels* const skeleton = mesh.skeleton(distance, functions, error);
+  if (skeleton == nullptr)
+    return false;
+  inner_.set(mesh, *skeleton, functions, 1);
+  inner_parts_.assign(1, {skeleton->panels.clusters.data(), 0});
+  lay_inner(other);
+  fill(bands_.front(), inner_points());
+  relative_error_ += error;
+  return true;
 }
 
 void MeshPair::place_beside_faces(const PlacedBody& faces, int functions, QuadratureDigits digits) {
@@ -161,10 +215,7 @@ void MeshPair::place_beside_faces(const PlacedBody& faces, int functions, Quadra
     fill(band, band.faces.points());
   }
   is_cut_short_ |= missing > 0;
-  /// Relative error per squared ratio. It is larger than the error that was measured with three bodies above
-  /// a plate at a twentieth of their size.
-  constexpr double per_square = 0.004;
-  relative_error_ = error_left(digits.inner - missing) + per_square * coarsest_ * coarsest_;
+  relative_error_ = error_left(digits.inner - missing) + error_per_square * coarsest_ * coarsest_;
 }
 
 void MeshPair::place_beside_mesh(const PlacedBody& other, QuadratureDigits digits) {
@@ -190,7 +241,7 @@ void MeshPair::place_beside_mesh(const PlacedBody& other, QuadratureDigits digit
     inner_parts_.push_back(
         {&others[l], fineness(other.scale * others[l].panel_radius, from_there[l], digits)});
   lay_inner(other);
-  fill(band, {inner_points_[0].data(), inner_points_[1].data(), inner_points_[2].data(), inner_count_});
+  fill(band, inner_points());
   /// Relative error per squared ratio, larger because panels of both bodies may lie above each other.
   constexpr double per_square = 0.02;
   relative_error_ = error_left(16) + per_square * coarsest_ * coarsest_;
@@ -208,7 +259,7 @@ void MeshPair::lay_inner(const PlacedBody& other) {
   const Eigen::Vector3f centre = other.centre.cast<float>();
   std::ptrdiff_t at = 0;
   for (const MeshPart& part : inner_parts_) {
-    const NodePoints points = part.points(inner_.mesh().panels());
+    const NodePoints points = part.points(inner_.panels());
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       float* const to = inner_points_[static_cast<std::size_t>(axis)].data() + at;
       for (std::ptrdiff_t k = 0; k < points.count; ++k)
@@ -232,7 +283,7 @@ void MeshPair::fill(Band& band, const NodePoints& inner) {
   }
   float* to = band.matrix.data();
   for (const MeshPart& part : band.outer) {
-    const NodePoints points = part.points(outer_.mesh().panels());
+    const NodePoints points = part.points(outer_.panels());
     best_kernels<NodeKernels>().fill(points, inner, to);
     to += static_cast<std::size_t>(points.count) * columns;
   }
@@ -315,7 +366,7 @@ ChargedNodes MeshPair::charged_outer(const Band& band, const Eigen::MatrixXf& co
   for (std::vector<float>& coordinates : outer_points_)
     coordinates.clear();
   for (const MeshPart& part : band.outer) {
-    const NodePoints points = part.points(outer_.mesh().panels());
+    const NodePoints points = part.points(outer_.panels());
     const std::array<const float*, 3> from{points.x, points.y, points.z};
     for (std::size_t axis = 0; axis < 3; ++axis)
       outer_points_[axis].insert(outer_points_[axis].end(), from[axis], from[axis] + points.count);

@@ -14,9 +14,11 @@ class MeshSide {
  public:
   /// Selects a body and its number of functions; `factor` is that between its potentials and those in its own
   /// unit.
-  void set(const PreparedMesh& mesh, std::ptrdiff_t functions, double factor);
+  /// Charges are those of all panels or of a skeleton.
+  void set(const PreparedMesh& mesh, const ChargedPanels& nodes, std::ptrdiff_t functions, double factor);
 
   const PreparedMesh& mesh() const { return *mesh_; }
+  const PanelClusters& panels() const { return nodes_->panels; }
 
   /// Computes the charges at all places from the functions' coefficients.
   void spread(const float* coefficients);
@@ -27,27 +29,19 @@ class MeshSide {
 
  private:
   const PreparedMesh* mesh_ = nullptr;
+  const ChargedPanels* nodes_ = nullptr;
   std::ptrdiff_t functions_ = 0;
   float factor_ = 1;
   std::vector<float> coefficients_, unused_;
-};
-
-/// Points on the panels of a cluster, each of which is quartered `fineness` times.
-struct MeshPart {
-  const PanelCluster* cluster;
-  int fineness;
-
-  std::ptrdiff_t repeats() const { return std::ptrdiff_t{1} << (2 * fineness); }
-  std::ptrdiff_t count() const { return repeats() * cluster->count; }
-  NodePoints points(const PanelClusters& panels) const;
 };
 
 /// The nodes of two bodies of which one or both consist of triangles, with the interface of NodePair.
 /// Coordinates and units are those of the first body of triangles.
 class MeshPair {
  public:
-  void place(const PlacedBody& a, int functions_a, const PlacedBody& b, int functions_b,
-             QuadratureDigits digits);
+  /// The bodies are at least `gap` apart, and the smoothness is that on the faces of the body that has some.
+  void place(const PlacedBody& a, int functions_a, const PlacedBody& b, int functions_b, double gap,
+             const BodySmoothness& of_faces, QuadratureDigits digits);
   void potentials(const float* charges_a, const float* charges_b, float* moments_a, float* moments_b);
   std::vector<Wrench> forces(const Eigen::MatrixXf& charges_a, const Eigen::MatrixXf& charges_b);
 
@@ -64,9 +58,15 @@ class MeshPair {
     std::vector<float> matrix;
   };
 
+  bool place_skeleton_beside_faces(const PlacedBody& faces, int functions, const BodySmoothness& smooth,
+                                   QuadratureDigits digits);
+  bool place_skeletons(const PlacedBody& other, int functions, double distance, double error);
   void place_beside_faces(const PlacedBody& faces, int functions, QuadratureDigits digits);
   void place_beside_mesh(const PlacedBody& other, QuadratureDigits digits);
   void lay_inner(const PlacedBody& other);
+  NodePoints inner_points() const {
+    return {inner_points_[0].data(), inner_points_[1].data(), inner_points_[2].data(), inner_count_};
+  }
   Band& next_band();
   void fill(Band& band, const NodePoints& inner);
   ChargedNodes charged_outer(const Band& band, const Eigen::MatrixXf& coefficients);

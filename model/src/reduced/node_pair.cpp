@@ -206,12 +206,13 @@ void NodeSide::lay(const PlacedBody& body, const Vector3d& origin) {
 }
 
 void NodePair::place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a,
-                     const PlacedBody& b, const BodySmoothness& b_smoothness, int functions_b,
+                     const PlacedBody& b, const BodySmoothness& b_smoothness, int functions_b, double gap,
                      QuadratureDigits digits) {
   if (a.shape->mesh() != nullptr || b.shape->mesh() != nullptr) {
     if (!mesh_)
       mesh_ = std::make_unique<MeshPair>();
-    mesh_->place(a, functions_a, b, functions_b, digits);
+    mesh_->place(a, functions_a, b, functions_b, gap,
+                 a.shape->mesh() == nullptr ? a_smoothness : b_smoothness, digits);
     relative_error_ = mesh_->relative_error();
     is_cut_short_ = mesh_->is_cut_short();
     return;

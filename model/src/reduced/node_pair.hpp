@@ -99,10 +99,11 @@ class NodePair {
   NodePair(const NodePair&) = delete;
   NodePair& operator=(const NodePair&) = delete;
 
-  /// Chooses the nodes for two placed bodies. `a_smoothness` is that on a's faces, limited by b. The numbers
-  /// of functions are those along every direction of each face, or of all functions of a body of triangles.
+  /// Chooses the nodes for two placed bodies at least `gap` apart. `a_smoothness` is that on a's faces,
+  /// limited by b. The numbers of functions are those along every direction of each face, or of all functions
+  /// of a body of triangles.
   void place(const PlacedBody& a, const BodySmoothness& a_smoothness, int functions_a, const PlacedBody& b,
-             const BodySmoothness& b_smoothness, int functions_b, QuadratureDigits digits);
+             const BodySmoothness& b_smoothness, int functions_b, double gap, QuadratureDigits digits);
 
   /// Computes the moments on both bodies of the potentials of charges on the other. Charges are coefficients
   /// of the bodies' functions; arrays are in whole blocks, zero beyond the last.

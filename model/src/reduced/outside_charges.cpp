@@ -35,8 +35,8 @@ double surface_distance(std::span<const Panel> panels, const Vector3d& point) {
   return std::sqrt(least);
 }
 
-/// Chooses candidates one by one, each the farthest from those chosen before, until it is nearer than `apart`
-/// or there are `most`.
+}  // namespace
+
 std::vector<Vector3d> spread_out(const std::vector<Vector3d>& candidates, double apart, std::size_t most) {
   std::vector<Vector3d> taken;
   if (candidates.empty())
@@ -53,8 +53,6 @@ std::vector<Vector3d> spread_out(const std::vector<Vector3d>& candidates, double
   }
   return taken;
 }
-
-}  // namespace
 
 std::vector<OutsideCharge> outside_charges(std::span<const TriangleSurface> surfaces,
                                            std::span<const Panel> panels) {

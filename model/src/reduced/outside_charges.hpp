@@ -10,6 +10,11 @@
 
 namespace fringe::detail {
 
+/// Chooses candidates one by one, each the farthest from those chosen before, until it is nearer than `apart`
+/// or there are `most`.
+std::vector<Eigen::Vector3d> spread_out(const std::vector<Eigen::Vector3d>& candidates, double apart,
+                                        std::size_t most);
+
 /// A point charge beside a body.
 struct OutsideCharge {
   Eigen::Vector3d point;

@@ -8,7 +8,6 @@
 
 #include "fringe/bounding_volume.hpp"
 #include "geometry/median_split.hpp"
-#include "reduced/node_kernels.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -58,6 +57,12 @@ void add_points(std::span<const Panel> panels, const PanelCluster& cluster, Pane
 }
 
 }  // namespace
+
+NodePoints MeshPart::points(const PanelClusters& panels) const {
+  const auto& of_fineness = panels.points[static_cast<std::size_t>(fineness)];
+  const std::ptrdiff_t at = repeats() * cluster->first;
+  return {of_fineness[0].data() + at, of_fineness[1].data() + at, of_fineness[2].data() + at, count()};
+}
 
 BoxNumbers box_around(const std::vector<Vector3d>& points) {
   const OrientedBox box = oriented_box(points, {}, BoxMethod::vertices);

@@ -9,6 +9,7 @@
 
 #include "bem/panel.hpp"
 #include "collision/gjk_filter.hpp"
+#include "reduced/node_kernels.hpp"
 
 namespace fringe::detail {
 
@@ -33,6 +34,27 @@ struct PanelClusters {
   /// For every fineness the points' x, y and z, cluster by cluster: the first points of all places of
   /// a cluster, then their second …
   std::array<std::array<std::vector<float>, 3>, finest + 1> points;
+};
+
+/// Points on the panels of a cluster, each of which is quartered `fineness` times.
+struct MeshPart {
+  const PanelCluster* cluster;
+  int fineness;
+
+  std::ptrdiff_t repeats() const { return std::ptrdiff_t{1} << (2 * fineness); }
+  std::ptrdiff_t count() const { return repeats() * cluster->count; }
+  NodePoints points(const PanelClusters& panels) const;
+};
+
+/// A body's charges on the places of its panels, one row for every function.
+struct ChargedPanels {
+  PanelClusters panels;
+  std::vector<float> charges;
+
+  std::ptrdiff_t places() const { return static_cast<std::ptrdiff_t>(panels.panels.size()); }
+
+  /// Returns the charges of the first functions.
+  NodeMatrix functions(std::ptrdiff_t count) const { return {charges.data(), count, places()}; }
 };
 
 /// Divides panels into clusters of nearby ones.

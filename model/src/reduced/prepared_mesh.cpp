@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include <Eigen/Eigenvalues>
@@ -184,19 +185,35 @@ PreparedMesh::PreparedMesh(const InsulatedBodies& bodies, double accuracy)
 }
 
 void PreparedMesh::set_functions(const std::vector<Panel>& panels, const MatrixXd& responses) {
-  panels_ = cluster_panels(panels);
+  charged_.panels = cluster_panels(panels);
   const auto count = static_cast<std::size_t>(responses.cols());
-  functions_.assign((count + 1) * static_cast<std::size_t>(places()), 0.0F);
+  const std::vector<std::size_t>& panel_at = charged_.panels.panels;
+  charged_.charges.assign((count + 1) * panel_at.size(), 0.0F);
   for (std::size_t function = 0; function < count; ++function)
-    for (std::size_t place = 0; place < panels_.panels.size(); ++place)
-      if (!panels_.is_repeated[place])
-        functions_[function * panels_.panels.size() + place] = static_cast<float>(
-            responses(static_cast<Index>(panels_.panels[place]), static_cast<Index>(function)));
+    for (std::size_t place = 0; place < panel_at.size(); ++place)
+      if (!charged_.panels.is_repeated[place])
+        charged_.charges[function * panel_at.size() + place] =
+            static_cast<float>(responses(static_cast<Index>(panel_at[place]), static_cast<Index>(function)));
+}
+
+const ChargedPanels* PreparedMesh::skeleton(double distance, std::ptrdiff_t functions, double& error) const {
+  const auto beyond = std::upper_bound(skeleton_distances.begin(), skeleton_distances.end(), distance);
+  if (beyond == skeleton_distances.begin())
+    return nullptr;
+  auto& skeletons = skeletons_[static_cast<std::size_t>(beyond - skeleton_distances.begin() - 1)];
+  if (!skeletons)
+    skeletons = charge_skeletons(charged_, missing_.rows(), surfaces_, *std::prev(beyond));
+  for (const ChargeSkeleton& skeleton : *skeletons)
+    if (skeleton.functions >= functions && skeleton.error <= error) {
+      error = skeleton.error;
+      return &skeleton.nodes;
+    }
+  return nullptr;
 }
 
 Vector3d PreparedMesh::point(std::ptrdiff_t place) const {
   const auto at = static_cast<std::size_t>(place);
-  const auto& points = panels_.points[0];
+  const auto& points = charged_.panels.points[0];
   return {points[0][at], points[1][at], points[2][at]};
 }
 

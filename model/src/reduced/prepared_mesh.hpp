@@ -1,6 +1,8 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -8,7 +10,7 @@
 
 #include "bem/bodies.hpp"
 #include "bem/insulators.hpp"
-#include "reduced/node_kernels.hpp"
+#include "reduced/charge_skeleton.hpp"
 #include "reduced/panel_clusters.hpp"
 #include "reduced/prepared_shape.hpp"
 
@@ -40,14 +42,18 @@ class PreparedMesh {
   const BoxNumbers& box() const { return box_; }
 
   /// Returns the panels that carry the functions' charges.
-  const PanelClusters& panels() const { return panels_; }
-  std::ptrdiff_t places() const { return static_cast<std::ptrdiff_t>(panels_.panels.size()); }
+  const PanelClusters& panels() const { return charged_.panels; }
+  /// Returns the charges of all functions at all places of the panels.
+  const ChargedPanels& charged_panels() const { return charged_; }
+
+  /// Returns the fewest nodes with so many functions whose potentials have an error of at most `error`,
+  /// relative to those of charges of unit energy, at points that are at least so far away (in units of the
+  /// body); nullptr if all panels are needed. Writes the error that they have. The first call for a
+  /// distance finds them.
+  const ChargedPanels* skeleton(double distance, std::ptrdiff_t functions, double& error) const;
 
   /// Returns the centre of the panel at a place.
   Eigen::Vector3d point(std::ptrdiff_t place) const;
-
-  /// Returns the charges at all places, one row for every function.
-  NodeMatrix functions(std::ptrdiff_t count) const { return {functions_.data(), count, places()}; }
 
   /// Returns the body with as many functions as a level has.
   PreparedLevel level(int index) const;
@@ -59,8 +65,9 @@ class PreparedMesh {
   std::vector<double> ratios_;
   bool is_closed_;
   BoxNumbers box_;
-  PanelClusters panels_;
-  std::vector<float> functions_;
+  ChargedPanels charged_;
+  /// Those of each distance, once they are known.
+  mutable std::array<std::optional<std::vector<ChargeSkeleton>>, skeleton_distances.size()> skeletons_;
   double root_ = 0;          ///< square root of the capacitance
   Eigen::MatrixXd missing_;  ///< energies that coarser panels miss
   Eigen::MatrixXd net_;      ///< net charges of the functions (columns) on each surface, if there are several

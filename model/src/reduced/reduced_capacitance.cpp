@@ -309,7 +309,7 @@ class ReducedEvaluator::Implementation {
         if (b < bodies_.machine_bodies().value_or(count()))
           system_->forget_machine();
         system_->pair(a, b).place(bodies_.placed(a), bodies_.smoothness(a, b), of_a, bodies_.placed(b),
-                                  bodies_.smoothness(b, a), of_b, {digits / 2, digits});
+                                  bodies_.smoothness(b, a), of_b, bodies_.gap(a, b), {digits / 2, digits});
       }
     digits_ = digits;
   }
