@@ -77,11 +77,24 @@ class Machine:
         """The number of functions that the machine's answers are made of."""
         return self._answers.shape[1]
 
-    def at(self, points: Array) -> tuple[Array, Array, Array]:
-        """Returns at points (n, 3) the potentials (n, readings) of what is sensed and of what is driven; and the machine's answer (n, rank), whose
-        products are −G (1/m)."""
-        loads, answers = self._potentials.at(points, charges=self._answers)
-        return (*self._of_readings(loads), answers.astype(np.float64))
+    def changes(
+        self,
+        points: Array,
+        potentials: Array,
+        rotations: Array,
+        translations: Array,
+        to_ground: float | None,
+    ) -> tuple[Array, NDArray[np.bool_]]:
+        """Returns the changes of all readings (n, readings) in F by a body in so many poses, and whether it clears the machine (n,).
+
+        The body is points (p, 3) that stand for it with the matrix of their `potentials` by charges (1/m), grounded or connected to ground through a
+        capacitance (F); `rotations` (n, 3, 3) and `translations` (n, 3) map its frame to the world.
+        """
+        share = None if to_ground is None else to_ground / self.factor
+        found, clears = self._potentials.changes(
+            points, potentials, rotations, translations, self._answers, share
+        )
+        return self.factor * found, clears
 
     def potentials(self, points: Array) -> tuple[Array, Array]:
         """Returns at points (n, 3) the potentials (n, readings) of what is sensed and of what is driven."""

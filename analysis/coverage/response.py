@@ -20,13 +20,11 @@ Array = NDArray[np.float64]
 
 _CLEARANCES = (0.06, 0.25, 0.8, 2.5, 8.0)
 """Distances of the nearest charges for which the points of a level suffice, over half the size of the probe."""
-_TOLERANCE = 4e-3
+_TOLERANCE = 1e-3
 """Error of the interpolated potentials, over the largest ones."""
-_MOST_POINTS = 48
-_RTOL, _PROBE_PANELS = 0.01, 700
+_MOST_POINTS = 64
+_RTOL, _PROBE_PANELS = 3e-3, 2000
 """Accuracy of the probe's own charge, and its most panels, about."""
-_TOGETHER = 32768
-"""Number of points whose potentials are held at once: some hundred megabytes."""
 
 
 @dataclass(frozen=True)
@@ -105,31 +103,4 @@ def changes(
     `rotations` (n, 3, 3) and `translations` (n, 3) map the probe's frame to the world; the probe is grounded, or else connected to ground through a capacitance (F), 0
     if insulated.
     """
-    count = len(level.points)
-    together = max(1, _TOGETHER // count)
-    parts = [
-        _some(machine, level, rotations[k : k + together], translations[k : k + together], to_ground)
-        for k in range(0, len(translations), together)
-    ]
-    none = (np.zeros((0, len(machine.readings))), np.zeros(0, dtype=bool))
-    parts = parts or [none]
-    return np.concatenate([part[0] for part in parts]), np.concatenate([part[1] for part in parts])
-
-
-def _some(
-    machine: Machine, level: Level, rotations: Array, translations: Array, to_ground: float | None
-) -> tuple[Array, NDArray[np.bool_]]:
-    n, count = len(translations), len(level.points)
-    points = (np.einsum("nij,pj->npi", rotations, level.points) + translations[:, None]).reshape(-1, 3)
-    senses, drives, answers = (part.reshape(n, count, -1) for part in machine.at(points))
-    system = level.inverse - answers @ answers.transpose(0, 2, 1)
-    right = np.concatenate([senses, drives, np.ones((n, count, 1))], axis=2)
-    solved = np.linalg.solve(system, right)
-    size = senses.shape[2]
-    sensed, driven, alone = solved[..., :size], solved[..., size : 2 * size], solved[..., 2 * size]
-    found = np.einsum("npr,npr->nr", senses, driven)
-    clears = (alone.sum(axis=1) > 0) & (np.einsum("npr,npr->nr", senses, sensed) >= 0).all(axis=1)
-    if to_ground is not None:
-        net = alone.sum(axis=1) + to_ground / machine.factor
-        found -= np.einsum("npr->nr", sensed) * np.einsum("npr->nr", driven) / net[:, None]
-    return machine.factor * found * [reading.sign for reading in machine.readings], clears
+    return machine.changes(level.points, level.inverse, rotations, translations, to_ground)

@@ -288,18 +288,46 @@ MachinePotentials machine_potentials_of(SharedScene& scene, double rtol, std::si
   });
 }
 
-py::tuple potentials_at(const MachinePotentials& machine, const Array& positions, bool with_parts,
-                        const std::optional<Eigen::MatrixXf>& charges) {
+std::vector<Eigen::Vector3d> points_of(const Array& positions) {
   if (positions.ndim() != 2 || positions.shape(1) != 3)
     throw InputError("points must have shape (n, 3)");
   std::vector<Eigen::Vector3d> points(static_cast<std::size_t>(positions.shape(0)));
   for (std::size_t k = 0; k < points.size(); ++k)
     points[k] = Eigen::Vector3d(positions.data() + 3 * k);
+  return points;
+}
+
+py::tuple potentials_at(const MachinePotentials& machine, const Array& positions, bool with_parts) {
+  const std::vector<Eigen::Vector3d> points = points_of(positions);
   const MachinePotentials::Values values = [&] {
     const py::gil_scoped_release unlocked;
-    return charges ? machine.at(points, *charges) : machine.at(points, with_parts);
+    return machine.at(points, with_parts);
   }();
   return py::make_tuple(values.of_loads, values.of_parts);
+}
+
+py::tuple changes_by(const MachinePotentials& machine, const Array& positions,
+                     const Eigen::MatrixXd& potentials, const Array& rotations, const Array& translations,
+                     const Eigen::MatrixXf& answers, std::optional<double> to_ground) {
+  const MachinePotentials::Body body{points_of(positions), potentials};
+  const std::vector<Eigen::Vector3d> origins = points_of(translations);
+  if (rotations.ndim() != 3 || static_cast<std::size_t>(rotations.shape(0)) != origins.size() ||
+      rotations.shape(1) != 3 || rotations.shape(2) != 3)
+    throw InputError("rotations must have shape (n, 3, 3), as many as translations");
+  std::vector<Eigen::Isometry3d> poses;
+  for (std::size_t k = 0; k < origins.size(); ++k) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(rotations.data() + 9 * k);
+    pose.translation() = origins[k];
+    poses.push_back(pose);
+  }
+  const MachinePotentials::Changes changes = [&] {
+    const py::gil_scoped_release unlocked;
+    return machine.changes(body, poses, answers, to_ground);
+  }();
+  py::array_t<bool> clears(static_cast<py::ssize_t>(changes.clears.size()));
+  std::copy(changes.clears.begin(), changes.clears.end(), clears.mutable_data());
+  return py::make_tuple(changes.values, clears);
 }
 
 void add_machine_potentials(py::module_& module) {
@@ -325,12 +353,20 @@ void add_machine_potentials(py::module_& module) {
       .def_property_readonly("error", &MachinePotentials::error,
                              "The largest stated error of the energies of what is sensed, driven or floats.")
       .def_property_readonly("panels", &MachinePotentials::panels, "The number of panels.")
-      .def("at", &potentials_at, "points"_a, "with_parts"_a = true, "charges"_a = py::none(),
+      .def("at", &potentials_at, "points"_a, "with_parts"_a = true,
            "The potentials at points (n, 3), in single precision: of 1 V on what is sensed or driven, (n, "
            "columns), and "
-           "of a unit charge on each part, (n, parts) in 1/m; no columns of the latter without with_parts. "
-           "With charges "
-           "(parts, k) the latter are those of these k distributions of charges on the parts.");
+           "of a unit charge on each part, (n, parts) in 1/m; no columns of the latter without with_parts.")
+      .def(
+          "changes", &changes_by, "points"_a, "potentials"_a, "rotations"_a, "translations"_a, "answers"_a,
+          "to_ground"_a = py::none(),
+          R"(The changes of the readings by a body in poses, (n, readings) in m, to be multiplied by 4 pi epsilon; and whether it
+is apart from the machine, (n,).
+
+The body is a few points (p, 3) in its frame that stand for it, and the matrix (p, p) in 1/m that maps charges at them to
+potentials with no one else there. rotations (n, 3, 3) and translations (n, 3) map its frame to the world; answers
+(parts, k) are charges on the parts whose products with their transposes are the matrix of that name, as far as it
+matters there. The body is grounded, or else connected to ground through to_ground, over 4 pi epsilon in m.)");
 }
 
 py::dict sense_of(SharedScene& scene, const std::string& method) {

@@ -45,6 +45,7 @@ SMALL = {
     "python3 -m analysis coverage guarded_sensor": "python3 -m analysis coverage guarded_sensor --probe sphere:0.02 --grid 0.06 --method none --output {out}/coverage.html",
     "python3 -m analysis.coverage.check guarded_sensor": "python3 -m analysis.coverage.check guarded_sensor --probe sphere:0.02 --places 1 --bodies 1 --grid 0.06",
     "python3 -m analysis.topics.machines.moving --write FOLDER": "python3 -m analysis.topics.machines.moving --write {out}/moving",
+    "python3 -m analysis.coverage.cost x_ray_arm --grid 0.0362": "python3 -m analysis.coverage.cost guarded_sensor --probe sphere:0.02 --grid 0.2",
     "python3 -m geometries person OUT": "python3 -m geometries person {out}/person.obj",
     "python3 -m geometries convert IN OUT": "python3 -m geometries convert {out}/in.vtu {out}/out.stl",
     "python3 -m tests.bad_input.corpus FOLDER": "python3 -m tests.bad_input.corpus {out}/corpus",

@@ -82,13 +82,42 @@ def test_potentials_do_not_depend_on_the_order_of_the_points() -> None:
     assert machine.at(np.zeros((0, 3)))[0].shape == (0, 1)
 
 
-def test_charges_on_the_parts_have_the_potentials_of_their_sum() -> None:
+def test_a_body_before_a_ball_changes_it_as_the_images_say() -> None:
+    """The ball's answers by all of its parts; the body three points that carry charges as small balls do."""
+    machine = fringe.Scene.loads(BALL + READ.replace("NAME", "ball")).machine_potentials(rtol=5e-3)
+    values, vectors = np.linalg.eigh(machine.answers)
+    answers = vectors * np.sqrt(np.maximum(values, 0))
+    points = np.array([[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.03, 0.01]])
+    own = np.full((3, 3), 0.0)
+    np.fill_diagonal(own, 1 / 0.004)
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        own[a, b] = own[b, a] = 1 / np.linalg.norm(points[a] - points[b])
+    translations = around(40, 2 * RADIUS, 5 * RADIUS)
+    rotations = np.linalg.qr(np.random.default_rng(4).normal(size=(40, 3, 3)))[0]
+    rotations[np.linalg.det(rotations) < 0, :, 0] *= -1
+    for to_ground in (None, 0.0, 0.003):
+        found, clears = machine.changes(points, own, rotations, translations, answers, to_ground)
+        assert clears.all() and found.shape == (40, 1)
+        for rotation, translation, change in zip(rotations, translations, found[:, 0]):
+            placed = points @ rotation.T + translation
+            given = RADIUS / np.linalg.norm(placed, axis=1)
+            charges = np.linalg.solve(own - images(placed, placed), np.column_stack([given, np.ones(3)]))
+            expected = given @ charges[:, 0]
+            if to_ground is not None:
+                expected -= charges[:, 0].sum() ** 2 / (charges[:, 1].sum() + to_ground)
+            assert change == pytest.approx(expected, rel=3 * WITHIN)
+
+
+def test_a_body_within_the_machine_does_not_clear_it_and_wrong_sizes_are_refused() -> None:
     machine = fringe.Scene.loads(BALL + READ.replace("NAME", "ball")).machine_potentials()
-    points = around(300, 1.02 * RADIUS, 5 * RADIUS)
-    loads, parts = machine.at(points)
-    charges = np.random.default_rng(3).normal(size=(parts.shape[1], 7)).astype(np.float32)
-    again, summed = machine.at(points, charges=charges)
-    np.testing.assert_array_equal(loads, again)
-    np.testing.assert_allclose(summed, parts @ charges, rtol=0, atol=1e-4 * np.abs(summed).max())
-    with pytest.raises(ValueError, match="charges have 3 rows, but there are"):
-        machine.at(points, charges=charges[:3])
+    values, vectors = np.linalg.eigh(machine.answers)
+    answers = vectors * np.sqrt(np.maximum(values, 0))
+    one, turn = np.zeros((1, 3)), np.eye(3)[None]
+    found, clears = machine.changes(one, [[1 / 0.02]], turn, [[RADIUS + 0.001, 0, 0]], answers)
+    assert not clears[0] and found[0, 0] == 0
+    with pytest.raises(ValueError, match="potentials: 2 × 2 values for 1 points"):
+        machine.changes(one, np.eye(2), turn, one, answers)
+    with pytest.raises(ValueError, match="answers have 3 rows, but there are"):
+        machine.changes(one, [[1.0]], turn, one, np.zeros((3, 1)))
+    with pytest.raises(ValueError, match="rotations must have shape"):
+        machine.changes(one, [[1.0]], np.eye(3), one, answers)

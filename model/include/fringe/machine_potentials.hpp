@@ -2,10 +2,11 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 
 #include "fringe/scene.hpp"
 #include "fringe/surface_charges.hpp"
@@ -53,10 +54,27 @@ class MachinePotentials {
   /// Evaluates the potentials at points in the world: parts that are close as panels, the others as up to 64
   /// charges.
   Values at(std::span<const Eigen::Vector3d> points, bool with_parts, std::size_t threads = 0) const;
-  /// Does the same for charges (parts × m) on the parts: `of_parts` has their potentials, m columns.
-  /// @throws InputError if the charges have not as many rows as there are parts.
-  Values at(std::span<const Eigen::Vector3d> points, const Eigen::MatrixXf& charges,
-            std::size_t threads = 0) const;
+
+  /// A conductor by a few points, which stand for it as far away from others as they are.
+  struct Body {
+    std::vector<Eigen::Vector3d> points;  ///< m, in the body's frame
+    /// Symmetric matrix (1/m) that maps charges at the points to potentials with no one else there.
+    Eigen::MatrixXd potentials;
+  };
+
+  /// The changes of all readings by a body in several poses.
+  struct Changes {
+    Eigen::MatrixXd values;    ///< m, a row for each pose, to be multiplied by 4πε
+    std::vector<bool> clears;  ///< whether the body is apart from the machine; if not, the values are 0
+  };
+  /// Computes the changes of the readings by a body, by what it and the machine answer to each other.
+  /// @param poses from the body's frame to the world
+  /// @param answers charges on the parts (rows), in √m, the sum of whose squares is the matrix answers(), as
+  /// far as it matters where the body is
+  /// @param to_ground capacitance over 4πε through which the body is grounded, in m; connected if not given
+  /// @throws InputError for matrices of other sizes.
+  Changes changes(const Body& body, std::span<const Eigen::Isometry3d> poses, const Eigen::MatrixXf& answers,
+                  std::optional<double> to_ground, std::size_t threads = 0) const;
 
  private:
   struct Machine;

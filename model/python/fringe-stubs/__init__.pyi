@@ -125,8 +125,17 @@ class MachinePotentials:
     @property
     def panels(self) -> int: ...
     def at(
-        self, points: ArrayLike, with_parts: bool = True, charges: ArrayLike | None = None
+        self, points: ArrayLike, with_parts: bool = True
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]: ...
+    def changes(
+        self,
+        points: ArrayLike,
+        potentials: ArrayLike,
+        rotations: ArrayLike,
+        translations: ArrayLike,
+        answers: ArrayLike,
+        to_ground: float | None = None,
+    ) -> tuple[_Array, NDArray[np.bool_]]: ...
 
 def plate_integral(
     triangles: ArrayLike, corner: ArrayLike, edge_u: ArrayLike, edge_v: ArrayLike, method: str = "exact"

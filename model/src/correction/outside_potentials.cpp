@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -14,7 +15,6 @@
 #include "bem/panel_pair.hpp"
 #include "numeric/parallel.hpp"
 #include "numeric/progress.hpp"
-#include "reduced/node_kernels.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {
@@ -26,7 +26,8 @@ using Eigen::Vector3d;
 
 /// Largest ratios of a part's radius to its distance at which the points of each level from `first_level` on
 /// suffice, usually and where charges nearly cancel; closer parts are panels.
-using PartRatios = std::array<double, 3>;
+constexpr std::size_t most_levels = 3;
+using PartRatios = std::array<double, most_levels>;
 constexpr std::array<PartRatios, 2> largest_part_ratios{PartRatios{0.3, 0.5, 0.7},
                                                         PartRatios{0.01, 0.04, 0.25}};
 constexpr std::size_t first_level = ChargeFunctions::first_with_moments;
@@ -34,17 +35,14 @@ constexpr std::size_t first_level = ChargeFunctions::first_with_moments;
 /// Distance from a panel's centre, over its radius, beyond which it counts as a point.
 constexpr double far = 6;
 
-/// Number of points that are evaluated points_together, with the same levels: a block of the kernels.
-constexpr std::size_t points_together = node_block;
-
 /// Number of groups of points from which on it is worth showing how far they are: some seconds.
 constexpr std::size_t groups_with_progress = 40;
 
 /// Bits of a coordinate's number in the Z-order, three of which fill a word.
 constexpr unsigned order_bits = 21;
 
-/// Returns the indices of points along Morton's space-filling curve, so that neighbours in it lie close
-/// points_together. Points of the same code stay in their order.
+}  // namespace
+
 std::vector<std::size_t> along_curve(std::span<const Vector3d> points) {
   Eigen::AlignedBox3d box;
   for (const Vector3d& point : points)
@@ -71,13 +69,39 @@ std::vector<std::size_t> along_curve(std::span<const Vector3d> points) {
   return order;
 }
 
-}  // namespace
+FunctionCharges::FunctionCharges(const MatrixXf& charges)
+    : values(static_cast<std::size_t>(charges.rows() * whole_blocks(charges.cols())), 0.0F),
+      count(charges.cols()), stride(whole_blocks(charges.cols())) {
+  for (Index function = 0; function < charges.rows(); ++function)
+    for (Index k = 0; k < count; ++k)
+      values[static_cast<std::size_t>(function * stride + k)] = charges(function, k);
+}
 
 OutsidePotentials::OutsidePotentials(const ChargeFunctions& functions, bool is_fine)
     : functions_(functions), is_fine_(is_fine) {
   for (const Triangle& corners : functions.panels().corners) {
     const Panel panel = make_panel(corners);
     panels_.push_back({panel.centre, panel.radius});
+  }
+  for (std::size_t level = first_level; level < first_level + most_levels; ++level)
+    add_sources(functions.points(level));
+  const FunctionPanels& own = functions.panels();
+  FunctionPoints centres{own.first, {}, own.shares, own.given};
+  for (const PanelPoint& panel : panels_)
+    centres.at.emplace_back(panel.centre.cast<float>());
+  add_sources(centres);
+}
+
+void OutsidePotentials::add_sources(const FunctionPoints& points) {
+  Sources& sources = levels_.emplace_back();
+  sources.first = points.first;
+  for (std::size_t k = 0; k < points.at.size(); ++k) {
+    sources.x.push_back(points.at[k].x());
+    sources.y.push_back(points.at[k].y());
+    sources.z.push_back(points.at[k].z());
+    sources.charges.push_back(points.shares[k]);
+    for (Index given = 0; given < points.given.cols(); ++given)
+      sources.charges.push_back(points.given(index_of(k), given));
   }
 }
 
@@ -88,138 +112,144 @@ double OutsidePotentials::clearance(const Vector3d& point) const {
   return std::max(least, 0.0);
 }
 
-/// Returns the sources of points within a ball, those of close parts in the order of their panels.
-OutsidePotentials::Sources OutsidePotentials::sources(const Vector3d& centre, double radius,
-                                                      std::vector<std::size_t>& close) const {
-  const PartRatios& largest_ratios = largest_part_ratios[is_fine_ ? 1 : 0];
-  std::vector<std::pair<const MatrixXf*, Index>> rows;
-  Sources result;
-  const auto add = [&](const Eigen::Vector3f& at, float share, const MatrixXf& given, std::size_t row) {
-    result.x.push_back(at.x()), result.y.push_back(at.y()), result.z.push_back(at.z());
-    result.shares.push_back(share);
-    rows.emplace_back(&given, static_cast<Index>(row));
-  };
-  close.clear();
-  for (std::size_t part = 0; part < functions_.count(); ++part) {
-    result.first.push_back(result.x.size());
-    const double distance = (functions_.centre(part) - centre).norm() - radius;
-    std::size_t level = first_level;
-    while (level < first_level + largest_ratios.size() &&
-           functions_.radius(part) > largest_ratios[level - first_level] * distance)
-      ++level;
-    if (level < first_level + largest_ratios.size()) {
-      const FunctionPoints& points = functions_.points(level);
-      for (std::size_t k = points.first[part]; k < points.first[part + 1]; ++k)
-        add(points.at[k], points.shares[k], points.given, k);
-      continue;
-    }
-    close.push_back(part);
-    const FunctionPanels& own = functions_.panels();
-    for (std::size_t k = own.first[part]; k < own.first[part + 1]; ++k)
-      add(panels_[k].centre.cast<float>(), own.shares[k], own.given, k);
-  }
-  result.first.push_back(result.x.size());
-  result.given.resize(static_cast<Index>(rows.size()), functions_.panels().given.cols());
-  for (std::size_t k = 0; k < rows.size(); ++k)
-    result.given.row(static_cast<Index>(k)) = rows[k].first->row(rows[k].second);
-  return result;
-}
-
-/// Replaces 1/r by the mean over the panel where a point is close to it.
-void OutsidePotentials::correct(std::span<const Vector3d> points, const Sources& sources,
-                                const std::vector<std::size_t>& close,
-                                Eigen::Ref<TrianglePotentials> inverse_distances) const {
-  const FunctionPanels& own = functions_.panels();
-  PotentialSums sums;
-  std::vector<double> means;
-  std::vector<std::pair<Index, Index>> places;
-  for (const std::size_t part : close)
-    for (std::size_t k = own.first[part]; k < own.first[part + 1]; ++k)
-      for (std::size_t p = 0; p < points.size(); ++p)
-        if (const double limit = far * panels_[k].radius;
-            (points[p] - panels_[k].centre).squaredNorm() < limit * limit)
-          places.emplace_back(static_cast<Index>(p),
-                              static_cast<Index>(sources.first[part] + k - own.first[part]));
-  means.assign(places.size(), 0);
-  std::size_t at = 0;
-  for (const std::size_t part : close)
-    for (std::size_t k = own.first[part]; k < own.first[part + 1]; ++k) {
-      const auto column = static_cast<Index>(sources.first[part] + k - own.first[part]);
-      for (; at < places.size() && places[at].second == column; ++at)
-        sums.add(own.corners[k], points[static_cast<std::size_t>(places[at].first)], 1, means[at]);
-    }
-  sums.flush();
-  for (std::size_t k = 0; k < places.size(); ++k)
-    inverse_distances(places[k].second, places[k].first) = static_cast<float>(means[k]);
-}
-
 OutsidePotentials::Values OutsidePotentials::at(std::span<const Vector3d> points, bool with_functions,
                                                 const MatrixXf* charges, std::size_t threads) const {
-  const auto parts = static_cast<Index>(functions_.count());
-  const auto count = static_cast<Index>(points.size()), given = functions_.panels().given.cols();
-  const Index columns = charges != nullptr ? charges->cols() : parts;
-  Values values{TrianglePotentials(count, given), TrianglePotentials(count, with_functions ? columns : 0)};
+  const auto count = static_cast<Index>(points.size());
+  const std::optional<FunctionCharges> combined =
+      with_functions && charges != nullptr ? std::optional<FunctionCharges>(*charges) : std::nullopt;
+  const Index columns = combined ? combined->count : with_functions ? index_of(functions_.count()) : 0;
+  Values values{TrianglePotentials(count, given()), TrianglePotentials(count, columns)};
   const std::vector<std::size_t> order = along_curve(points);
-  constexpr std::size_t in_group = 16 * points_together;
+  constexpr std::size_t in_group = 16 * block;
   const std::size_t groups = (points.size() + in_group - 1) / in_group;
   std::atomic<std::size_t> begun = 0;
   parallel_for(groups, threads, [&](std::size_t group) {
     if (groups >= groups_with_progress)
       show_progress(fmt::format("{} of {} points", in_group * begun++, points.size()));
-    const std::span<const std::size_t> indices =
-        std::span(order).subspan(group * in_group, std::min(in_group, points.size() - group * in_group));
-    const auto size = static_cast<Index>(indices.size());
-    TrianglePotentials of_given(size, given), of_functions(size, with_functions ? parts : 0);
-    for (std::size_t begin = 0; begin < indices.size(); begin += points_together)
-      evaluate(points, indices.subspan(begin, std::min(points_together, indices.size() - begin)),
-               static_cast<Index>(begin), of_given, of_functions);
-    if (charges != nullptr)
-      of_functions = (of_functions * *charges).eval();
-    for (Index p = 0; p < size; ++p) {
-      const auto index = static_cast<Index>(indices[static_cast<std::size_t>(p)]);
-      values.of_given.row(index) = of_given.row(p);
-      values.of_functions.row(index) = of_functions.row(p);
+    Scratch scratch;
+    std::vector<Vector3d> some;
+    const std::size_t end = std::min(points.size(), (group + 1) * in_group);
+    for (std::size_t begin = group * in_group; begin < end; begin += block) {
+      const auto indices = std::span(order).subspan(begin, std::min(block, end - begin));
+      some.clear();
+      for (const std::size_t index : indices)
+        some.push_back(points[index]);
+      evaluate(some, with_functions, combined ? &*combined : nullptr, scratch);
+      const std::vector<float>& of_functions = combined ? scratch.of_charges : scratch.of_functions;
+      for (std::size_t p = 0; p < indices.size(); ++p) {
+        const Index row = index_of(indices[p]);
+        for (Index k = 0; k < given(); ++k)
+          values.of_given(row, k) = scratch.of_given[static_cast<std::size_t>(k) * block + p];
+        for (Index k = 0; k < columns; ++k)
+          values.of_functions(row, k) = of_functions[static_cast<std::size_t>(k) * block + p];
+      }
     }
   });
   return values;
 }
 
-/// Evaluates one block of points, given by their indices, into the rows from `first` on; the functions' only
-/// if `of_functions` has columns.
-void OutsidePotentials::evaluate(std::span<const Vector3d> points, std::span<const std::size_t> indices,
-                                 Index first, TrianglePotentials& of_given,
-                                 TrianglePotentials& of_functions) const {
-  std::vector<Vector3d> some;
+void OutsidePotentials::evaluate(std::span<const Vector3d> points, bool with_functions,
+                                 const FunctionCharges* charges, Scratch& scratch) const {
+  const auto& kernels = best_kernels<NodeKernels>();
   Eigen::AlignedBox3d box;
-  std::array<std::array<float, points_together>, 3> at{};
-  for (std::array<float, points_together>& coordinates : at)
+  std::array<std::array<float, block>, 3> at{};
+  for (std::array<float, block>& coordinates : at)
     coordinates.fill(padded_coordinate);
-  for (const std::size_t index : indices) {
+  for (std::size_t p = 0; p < points.size(); ++p) {
     for (std::size_t axis = 0; axis < 3; ++axis)
-      at[axis][some.size()] = static_cast<float>(points[index][static_cast<Index>(axis)]);
-    some.push_back(points[index]);
-    box.extend(points[index]);
+      at[axis][p] = static_cast<float>(points[p][static_cast<Index>(axis)]);
+    box.extend(points[p]);
   }
-  std::vector<std::size_t> close;
-  const Sources charges = sources(box.center(), box.diagonal().norm() / 2, close);
-  const auto size = static_cast<Index>(some.size());
-  TrianglePotentials inverse_distances(charges.given.rows(), static_cast<Index>(points_together));
-  best_kernels<NodeKernels>().fill(
-      {charges.x.data(), charges.y.data(), charges.z.data(), charges.given.rows()},
-      {at[0].data(), at[1].data(), at[2].data(), size}, inverse_distances.data());
-  correct(some, charges, close, inverse_distances);
-  of_given.middleRows(first, size) = inverse_distances.leftCols(size).transpose() * charges.given;
-  for (Index part = 0; part < of_functions.cols(); ++part) {
-    std::array<float, points_together> sums{};
-    for (std::size_t k = charges.first[static_cast<std::size_t>(part)];
-         k < charges.first[static_cast<std::size_t>(part) + 1]; ++k) {
-      const float* row = inverse_distances.row(static_cast<Index>(k)).data();
-      for (std::size_t p = 0; p < points_together; ++p)
-        sums[p] += row[p] * charges.shares[k];
+  const NodePoints columns{at[0].data(), at[1].data(), at[2].data(), index_of(points.size())};
+  const auto fill = [&](const Sources& sources, std::size_t function, float* inverse_distances) {
+    const std::size_t first = sources.first[function];
+    kernels.fill({sources.x.data() + first, sources.y.data() + first, sources.z.data() + first,
+                  index_of(sources.first[function + 1] - first)},
+                 columns, inverse_distances);
+  };
+  const PartRatios& largest_ratios = largest_part_ratios[is_fine_ ? 1 : 0];
+  const Vector3d centre = box.center();
+  const double radius = box.diagonal().norm() / 2;
+  scratch.of_given.assign(static_cast<std::size_t>(given()) * block, 0.0F);
+  scratch.of_functions.resize(with_functions ? functions_.count() * block : 0);
+  scratch.close.clear();
+  std::size_t close_panels = 0;
+  const std::vector<std::size_t>& panels = levels_.back().first;
+  for (std::size_t function = 0; function < functions_.count(); ++function) {
+    const double distance = (functions_.centre(function) - centre).norm() - radius;
+    std::size_t level = 0;
+    while (level < most_levels && functions_.radius(function) > largest_ratios[level] * distance)
+      ++level;
+    if (level == most_levels) {
+      scratch.close.push_back(function);
+      close_panels += panels[function + 1] - panels[function];
+      continue;
     }
-    for (Index p = 0; p < size; ++p)
-      of_functions(first + p, part) = sums[static_cast<std::size_t>(p)];
+    const Sources& sources = levels_[level];
+    scratch.inverse_distances.resize(std::max(
+        scratch.inverse_distances.size(), (sources.first[function + 1] - sources.first[function]) * block));
+    fill(sources, function, scratch.inverse_distances.data());
+    add_potentials(sources, function, scratch.inverse_distances.data(), with_functions, scratch);
   }
+  scratch.inverse_distances.resize(std::max(scratch.inverse_distances.size(), close_panels * block));
+  float* values = scratch.inverse_distances.data();
+  for (const std::size_t function : scratch.close) {
+    fill(levels_.back(), function, values);
+    values += (panels[function + 1] - panels[function]) * block;
+  }
+  correct(points, scratch);
+  values = scratch.inverse_distances.data();
+  for (const std::size_t function : scratch.close) {
+    add_potentials(levels_.back(), function, values, with_functions, scratch);
+    values += (panels[function + 1] - panels[function]) * block;
+  }
+  if (charges != nullptr) {
+    scratch.of_charges.resize(static_cast<std::size_t>(charges->count) * block);
+    kernels.combine({scratch.of_functions.data(), index_of(functions_.count())},
+                    {charges->values.data(), charges->stride, charges->count}, scratch.of_charges.data());
+  }
+}
+
+/// Adds a function's share of the given charges' potentials, and writes that of its own charge.
+void OutsidePotentials::add_potentials(const Sources& sources, std::size_t function,
+                                       const float* inverse_distances, bool with_functions,
+                                       Scratch& scratch) const {
+  const auto& kernels = best_kernels<NodeKernels>();
+  const std::size_t first = sources.first[function];
+  const std::ptrdiff_t stride = given() + 1, sets = with_functions ? stride : given();
+  const float* charges = sources.charges.data() + first * static_cast<std::size_t>(stride) +
+                         static_cast<std::size_t>(stride - sets);
+  scratch.sums.resize(static_cast<std::size_t>(stride) * block);
+  float* sums = scratch.sums.data() + static_cast<std::size_t>(stride - sets) * block;
+  kernels.combine({inverse_distances, index_of(sources.first[function + 1] - first)}, {charges, stride, sets},
+                  sums);
+  kernels.add(1, scratch.sums.data() + block, scratch.of_given.data(), index_of(scratch.of_given.size()));
+  if (with_functions)
+    std::copy_n(scratch.sums.begin(), block,
+                scratch.of_functions.begin() + static_cast<std::ptrdiff_t>(function * block));
+}
+
+/// Replaces 1/r by the mean over the panel where a point is close to it.
+void OutsidePotentials::correct(std::span<const Vector3d> points, Scratch& scratch) const {
+  const FunctionPanels& own = functions_.panels();
+  PotentialSums sums;
+  scratch.near.clear();
+  std::size_t row = 0;
+  for (const std::size_t function : scratch.close)
+    for (std::size_t panel = own.first[function]; panel < own.first[function + 1]; ++panel, ++row) {
+      const double limit = far * panels_[panel].radius;
+      for (std::size_t p = 0; p < points.size(); ++p)
+        if ((points[p] - panels_[panel].centre).squaredNorm() < limit * limit)
+          scratch.near.push_back({panel, row * block + p});
+    }
+  scratch.means.assign(scratch.near.size(), 0);
+  for (std::size_t k = 0; k < scratch.near.size(); ++k) {
+    const auto [panel, place] = scratch.near[k];
+    sums.add(own.corners[panel], points[place % block], 1, scratch.means[k]);
+  }
+  sums.flush();
+  for (std::size_t k = 0; k < scratch.near.size(); ++k)
+    scratch.inverse_distances[scratch.near[k][1]] = static_cast<float>(scratch.means[k]);
 }
 
 }  // namespace fringe::detail

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -8,15 +9,33 @@
 
 #include "correction/charge_functions.hpp"
 #include "fringe/surface_charges.hpp"
+#include "reduced/node_kernels.hpp"
 
 namespace fringe::detail {
+
+/// Returns the indices of points along Morton's space-filling curve, so that neighbours in it lie close
+/// together. Points of the same code stay in their order.
+std::vector<std::size_t> along_curve(std::span<const Eigen::Vector3d> points);
+
+/// Charges on the functions of a machine: those of a function follow each other, in whole blocks.
+struct FunctionCharges {
+  std::vector<float> values;
+  Eigen::Index count;   ///< of the charges on a function
+  Eigen::Index stride;  ///< the same in whole blocks
+
+  /// @param charges distributions (columns) of charges on the functions (rows)
+  explicit FunctionCharges(const Eigen::MatrixXf& charges);
+};
 
 /// The potentials of a machine's charges at points outside it: functions that are close count as panels, the
 /// others as up to 64 points.
 class OutsidePotentials {
  public:
+  /// Number of points that are evaluated together, by the same points of the functions.
+  static constexpr std::size_t block = node_block;
+
   /// Keeps a reference to the functions.
-  /// @param is_fine whether charges that nearly cancel are to be resolved, for ten times the time
+  /// @param is_fine whether charges that nearly cancel are to be resolved, for some ten times the time
   explicit OutsidePotentials(const ChargeFunctions& functions, bool is_fine = false);
 
   struct Values {
@@ -30,7 +49,22 @@ class OutsidePotentials {
   Values at(std::span<const Eigen::Vector3d> points, bool with_functions, const Eigen::MatrixXf* charges,
             std::size_t threads) const;
 
+  /// Memory of an evaluation, and the potentials that it found: a block for each charge.
+  struct Scratch {
+    std::vector<float> of_given, of_functions, of_charges;
+    std::vector<float> inverse_distances, sums;
+    std::vector<std::size_t> close;
+    std::vector<std::array<std::size_t, 2>> near;  ///< a panel, and the place of its 1/r at a point
+    std::vector<double> means;
+  };
+
+  /// Evaluates up to one block of points.
+  /// @param charges combinations of the functions; null: none
+  void evaluate(std::span<const Eigen::Vector3d> points, bool with_functions, const FunctionCharges* charges,
+                Scratch& scratch) const;
+
   std::size_t panels() const { return panels_.size(); }
+  Eigen::Index given() const { return functions_.panels().given.cols(); }
   /// Returns the distance of a point from the nearest ball around a panel, 0 inside one.
   double clearance(const Eigen::Vector3d& point) const;
 
@@ -41,22 +75,22 @@ class OutsidePotentials {
     double radius;
   };
 
-  /// The charges by which some points see a machine: a range for each function.
+  /// Points in whose place functions count: at each the share of its function's charge, then the given
+  /// charges.
   struct Sources {
-    std::vector<float> x, y, z, shares;
-    std::vector<std::size_t> first;
-    Eigen::MatrixXf given;
+    std::vector<std::size_t> first;  ///< for each function its first point, and the end
+    std::vector<float> x, y, z, charges;
   };
 
-  Sources sources(const Eigen::Vector3d& centre, double radius, std::vector<std::size_t>& close) const;
-  void correct(std::span<const Eigen::Vector3d> points, const Sources& sources,
-               const std::vector<std::size_t>& close, Eigen::Ref<TrianglePotentials> inverse_distances) const;
-  void evaluate(std::span<const Eigen::Vector3d> points, std::span<const std::size_t> indices,
-                Eigen::Index first, TrianglePotentials& of_given, TrianglePotentials& of_functions) const;
+  void add_sources(const FunctionPoints& points);
+  void add_potentials(const Sources& sources, std::size_t function, const float* inverse_distances,
+                      bool with_functions, Scratch& scratch) const;
+  void correct(std::span<const Eigen::Vector3d> points, Scratch& scratch) const;
 
   const ChargeFunctions& functions_;
   bool is_fine_;
   std::vector<PanelPoint> panels_;
+  std::vector<Sources> levels_;  ///< the coarsest first; the last are the panels' centres
 };
 
 }  // namespace fringe::detail

@@ -49,6 +49,20 @@ struct NodeMatrix {
   std::ptrdiff_t columns;
 };
 
+/// Rows of one block each, one after the other.
+struct NodeRows {
+  const float* values;
+  std::ptrdiff_t count;
+};
+
+/// Sets of factors for rows: those of a row follow each other, and begin `stride` values after those of the
+/// row before.
+struct NodeFactors {
+  const float* values;
+  std::ptrdiff_t stride;
+  std::ptrdiff_t sets;
+};
+
 /// A face as its centre and the vectors to the middles of its sides u = 1 and v = 1.
 struct NodeFace {
   float centre[3];
@@ -97,6 +111,9 @@ struct NodeKernels {
 
   /// Adds a multiple of one array to another, in whole blocks.
   void (*add)(float factor, const float* a, float* to, std::ptrdiff_t padded);
+
+  /// Adds up rows of one block each, with several sets of factors: writes a block for each of them.
+  void (*combine)(const NodeRows& rows, const NodeFactors& factors, float* sums);
 };
 
 }  // namespace fringe::detail

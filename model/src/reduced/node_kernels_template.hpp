@@ -158,8 +158,12 @@ class NodeKernelsFor {
       fma(times, Vector::load_unaligned(a + k), Vector::load_unaligned(to + k)).store_unaligned(to + k);
   }
 
+  static void combine(const NodeRows& rows, const NodeFactors& factors, float* sums) {
+    combine_from<most_sets>(rows, factors, 0, sums);
+  }
+
   static constexpr NodeKernels kernels{&ellipses, &lay,      &fill, &apply, &spread,
-                                       &gather,   &multiply, &dot,  &add};
+                                       &gather,   &multiply, &dot,  &add,   &combine};
 
  private:
   using Vector = typename Lanes::Vector;
@@ -168,6 +172,9 @@ class NodeKernelsFor {
 
   /// Number of rows that share the loads of the columns' charges and potentials.
   static constexpr Count together = 4;
+
+  /// Number of sets of factors whose sums are held in registers.
+  static constexpr Count most_sets = parts < 2 ? 16 : parts < 8 ? 8 / parts : 1;
 
   static Vector distances(Vector x, Vector square) {
     const Vector one(1);
@@ -223,6 +230,27 @@ class NodeKernelsFor {
       for (Count s = 0; s < here; ++s)
         to[s] = block[s];
     }
+  }
+
+  /// Combines with the sets from `set` on, so many at a time and the remaining ones in smaller numbers.
+  template <Count at_once>
+  static void combine_from(const NodeRows& rows, const NodeFactors& factors, Count set, float* sums) {
+    for (; set + at_once <= factors.sets; set += at_once) {
+      Vector all[at_once * parts];
+      for (Count k = 0; k < at_once * parts; ++k)
+        all[k] = Vector(0);
+      for (Count row = 0; row < rows.count; ++row)
+        for (Count part = 0; part < parts; ++part) {
+          const Vector value = Vector::load_unaligned(rows.values + row * node_block + part * Lanes::width);
+          for (Count k = 0; k < at_once; ++k)
+            all[k * parts + part] =
+                fma(Vector(factors.values[row * factors.stride + set + k]), value, all[k * parts + part]);
+        }
+      for (Count k = 0; k < at_once * parts; ++k)
+        all[k].store_unaligned(sums + set * node_block + k * Lanes::width);
+    }
+    if constexpr (at_once > 1)
+      combine_from<at_once / 2>(rows, factors, set, sums);
   }
 
   template <Count blocks>

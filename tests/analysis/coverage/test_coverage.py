@@ -150,7 +150,8 @@ def test_named_probes_stand_for_themselves_by_few_points(name: str) -> None:
     """Far away a single capacitance is left, and it is that of the solution with all panels."""
     response = responses.respond(probe(name), model_module())
     own = [float(np.linalg.inv(level.inverse).sum()) for level in response.levels]
-    assert len(response.levels[-1].points) <= 8
+    # Solid harmonics up to the quadrupoles are nine.
+    assert len(response.levels[-1].points) <= 9
     assert own[-1] == pytest.approx(own[1], rel=5e-3)
 
 

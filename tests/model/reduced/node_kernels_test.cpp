@@ -132,6 +132,20 @@ TEST_P(NodeKernelsTest, MultiplyAddAndDot) {
             rounding * 10);
 }
 
+TEST_P(NodeKernelsTest, CombineRowsWithSetsOfFactors) {
+  constexpr int rows = 21, stride = 40;
+  const auto values = random_numbers(rows * node_block, 1), factors = random_numbers(rows * stride, 2);
+  const MatrixXd blocks = in_doubles(values, rows * Index{node_block}).reshaped(node_block, rows);
+  const MatrixXd weights = in_doubles(factors, Index{rows} * stride).reshaped(stride, rows);
+  for (const int sets : {1, 7, 16, 33}) {
+    std::vector<float> sums(static_cast<std::size_t>(sets) * node_block);
+    kernels_.combine({values.data(), rows}, {factors.data(), stride, sets}, sums.data());
+    const MatrixXd known = blocks * weights.topRows(sets).transpose();
+    EXPECT_LT((in_doubles(sums, Index{sets} * node_block).reshaped(node_block, sets) - known).norm(),
+              rounding * (1 + known.norm()));
+  }
+}
+
 TEST_P(NodeKernelsTest, FindTheNarrowestEllipses) {
   constexpr int points = 16;
   const auto x = random_numbers(points, 1), y = random_numbers(points, 2), z = random_numbers(points, 3);

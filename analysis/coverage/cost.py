@@ -1,0 +1,36 @@
+"""`python3 -m analysis.coverage.cost SCENE`: times a survey by itself, without its page."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+
+from analysis.coverage.probes import DEFAULT, probe
+from analysis.coverage.survey import Options, survey
+from analysis.pipeline.model_stage import model_module
+from analysis.show.make import find_scene
+from geometries.scene import reader
+
+
+def main(arguments: list[str] | None = None) -> int:
+    """Runs the command line; returns the exit code."""
+    parser = argparse.ArgumentParser(prog="python3 -m analysis.coverage.cost", description=__doc__)
+    parser.add_argument("scene", metavar="SCENE")
+    parser.add_argument("--probe", action="append", default=[], metavar="PROBE")
+    parser.add_argument("--grid", type=float, metavar="M")
+    options = parser.parse_args(arguments)
+    path = find_scene(options.scene)
+    scene, model = reader.load(path), model_module()
+    probes = tuple(probe(name) for name in tuple(options.probe) or DEFAULT)
+    passed, used = time.perf_counter(), time.process_time()
+    found = survey(path, scene, probes, Options(grid=options.grid, methods=()), model)
+    passed, used = time.perf_counter() - passed, time.process_time() - used
+    print(
+        f"{path.stem}: {len(found.places.points)} places, {len(probes)} probes, {found.panels} panels: {used:.1f} s of processor time, {passed:.1f} s passed"
+    )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
