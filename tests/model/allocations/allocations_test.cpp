@@ -28,7 +28,7 @@ std::atomic<std::size_t> allocations = 0;
 #if FRINGE_COUNTS_ALLOCATIONS
 // Sanitizers have a malloc of their own. Those of the C library do the work; Eigen calls malloc, and so do
 // the operators new.
-// NOLINTBEGIN(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp)
+// NOLINTBEGIN(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp,readability-inconsistent-declaration-parameter-name)
 extern "C" {
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
@@ -51,7 +51,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
   return __libc_memalign(alignment, size);
 }
 }
-// NOLINTEND(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp)
+// NOLINTEND(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp,readability-inconsistent-declaration-parameter-name)
 #endif
 
 namespace fringe {
@@ -83,10 +83,13 @@ TEST_P(Allocations, TheFormulaInCompanyHasNoneAfterThePosesThatItKnows) {
   const EvaluationOptions options{
       .correction = Correction::formula, .rtol = 0.2, .entries = Entries::of_readings};
   LiveScene live(machine(GetParam()));
+  constexpr int count = 5;
   std::vector<Eigen::Isometry3d> poses;
-  for (int k = 0; k < 5; ++k)
+  poses.reserve(count);
+  for (int k = 0; k < count; ++k)
     poses.push_back(pose_from_axis({1, 2, 3}, 10.0 * k, {0.01 * k, 0, 0.12 - 0.015 * k}));
   std::vector<double> first;
+  first.reserve(count);
   for (const Eigen::Isometry3d& pose : poses) {
     live.set_pose("hand", pose);
     first.push_back(live.evaluate(options).readings[0].change.value.value());

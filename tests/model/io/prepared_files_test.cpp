@@ -32,7 +32,7 @@ class PreparedFilesTest : public testing::Test {
   ~PreparedFilesTest() override { fs::remove_all(folder); }
 
   const fs::path folder = fs::path(testing::TempDir()) / "prepared files" / "of a test";
-  const std::string data = "data that took long\0to prepare";
+  const std::string data = std::string("data that took long") + '\0' + "to prepare";
 };
 
 TEST_F(PreparedFilesTest, FindTheDataOfAKindAndAnInputAndNoOther) {
