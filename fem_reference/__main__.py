@@ -13,6 +13,7 @@ import math
 import os
 import shlex
 import sys
+import time
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -174,11 +175,16 @@ def main(arguments: list[str] | None = None, report: Report = lambda _: None) ->
         return WRONG_INPUT
     except (RuntimeError, OSError, MemoryError) as failure:
         words = shlex.join(sys.argv[1:] if arguments is None else arguments)
+        # The other processes may wait for this one. The first one, if it failed as well, is to say so alone.
+        time.sleep(0.0 if is_first else 1.0)
         print(
             f"fem_reference: {options.scene}: {failure or 'out of memory'}; "
             f"to see it again: {installation.command('fem_reference')} {words}",
-            file=error_stream,
+            file=sys.stderr,
+            flush=True,
         )
+        if MPI.COMM_WORLD.size > 1:
+            MPI.COMM_WORLD.Abort(FAILED)
         return FAILED
 
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+import os
+import signal
 import time
 from itertools import combinations
 from collections.abc import Callable, Sequence
@@ -269,6 +271,10 @@ def solve_conductors(
         except (MemoryError, RuntimeError) as failure:
             if not levels or not _is_want_of_memory(failure):
                 raise
+            if MPI.COMM_WORLD.size > 1:
+                # The others wait for this process. It ends as if the system had ended it, whereupon mpirun ends the others, and the parent
+                # of the first one prints the answer.
+                os.kill(os.getpid(), signal.SIGKILL)
             return replace(answer, stopped_by="the next level took more memory than there is")
         bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
         changes, of_changes = level.delta_self, bound[: problem.sensors]

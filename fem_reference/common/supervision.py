@@ -22,6 +22,8 @@ INTERRUPTED = 130
 """What shells report for a command that was interrupted."""
 # Of Linux' prctl: the signal that a process gets when its parent ends.
 _PR_SET_PDEATHSIG = 1
+# Variable in which mpirun tells a process its number.
+_NUMBER = "OMPI_COMM_WORLD_RANK"
 
 
 @dataclass(frozen=True)
@@ -43,10 +45,9 @@ def supervised(command: Callable[[Report], int], unreached: int) -> int:
     """Runs `command` in a child process, in which it returns its exit status; returns that of this process.
 
     The command reports answers so far. After the time that the last one leaves, or if the system ends the command, this process prints it
-    and returns `unreached`; after Ctrl-C it prints it and returns INTERRUPTED. Under mpirun, which ends its processes itself, the command runs in this process.
+    and returns `unreached`; after Ctrl-C it prints it and returns INTERRUPTED. Under mpirun each process has such a parent. If one of them
+    ends, mpirun ends the others by SIGTERM, upon which the first one prints the answer.
     """
-    if int(os.environ.get("OMPI_COMM_WORLD_SIZE", "1")) > 1:
-        return command(lambda _: None)
     receiving, sending = Pipe(duplex=False)
     wakes = _wakes_on_interrupt()
     sys.stdout.flush()
@@ -54,6 +55,7 @@ def supervised(command: Callable[[Report], int], unreached: int) -> int:
     if child == 0:
         # The parent decides. The handler stays: programs that the command starts would inherit SIG_IGN.
         signal.set_wakeup_fd(-1)
+        signal.signal(signal.SIGTERM, signal.SIG_DFL)
         receiving.close()
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
         return command(sending.send)
@@ -79,20 +81,24 @@ def _watched(child: int, reports: Connection, wakes: int, unreached: int) -> int
         latest, ends = so_far, time.monotonic() + so_far.seconds_left
     _, state = os.waitpid(child, 0)
     status = os.waitstatus_to_exitcode(state)
+    is_first = int(os.environ.get(_NUMBER, "0")) == 0
     if interrupted:
-        print("", file=sys.stderr)
+        if is_first:
+            print("", file=sys.stderr)
     elif 0 <= status <= MOST_STATUS or status > 0 and (latest is None or not latest.is_answer):
         return status
     out_of_time = not interrupted and status == -signal.SIGKILL and time.monotonic() >= ends
     if latest is not None and (out_of_time or latest.is_answer):
         if latest.text:
             print(latest.text, flush=True)
-        print(latest.message, file=sys.stderr)
+        if latest.message:
+            print(latest.message, file=sys.stderr)
         if not (out_of_time or interrupted):
             print(f"fem_reference: {_ended_by(status)}", file=sys.stderr)
         return INTERRUPTED if interrupted else unreached
     if interrupted:
-        print("fem_reference: interrupted before the first answer", file=sys.stderr)
+        if is_first:
+            print("fem_reference: interrupted before the first answer", file=sys.stderr)
         return INTERRUPTED
     print(f"fem_reference: {_ended_by(status)}", file=sys.stderr)
     # As a shell reports it.
@@ -112,11 +118,13 @@ def _ended_by(status: int) -> str:
 
 
 def _wakes_on_interrupt() -> int:
-    """Returns a file descriptor that can be read after Ctrl-C. An exception could come while a report is received, and lose it."""
+    """Returns a file descriptor that can be read after Ctrl-C and, under mpirun, SIGTERM. An exception could come while a report is received, and lose it."""
     wakes, woken = os.pipe()
     os.set_blocking(woken, False)
     signal.set_wakeup_fd(woken)
     signal.signal(signal.SIGINT, lambda *_: None)
+    if _NUMBER in os.environ:
+        signal.signal(signal.SIGTERM, lambda *_: None)
     return wakes
 
 

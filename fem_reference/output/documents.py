@@ -76,12 +76,14 @@ def answer(
             print(f"fem_reference: remark: {remark}", file=sys.stderr, flush=True)
 
     def progress(so_far: Reference) -> None:
+        left = max(0.0, limits.seconds - so_far.seconds) + _GRACE
         if not is_first:
+            # The parents of other processes know that there is an answer, and leave it to the first to print it.
+            report(AnswerSoFar("", "", math.inf))
             return
         if not as_json:
             _print_level(so_far)
         stopped = replace(so_far, stopped_by="it was stopped before the next level ended")
-        left = max(0.0, limits.seconds - so_far.seconds) + _GRACE
         report(AnswerSoFar(_text(stopped, as_json, found), _shortfall(path, stopped), left))
 
     if is_first and math.isfinite(limits.seconds):

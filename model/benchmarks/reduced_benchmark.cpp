@@ -3,14 +3,18 @@
 /// given; with --meshes COUNT only over this many poses of the bodies of triangles. The true values are those
 /// of boundary elements at rtol = 1e-4 (less strict for triangles); a set-up for which that is not reached is
 /// omitted; with --machine COUNT only the formula in company, for a hand in 500 poses before an arm, compared
-/// in COUNT of them with boundary elements. Methods take turns; times are processor times of this thread, the
-/// least of five moves to the same pose.
+/// in COUNT of them with boundary elements; with --moving SCENE POSES only that formula on the first so many
+/// frames of SCENE.motion.toml, beside the scene, and with the folder of prepared data named behind these
+/// also from that (python3 -m analysis.topics.machines.moving --write FOLDER writes such scenes). Methods
+/// take turns; times are processor times of this thread, the least of five moves to the same pose.
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <filesystem>
 #include <functional>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
@@ -19,6 +23,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
+#include "fringe/motion.hpp"
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_reader.hpp"
@@ -282,6 +287,47 @@ void measure_machine(std::size_t compared) {
   }
 }
 
+double seconds_of(const std::function<void()>& action) {
+  const double start = processor_seconds();
+  action();
+  return processor_seconds() - start;
+}
+
+/// Measures the readings of a scene and its motion by the formula in company, first without and then with
+/// prepared data that are kept in a folder, if one is named.
+void measure_motion(const std::filesystem::path& file, std::size_t poses,
+                    const std::optional<std::string>& folder) {
+  constexpr double rtol = 1e-2;
+  const Scene scene = load_scene(file);
+  std::vector<Frame> motion =
+      load_motion(std::filesystem::path(file).replace_extension(".motion.toml"), scene);
+  motion.resize(std::min(poses, motion.size()));
+  EvaluationOptions options{.correction = Correction::formula, .rtol = rtol};
+  const auto report = [&](const std::string& how) {
+    LiveScene live(scene);
+    std::vector<std::vector<ReadingAnswer>> answers;
+    const double first = seconds_of([&] { live.readings_of(motion, options, 1); });
+    const double again = seconds_of([&] { answers = live.readings_of(motion, options, 1); });
+    std::vector<double> stated;
+    for (const std::vector<ReadingAnswer>& pose : answers)
+      for (const ReadingAnswer& reading : pose)
+        if (reading.change.value && reading.change.error && std::isfinite(*reading.change.value))
+          stated.push_back(100 * *reading.change.error / std::abs(*reading.change.value));
+    fmt::print(
+        "{}, {} links with {} sensors, rtol {}{}: {} poses, {:.1f} ms each, {:.1f} s to prepare; stated "
+        "in the median {:.1f} %\n",
+        file.stem().string(), scene.links.size(), scene.sensors.size(), rtol, how, motion.size(),
+        1e3 * again / static_cast<double>(motion.size()), first - again, quantile(stated, 0.5));
+    std::fflush(stdout);
+  };
+  report("");
+  if (!folder)
+    return;
+  options.prepared = *folder;
+  report(", prepared data written");
+  report(", prepared data read");
+}
+
 }  // namespace
 
 int main(int argument_count, char** arguments) {
@@ -292,6 +338,11 @@ int main(int argument_count, char** arguments) {
   }
   if (argument_count == 3 && std::string(arguments[1]) == "--machine") {
     measure_machine(std::stoul(arguments[2]));
+    return 0;
+  }
+  if (argument_count >= 4 && argument_count <= 5 && std::string(arguments[1]) == "--moving") {
+    measure_motion(arguments[2], std::stoul(arguments[3]),
+                   argument_count > 4 ? std::optional<std::string>(arguments[4]) : std::nullopt);
     return 0;
   }
   Measurements of_files;

@@ -17,6 +17,7 @@
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/motion.hpp"
+#include "fringe/progress.hpp"
 #include "fringe/remarks.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
@@ -117,23 +118,31 @@ Answer answer_capacitance(const Request& request) {
   if (request.output && !is_integral(options.method))
     throw InputError(fmt::format("--output is an option of the triangle-integral methods, not of {}",
                                  to_string(options.method)));
-  if (request.most_seconds && is_integral(options.method))
+  if (request.most_seconds && is_integral(options.method) && !options.rtol)
     throw InputError(
         fmt::format("--max-seconds is no option of {}, which answers at once", to_string(options.method)));
   LiveScene live = live_scene(request);
   // The others answer before one could press Ctrl-C, which ends them as it ends any program.
   std::optional<cli::CommandInterruption> limit;
-  if (!is_integral(options.method))
-    limit.emplace(request.most_seconds);
+  const bool is_recommended = std::holds_alternative<Recommended>(options.method);
+  if (is_recommended)
+    options.max_seconds = request.most_seconds;
+  if (!is_integral(options.method) || options.rtol)
+    limit.emplace(is_recommended ? std::nullopt : request.most_seconds);
   const auto start = std::chrono::steady_clock::now();
   try {
     std::optional<cli::ProgressLine> progress;
+    std::optional<ProgressScope> preparation;
     if (std::holds_alternative<BoundaryElements>(options.method)) {
       progress.emplace(rtol_of(options));
       options.before_refinement = [&](const RefinementLevel& level) { progress->show(level); };
+    } else if (options.rtol) {
+      progress.emplace(rtol_of(options));
+      preparation.emplace([&](const std::string& text) { progress->show(text); });
     }
     const Evaluation& answer =
         of_file(request.scene, [&]() -> const Evaluation& { return live.evaluate(options); });
+    preparation.reset();
     progress.reset();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     if (request.output)
@@ -146,8 +155,12 @@ Answer answer_capacitance(const Request& request) {
     if (answer.reached)
       return {text, answered};
     const std::optional<int> ended = limit ? limit->status() : std::nullopt;
+    const bool is_late = is_recommended && request.most_seconds && elapsed.count() >= *request.most_seconds;
     fmt::print(stderr, "fringe: {}: {}an error of {} was not reached\n", request.scene,
-               ended ? limit->reason() + ": " : "", rtol_of(options));
+               ended     ? limit->reason() + ": "
+               : is_late ? fmt::format("stopped after {:g} s: ", *request.most_seconds)
+                         : "",
+               rtol_of(options));
     return {text, ended.value_or(not_reached)};
   } catch (const Interrupted&) {
     fmt::print(stderr, "fringe: {}: {} before there was an answer\n", request.scene, limit->reason());
@@ -196,8 +209,8 @@ int run(int argument_count, char** arguments) {
       ->type_name("FILE");
   capacitance_command
       ->add_option("--max-seconds", request.most_seconds,
-                   "End after this time with the best matrix so far, as Ctrl-C does; only with "
-                   "boundary-elements, reduced:K and recommended")
+                   "End after this time with the best answer so far, as Ctrl-C does; not with methods that "
+                   "answer at once. recommended does not begin what would take longer")
       ->type_name("S")
       ->check(CLI::PositiveNumber);
   capacitance_command

@@ -17,6 +17,11 @@ void set(std::optional<std::string>& option, const std::string& method, const ch
   option = value;
 }
 
+/// Tells whether a method keeps what it prepares in a folder.
+bool keeps_prepared(const MethodRequest& request) {
+  return request.rtol && (request.method == "recommended" || request.correction == "formula");
+}
+
 /// Returns a request whose method is written out by options: "formula" as the correction of that name,
 /// "+nearest" and "+facing" as plates and faces.
 MethodRequest expanded(const MethodRequest& written) {
@@ -81,6 +86,12 @@ void add_refining_options(CLI::App& command, MethodRequest& request) {
       "0.001), reduced:1, 2, 3 (0.01, 0.001, 0.0003), recommended (0.01) and, in the changes of readings, "
       "the "
       "correction formula");
+  command
+      .add_option(
+          "--prepared", request.prepared,
+          "Keep what takes long to prepare in this folder, and take from it what is there of the same "
+          "scene; only with the correction formula or recommended, and --rtol")
+      ->type_name("FOLDER");
 }
 
 EvaluationOptions options_of(const MethodRequest& written) {
@@ -101,6 +112,8 @@ EvaluationOptions options_of(const MethodRequest& written) {
     options.entries = Entries::of_readings;
   }
   options.derivatives = request.derivatives;
+  if (request.prepared)
+    options.prepared = *request.prepared;
   validate(options);
   return options;
 }
@@ -120,9 +133,16 @@ std::vector<MethodRequest> requests_of(const std::vector<std::string>& methods,
     if (integral[k] && any_other)
       requests[k].rtol.reset();
     if (!integral[k] && any_integral)
-      requests[k] = {.method = requests[k].method, .rtol = requests[k].rtol};
-    options_of(requests[k]);
+      requests[k] = {
+          .method = requests[k].method, .rtol = requests[k].rtol, .prepared = requests[k].prepared};
   }
+  const auto keeps = [](const MethodRequest& request) { return keeps_prepared(expanded(request)); };
+  if (std::ranges::any_of(requests, keeps))
+    for (MethodRequest& request : requests)
+      if (!keeps(request))
+        request.prepared.reset();
+  for (const MethodRequest& request : requests)
+    options_of(request);
   return requests;
 }
 

@@ -20,6 +20,7 @@ struct MethodRequest {
   std::optional<std::string> correction = {};
   std::optional<double> tolerance = {};
   std::optional<double> rtol = {};
+  std::optional<std::string> prepared = {};  ///< a folder
   bool only_readings = false;
   bool derivatives = false;
 };

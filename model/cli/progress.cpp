@@ -40,20 +40,25 @@ ProgressLine::ProgressLine(double rtol)
     : rtol_(rtol), is_on_terminal_(isatty(STDERR_FILENO) == 1), start_(std::chrono::steady_clock::now()) {}
 
 ProgressLine::~ProgressLine() {
-  if (is_on_terminal_ && !levels_.empty())
+  if (has_shown_)
     std::fputs(erased, stderr);
 }
 
-void ProgressLine::show(const RefinementLevel& level) {
+void ProgressLine::show(const std::string& text, const std::string& to_go) {
   if (!is_on_terminal_)
     return;
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
+  fmt::print(stderr, "{}{}, {:.1f} s{}", erased, text, elapsed.count(), to_go);
+  std::fflush(stderr);
+  has_shown_ = true;
+}
+
+void ProgressLine::show(const RefinementLevel& level) {
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start_;
   levels_.push_back({level.error, elapsed.count()});
   const std::optional<double> remaining = remaining_seconds(levels_, rtol_);
-  fmt::print(stderr, "{}{} unknowns, error {:.2g} of {:g} asked for, {:.1f} s{}", erased, level.unknowns,
-             level.error, rtol_, elapsed.count(),
-             remaining ? fmt::format(", about {:.0f} s to go", std::ceil(*remaining)) : std::string());
-  std::fflush(stderr);
+  show(fmt::format("{} unknowns, error {:.2g} of {:g} asked for", level.unknowns, level.error, rtol_),
+       remaining ? fmt::format(", about {:.0f} s to go", std::ceil(*remaining)) : std::string());
 }
 
 }  // namespace fringe::cli

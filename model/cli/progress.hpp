@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "fringe/boundary_elements.hpp"
@@ -19,8 +20,8 @@ struct TimedLevel {
 /// there are two solutions, and where the last one gained hardly anything.
 std::optional<double> remaining_seconds(const std::vector<TimedLevel>& levels, double rtol);
 
-/// Says how far boundary elements are, in a line on standard error that is written again after each solution
-/// and erased at the end; nothing where that is no terminal.
+/// Says how far boundary elements or preparations are, in a line on standard error that is written again
+/// after each solution or step and erased at the end; nothing where that is no terminal.
 class ProgressLine {
  public:
   explicit ProgressLine(double rtol);
@@ -29,10 +30,13 @@ class ProgressLine {
   ProgressLine& operator=(const ProgressLine&) = delete;
 
   void show(const RefinementLevel& level);
+  /// Shows what is being done, for how long, and how long it may still take.
+  void show(const std::string& text, const std::string& to_go = "");
 
  private:
   double rtol_;
   bool is_on_terminal_;
+  bool has_shown_ = false;
   std::chrono::steady_clock::time_point start_;
   std::vector<TimedLevel> levels_;
 };

@@ -13,6 +13,7 @@
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/motion.hpp"
+#include "fringe/progress.hpp"
 #include "fringe/reading.hpp"
 #include "fringe/remarks.hpp"
 #include "fringe/scene_reader.hpp"
@@ -68,9 +69,9 @@ std::string summary(const Scene& scene, const std::vector<Frame>& motion, const 
 
 /// Shows on a terminal what is being computed.
 void show_progress(std::size_t frame, std::size_t frames, const std::string& method) {
-  // Blanks cover what the longest name of a method has left behind.
+  // Blanks cover what the longest text has left behind.
   if (isatty(STDERR_FILENO) != 0)
-    fmt::print(stderr, "\rfringe: frame {} of {}, {:<24}", frame, frames, method);
+    fmt::print(stderr, "\rfringe: frame {} of {}, {:<64}", frame, frames, method);
 }
 
 /// The answers of all methods for one frame, and how many of them were kept from earlier or refused.
@@ -95,6 +96,9 @@ std::optional<FrameAnswers> answer_frame(LiveScene& live, const std::vector<Swee
     std::optional<FrameRows> rows = earlier.find(live.scene(), frame + 1, name, method, own);
     answers.found += rows.has_value() ? 1 : 0;
     show_progress(frame + 1, motion.size(), method);
+    const ProgressScope progress([&](const std::string& text) {
+      show_progress(frame + 1, motion.size(), fmt::format("{}: {}", method, text));
+    });
     try {
       if (!rows) {
         const Evaluation& answer = live.evaluate(sweeper.options);

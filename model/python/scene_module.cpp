@@ -88,9 +88,12 @@ py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional
 EvaluationOptions options_of(const std::string& method, const std::optional<std::string>& plates,
                              const std::optional<std::string>& faces, std::optional<double> tolerance,
                              std::optional<double> rtol, const std::optional<std::string>& correction,
-                             bool derivatives = false) {
-  EvaluationOptions options{
-      .method = parse_method(method), .tolerance = tolerance, .rtol = rtol, .derivatives = derivatives};
+                             const std::optional<std::filesystem::path>& prepared, bool derivatives = false) {
+  EvaluationOptions options{.method = parse_method(method),
+                            .tolerance = tolerance,
+                            .rtol = rtol,
+                            .derivatives = derivatives,
+                            .prepared = prepared};
   if (plates)
     options.plates = parse_plate_rule(*plates);
   if (faces)
@@ -103,9 +106,12 @@ EvaluationOptions options_of(const std::string& method, const std::optional<std:
 py::dict capacitance_of(SharedScene& scene, const std::string& method,
                         const std::optional<std::string>& plates, const std::optional<std::string>& faces,
                         std::optional<double> tolerance, std::optional<double> rtol,
-                        const std::optional<std::string>& correction, bool derivatives) {
-  const EvaluationOptions options =
-      options_of(method, plates, faces, tolerance, rtol, correction, derivatives);
+                        const std::optional<std::string>& correction, bool derivatives,
+                        const std::optional<std::filesystem::path>& prepared,
+                        std::optional<double> max_seconds) {
+  EvaluationOptions options =
+      options_of(method, plates, faces, tolerance, rtol, correction, prepared, derivatives);
+  options.max_seconds = max_seconds;
   return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
     return capacitance_answer(answer, options, seconds);
   });
@@ -146,8 +152,12 @@ PythonReadings python_readings(const Evaluation& answer) {
 PythonReadings readings_of(SharedScene& scene, const std::string& method,
                            const std::optional<std::string>& plates, const std::optional<std::string>& faces,
                            std::optional<double> tolerance, std::optional<double> rtol,
-                           const std::optional<std::string>& correction, bool derivatives) {
-  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction, derivatives);
+                           const std::optional<std::string>& correction, bool derivatives,
+                           const std::optional<std::filesystem::path>& prepared,
+                           std::optional<double> max_seconds) {
+  EvaluationOptions options =
+      options_of(method, plates, faces, tolerance, rtol, correction, prepared, derivatives);
+  options.max_seconds = max_seconds;
   options.entries = Entries::of_readings;
   validate(options);
   return scene.locked([&](LiveScene& live) { return python_readings(live.evaluate(options)); });
@@ -159,8 +169,9 @@ using PythonFrame = std::tuple<std::string, PythonReadings>;
 std::vector<PythonFrame> sweep_of(SharedScene& scene, const std::filesystem::path& motion,
                                   const std::string& method, const std::optional<std::string>& plates,
                                   const std::optional<std::string>& faces, std::optional<double> tolerance,
-                                  std::optional<double> rtol, const std::optional<std::string>& correction) {
-  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction);
+                                  std::optional<double> rtol, const std::optional<std::string>& correction,
+                                  const std::optional<std::filesystem::path>& prepared) {
+  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction, prepared);
   options.entries = Entries::of_readings;
   validate(options);
   std::vector<PythonFrame> frames;
@@ -219,8 +230,8 @@ Eigen::MatrixXd table_of(const std::vector<std::vector<ReadingAnswer>>& answers,
 
 py::dict readings_of_motion(SharedScene& scene, const py::object& motion, const std::string& method,
                             std::optional<double> rtol, const std::optional<std::string>& correction,
-                            std::size_t threads) {
-  const EvaluationOptions options = options_of(method, {}, {}, {}, rtol, correction);
+                            std::size_t threads, const std::optional<std::filesystem::path>& prepared) {
+  const EvaluationOptions options = options_of(method, {}, {}, {}, rtol, correction, prepared);
   validate(options);
   std::vector<Frame> frames;
   {
@@ -578,7 +589,8 @@ Links stay where they are. Raises InputError, with the scene as it was, for a te
       .def("__repr__", &representation)
       .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
            "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(), "derivatives"_a = false,
+           "correction"_a = py::none(), "derivatives"_a = false, "prepared"_a = py::none(),
+           "max_seconds"_a = py::none(),
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
 method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
@@ -594,6 +606,12 @@ rtol: the error of every entry in the sensors' rows of the Maxwell matrix to be 
 correction "formula", of the changes of readings (model/CORRECTIONS.md, section 8).
 correction: "none", or what takes the place of the integral, "formula" or "recommended" (fringe.corrections()).
 derivatives: also those of the readings' changes, as readings() explains them.
+prepared: a folder in which what takes long to prepare is kept, and found again for the same bodies, readings, poses and
+accuracy, also by another process; with the correction "formula" and "recommended", both with an rtol. The answers are the
+same, to the bit.
+max_seconds: end after this time with the best answer so far, as "answered_by" names it, its errors as stated. "recommended"
+does not begin what would take longer than what is left, and answers by the formula in closed form where it has nothing
+better. Methods that answer at once refuse it; where there is no answer by then, RuntimeError is raised.
 
 plates, faces, tolerance and correction are options of "exact", "split:N" and "gauss:K"; None is the first value named.
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
@@ -601,7 +619,8 @@ Asked again with the same options, only what moved since is evaluated; "counts" 
 Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
       .def("readings", &readings_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
            "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(), "derivatives"_a = false,
+           "correction"_a = py::none(), "derivatives"_a = false, "prepared"_a = py::none(),
+           "max_seconds"_a = py::none(),
            R"(What the scene's readings measure, {name: Reading}; options as for capacitance(). F.
 
 A scene without readings has one for every sensor, which senses and drives it. A reading's value is the charge on what it
@@ -621,14 +640,14 @@ Raises InputError as capacitance() does.)")
       .def(
           "sweep", &sweep_of, "motion"_a, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
           "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-          "correction"_a = py::none(),
+          "correction"_a = py::none(), "prepared"_a = py::none(),
           R"(The readings in every frame of a motion file: a list of (name of the frame, {name: Reading}); options as for readings().
 
 The scene stays in the poses of the last frame, and begins in those that it has. Raises InputError for a file that cannot
 be used with the scene, and as readings() does.)")
       .def(
           "readings_of", &readings_of_motion, "motion"_a, "method"_a = "exact", py::kw_only(),
-          "rtol"_a = py::none(), "correction"_a = py::none(), "threads"_a = 0,
+          "rtol"_a = py::none(), "correction"_a = py::none(), "threads"_a = 0, "prepared"_a = py::none(),
           R"(The readings in every frame of a motion, a file or an array (frames, links, 4, 4) of the links' poses relative to their
 parents, as a dictionary of arrays (frames, readings) in F: "value", "background", "change" and "error", an estimate of the error of the
 change; NaN is what the method does not know. "frames" and "readings" are their names, "answered_by" the methods.

@@ -1,7 +1,7 @@
 """Machines whose links move before a target: the formula in company to an accuracy, beside stored truths by boundary elements.
 
-`python3 -m analysis.topics.machines.moving` prints a row for each machine; with `--solve COUNT` it first solves so many poses of each machine, spread over its
-motion, that have no truth in `moving_truths.json`, minutes each. Delete the file to solve all anew.
+`python3 -m analysis.topics.machines.moving` prints a row for each machine, or for one with `--machine NAME`; with `--solve COUNT` it first solves so many poses of each, spread
+over its motion, that have no truth in `moving_truths.json`, minutes each. Delete the file to solve all anew.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from scipy.spatial.transform import Rotation, Slerp
 
 from analysis.pipeline import model_stage
 from analysis.results.store import read_json, write_json
+from analysis.topics.machines import hand_before_arm
 from geometries.scene import motion, reader
 from geometries.scene.poses import AxisRotation, Pose, Vector3
 from geometries.scene.scene import Link, Object, Plate, Scene, Sensor
@@ -29,7 +30,7 @@ from geometries.scene.writer import canonical
 Array = NDArray[np.float64]
 
 FILE = Path(__file__).with_name("moving_truths.json")
-POSES = 200
+POSES, POSES_OF_HAND = 200, 500
 """Poses of a motion."""
 RTOL = 1e-2
 """Accuracy asked of a true change, relative."""
@@ -153,12 +154,21 @@ def six_joint_arm() -> Moving:
     return Moving("six-joint arm", Scene(links=tuple(links), sensors=sensors, objects=objects), poses)
 
 
-MACHINES: tuple[Callable[[], Moving], ...] = (x_ray_arm, six_joint_arm)
+def hand() -> Moving:
+    """Returns the hand before the arm at rest, from 30 to 2 cm."""
+    return Moving("hand", hand_before_arm.scene(), hand_before_arm.poses(POSES_OF_HAND))
 
 
-def chosen(count: int) -> list[int]:
-    """Returns so many poses, spread over the motion."""
-    return [] if count == 0 else [round((k + 0.5) * POSES / count) for k in range(count)]
+MACHINES: dict[str, Callable[[], Moving]] = {
+    "hand": hand,
+    "X-ray arm": x_ray_arm,
+    "six-joint arm": six_joint_arm,
+}
+
+
+def chosen(count: int, poses: int) -> list[int]:
+    """Returns so many of the poses, spread over the motion."""
+    return [round((k + 0.5) * poses / count) for k in range(count)]
 
 
 def solve(machine: Moving, poses: list[int], file: Path = FILE) -> None:
@@ -177,12 +187,14 @@ def solve(machine: Moving, poses: list[int], file: Path = FILE) -> None:
         print(f"{machine.name}, pose {pose}: solved", flush=True)
 
 
-def row(machine: Moving, rtol: float, poses: int = POSES, file: Path = FILE) -> str:
+def row(machine: Moving, rtol: float, poses: int = POSES_OF_HAND, file: Path = FILE) -> str:
     """Answers the first `poses` of the motion, and prints each reading that has a truth; returns a row of the table in model/CORRECTIONS.md: processor time
     of a pose in ms and of the preparation in s, the number of truths, rms and worst error, the median of the errors stated and of the truths', in % of the true change,
     and the parts of the errors within what is stated, by itself and with that of the truth.
     """
     scene = model_stage.model_module().Scene.loads(canonical(machine.scene))
+
+    poses = min(poses, len(machine.poses))
 
     def answered() -> tuple[dict[str, Any], float]:
         before = time.process_time()
@@ -214,17 +226,44 @@ def row(machine: Moving, rtol: float, poses: int = POSES, file: Path = FILE) -> 
     )
 
 
+def write(machine: Moving, folder: Path) -> Path:
+    """Writes a scene file and its motion for other programs, which find the machine as this module does; returns the former."""
+    file = folder / f"{machine.name.replace(' ', '_').replace('-', '_').lower()}.toml"
+    folder.mkdir(parents=True, exist_ok=True)
+    file.write_text(canonical(machine.scene))
+    lines = []
+    for pose in machine.poses:
+        lines.append("[[frame]]\nposes = [")
+        for link, matrix in zip(machine.scene.links, pose, strict=True):
+            x, y, z, w = Rotation.from_matrix(matrix[:3, :3]).as_quat().tolist()
+            lines.append(
+                f'  {{ link = "{link.name}", translation = {matrix[:3, 3].tolist()}, quaternion = {[w, x, y, z]} }},'
+            )
+        lines.append("]\n")
+    file.with_suffix(".motion.toml").write_text("\n".join(lines))
+    return file
+
+
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--rtol", type=float, default=1e-2)
     parser.add_argument("--solve", type=int, default=0, help="poses of each machine that get a truth")
-    parser.add_argument("--poses", type=int, default=POSES, help="only the first poses of the motions")
+    parser.add_argument(
+        "--poses", type=int, default=POSES_OF_HAND, help="only the first poses of the motions"
+    )
+    parser.add_argument("--machine", choices=MACHINES, help="only this one")
+    parser.add_argument(
+        "--write", type=Path, metavar="FOLDER", help="only write the scenes and their motions to files"
+    )
     asked = parser.parse_args()
-    machines = [make() for make in MACHINES]
-    for pose in chosen(asked.solve):
+    machines = [make() for name, make in MACHINES.items() if asked.machine in (None, name)]
+    if asked.write:
         for machine in machines:
-            solve(machine, [pose])
+            print(write(machine, asked.write))
+        return
+    for machine in machines:
+        solve(machine, chosen(asked.solve, len(machine.poses)))
     for machine in machines:
         print(row(machine, asked.rtol, asked.poses), flush=True)
 

@@ -15,7 +15,7 @@ namespace fringe::benchmarks {
 struct PeerShape {
   enum class Kind { cuboid, cylinder, cone, hull } kind;
   Eigen::Vector3d size = Eigen::Vector3d::Zero();  ///< cuboid: its sides; cylinder and cone: radius, height
-  std::vector<Eigen::Vector3d> vertices{};         ///< vertices of a hull
+  std::vector<Eigen::Vector3d> vertices{};         ///< of a hull; a cuboid may have them, too
 };
 
 /// Two shapes, given by their indices, and their poses.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
@@ -26,11 +27,21 @@ struct EvaluationOptions {
   /// and 3e-4 for 1, 2 and 3 steps) and of `recommended` (1e-2); and, in the changes of readings in company,
   /// of the correction `formula` (no default: without it that answers in closed form).
   std::optional<double> rtol = {};
+  /// Seconds after which the best answer so far is to do: of `recommended`, which does not begin what would
+  /// take longer than what is left, and answers by the correction `formula` in closed form, in about a
+  /// second, where it has nothing better. Boundary elements answer with their best matrix; the reduced method
+  /// and the correction `formula` with an rtol throw Interrupted, as boundary elements do before their first
+  /// matrix.
+  std::optional<double> max_seconds = {};
   bool derivatives = false;  ///< also of the readings' changes with respect to poses; of exact without a
                              ///< correction, boundary elements, the reduced method and formula with an rtol
   Entries entries = Entries::of_sensors;  ///< that boundary elements refine
   /// Is called before each refinement of boundary elements; may be empty.
   std::function<void(const RefinementLevel&)> before_refinement = {};
+  /// Folder in which what takes long to prepare is kept, and found again for the same bodies, readings, poses
+  /// and accuracy: of the correction `formula` and of `recommended`, both with an rtol. It is made if there
+  /// is none. The answers are the same, to the bit.
+  std::optional<std::filesystem::path> prepared = {};
 };
 
 /// Throws InputError for options that are out of range, cannot be combined or belong to another method.

@@ -22,6 +22,7 @@
 #include "fringe/motion.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/progress.hpp"
 #include "fringe/reading.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/rectangle.hpp"

@@ -61,6 +61,8 @@ class Scene:
         rtol: float | None = None,
         correction: str | None = None,
         derivatives: bool = False,
+        prepared: str | PathLike[str] | None = None,
+        max_seconds: float | None = None,
     ) -> dict[str, Any]: ...
     def readings(
         self,
@@ -72,6 +74,8 @@ class Scene:
         rtol: float | None = None,
         correction: str | None = None,
         derivatives: bool = False,
+        prepared: str | PathLike[str] | None = None,
+        max_seconds: float | None = None,
     ) -> dict[str, Reading]: ...
     def sweep(
         self,
@@ -83,6 +87,7 @@ class Scene:
         tolerance: float | None = None,
         rtol: float | None = None,
         correction: str | None = None,
+        prepared: str | PathLike[str] | None = None,
     ) -> list[tuple[str, dict[str, Reading]]]: ...
     def readings_of(
         self,
@@ -92,6 +97,7 @@ class Scene:
         rtol: float | None = None,
         correction: str | None = None,
         threads: int = 0,
+        prepared: str | PathLike[str] | None = None,
     ) -> dict[str, Any]: ...
     def maxwell(self, *, method: str = "boundary-elements", rtol: float | None = None) -> dict[str, Any]: ...
     def formula_terms(self) -> list[list[dict[str, Any]]]: ...

@@ -6,10 +6,13 @@
 #include <utility>
 #include <vector>
 
+#include <fmt/format.h>
+
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "bem/simplification.hpp"
+#include "numeric/progress.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -90,6 +93,8 @@ ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_
       continue;
     }
     error_ = largest_error(solution_, bodies_);
+    show_progress(
+        fmt::format("{} panels, error {:.2g} of {:g} asked for", mesh().panels().size(), error_, rtol));
     const double excess = error_ / rtol;
     if (excess <= 1 || !refine(excess, most_panels))
       return;

@@ -1,5 +1,6 @@
 #include "fringe/gjk.hpp"
 
+#include <bit>
 #include <optional>
 
 #include "collision/convex_pair.hpp"
@@ -24,6 +25,7 @@ using detail::GjkFilterAnswer;
 using detail::Goal;
 using detail::NearestFace;
 using detail::Verdict;
+using detail::Vertices;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
@@ -93,6 +95,35 @@ DistanceAnswer approach(const ConvexPair& pair) {
 GjkDistance rounded_distance(const ConvexPair& pair, const DistanceAnswer& found, const Simplex& reached) {
   const auto [on_a, on_b] = witnesses(pair, reached, found.weights);
   return {found.length, found.lower_bound, Vector3d(found.direction), on_a, on_b, false};
+}
+
+/// Finds the distance from a simplex in which vertices beyond its plane take the place of others. Vertices of
+/// a flat face of more than three lie beyond it by their rounding, which the search cannot see.
+std::optional<GjkDistance> exchanged_distance(Simplex simplex, std::optional<PointPair> beyond, double extent,
+                                              Vertices a, Vertices b) {
+  constexpr int most_rounds = 3;
+  for (int round = 0; round < most_rounds && beyond; ++round) {
+    Simplex next = simplex;
+    std::optional<PointPair> beyond_next;
+    // Without one of the points, then without two of them.
+    for (std::size_t kept = simplex.size; kept-- > 0 && !beyond_next;)
+      for (unsigned members = 0; members < (1U << simplex.size) && !beyond_next; ++members) {
+        if (static_cast<std::size_t>(std::popcount(members)) != kept)
+          continue;
+        Simplex tried{{*beyond}, 1};
+        for (std::size_t i = 0; i < simplex.size; ++i)
+          if ((members >> i & 1U) != 0)
+            tried.pairs[tried.size++] = simplex.pairs[i];
+        detail::PreciseSimplex precise(tried, extent);
+        if (std::optional<GjkDistance> distance = precise.distance(a, b))
+          return distance;
+        next = tried;
+        beyond_next = precise.beyond();
+      }
+    simplex = next;
+    beyond = beyond_next;
+  }
+  return std::nullopt;
 }
 
 /// Solves the distance of two polytopes in exact arithmetic.
@@ -184,8 +215,12 @@ GjkDistance gjk_distance(std::span<const Vector3d> a, std::span<const Vector3d> 
     if (found.end == DistanceEnd::intersecting) {
       if (const std::optional<Vector3d> point = precise.common_point())
         return {0, 0, Vector3d::Zero(), *point, *point, true};
-    } else if (const std::optional<GjkDistance> distance = precise.distance(a, b)) {
-      return *distance;
+    } else {
+      std::optional<GjkDistance> distance = precise.distance(a, b);
+      if (!distance)
+        distance = exchanged_distance(reached, precise.beyond(), pair.extent, a, b);
+      if (distance)
+        return *distance;
     }
   }
   return solve_exactly(pair, reached);

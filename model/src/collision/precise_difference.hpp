@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -26,15 +25,22 @@ class PreciseSimplex {
     }
   }
 
-  /// Returns the distance if the simplex's nearest point is that of both hulls.
+  /// Returns the distance if the simplex's nearest point is that of both hulls; if vertices lie beyond it,
+  /// beyond() has them then.
   std::optional<GjkDistance> distance(Vertices a, Vertices b) {
+    beyond_.reset();
     if (simplex_.size > 3 || !find_shares())
       return std::nullopt;
     const DoubleDouble square = dot(nearest_, nearest_);
     const double length = std::sqrt(square.high);
     // Below this the errors, of some 2^−78 of the extent, could be felt.
-    if (!(length > 0x1p-20 * extent_) || !is_nearest(a, 1, square.high) || !is_nearest(b, -1, square.high))
+    if (!(length > 0x1p-20 * extent_))
       return std::nullopt;
+    const Farthest of_a = farthest(a, 1, square.high), of_b = farthest(b, -1, square.high);
+    if (of_a.is_beyond || of_b.is_beyond) {
+      beyond_ = {of_a.vertex, of_b.vertex};
+      return std::nullopt;
+    }
     const std::optional<Eigen::Vector3d> on_a = point<&PointPair::a>(), on_b = point<&PointPair::b>();
     if (!on_a || !on_b)
       return std::nullopt;
@@ -42,6 +48,10 @@ class PreciseSimplex {
     const double distance = square_root(square).high;
     return GjkDistance{distance, distance * rounded_down, -rounded(nearest_) / length, *on_a, *on_b, true};
   }
+
+  /// Returns the vertices that lie farthest beyond the plane of the nearest point, of a simplex without other
+  /// faults.
+  const std::optional<PointPair>& beyond() const { return beyond_; }
 
   /// Returns a common point of both hulls if the simplex contains the origin.
   std::optional<Eigen::Vector3d> common_point() {
@@ -107,16 +117,32 @@ class PreciseSimplex {
     return true;
   }
 
-  /// Tests whether no vertex of A, or of B with the sign −1, is nearer to the other hull than those of the
-  /// simplex, up to less than half a unit in the last place of the distance.
-  bool is_nearest(Vertices vertices, double sign, double square) const {
+  /// The vertex of a hull that is nearest to the other hull, and whether that is so by half a unit in the
+  /// last place of the distance.
+  struct Farthest {
+    Eigen::Vector3d vertex;
+    bool is_beyond;
+  };
+
+  /// Searches the vertices of A, or of B with the sign −1; those of the simplex have the product zero.
+  Farthest farthest(Vertices vertices, double sign, double square) const {
     const Eigen::Vector3d& origin = sign > 0 ? simplex_.pairs[0].a : simplex_.pairs[0].b;
     const Eigen::Vector3d direction = sign * rounded(nearest_);
     const double certain = 0x1p-48 * extent_ * direction.lpNorm<1>();
-    return std::all_of(vertices.begin(), vertices.end(), [&](const Eigen::Vector3d& vertex) {
-      return (vertex - origin).dot(direction) > certain ||
-             sign * dot(exact_difference(vertex, origin), nearest_).high >= -0x1p-58 * square;
-    });
+    Farthest found{origin, false};
+    double least = 0;
+    for (const Eigen::Vector3d& vertex : vertices) {
+      if ((vertex - origin).dot(direction) > certain)
+        continue;
+      const double product = sign * dot(exact_difference(vertex, origin), nearest_).high;
+      if (product < least) {
+        least = product;
+        found.vertex = vertex;
+      }
+      // Written so that a NaN counts as beyond.
+      found.is_beyond = found.is_beyond || !(product >= -0x1p-58 * square);
+    }
+    return found;
   }
 
   /// Returns the point of a hull at the shares, each coordinate accurate to a unit in its last place.
@@ -143,6 +169,7 @@ class PreciseSimplex {
   std::array<PreciseVector, 3> edges_;
   std::array<DoubleDouble, 3> shares_;  ///< of the edges
   PreciseVector nearest_;
+  std::optional<PointPair> beyond_;
 };
 
 }  // namespace fringe::detail

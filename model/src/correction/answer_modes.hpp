@@ -17,6 +17,11 @@ struct AnswerModes {
   Eigen::MatrixXf charges;  ///< of the functions (rows) in each mode
   /// The part of the energies v_i v_j that sums of neighbouring functions do not answer.
   Eigen::MatrixXf missing;
+
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.charges, self.missing);
+  }
 };
 
 /// Returns the modes that answer unit charges at given places best, in the mean of the energies, the most

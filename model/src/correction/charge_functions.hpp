@@ -23,6 +23,11 @@ struct FunctionPoints {
   std::vector<Eigen::Vector3f> at;  ///< m
   std::vector<float> shares;        ///< charges at the points of a function with unit charge
   Eigen::MatrixXf given;            ///< the given charges at the points (rows)
+
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.first, self.at, self.shares, self.given);
+  }
 };
 
 /// The charges of all functions on their panels, one function after the other.
@@ -31,6 +36,11 @@ struct FunctionPanels {
   std::vector<Triangle> corners;   ///< m
   std::vector<float> shares;       ///< charges of the panels of a function with unit charge
   Eigen::MatrixXf given;           ///< the given charges of the panels (rows)
+
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.first, self.corners, self.shares, self.given);
+  }
 };
 
 /// Sums of neighbouring functions: the parts that were there when there were half as many.
@@ -38,6 +48,11 @@ struct CoarseFunctions {
   std::vector<Eigen::Index> of;  ///< for each function the sum that it belongs to
   Eigen::VectorXd shares;        ///< the charge of each function in a sum of unit charge
   Eigen::Index count = 0;
+
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.of, self.shares, self.count);
+  }
 };
 
 /// Functions of unit charge on parts of the bodies' surfaces. Within a part they are proportional to the
@@ -56,6 +71,8 @@ class ChargeFunctions {
     double density_of_body;
   };
 
+  /// Makes none, for an archive that has them.
+  ChargeFunctions() = default;
   /// Divides the surfaces, the part of greatest `importance` first, until there are `most` parts.
   ///
   /// @param given charges of all panels (rows), which get points as the functions do
@@ -81,6 +98,12 @@ class ChargeFunctions {
   /// Returns the level whose points resolve a function's charge at a distance from it; more finely if
   /// `is_fine`.
   std::size_t level(std::size_t function, double distance, bool is_fine) const;
+
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.centres_, self.radii_, self.conductors_, self.points_, self.panels_, self.boxes_,
+            self.energies_, self.coarse_);
+  }
 
  private:
   void add_function(const PanelMesh& mesh, std::span<std::size_t> panels, std::size_t conductor,

@@ -42,15 +42,21 @@ MatrixXd inverse(const MatrixXd& energies) {
   }
 }
 
-/// Returns the rows of a matrix, which belong to functions, weighted and added up to the sums of functions.
+/// Finds the rows of a matrix, which belong to functions, weighted and added up to the sums of functions.
 template <typename Matrix>
-Matrix summed(const CoarseFunctions& functions, const Matrix& rows) {
-  Matrix sums = Matrix::Zero(functions.count, rows.cols());
+void sum(const CoarseFunctions& functions, const Matrix& rows, Matrix& sums) {
+  sums.setZero(functions.count, rows.cols());
   // Without conductors that float there are no columns, and of an empty matrix no row can be taken.
   for (Index column = 0; column < rows.cols(); ++column)
     for (Index k = 0; k < rows.rows(); ++k)
       sums(functions.of[static_cast<std::size_t>(k)], column) +=
           static_cast<typename Matrix::Scalar>(functions.shares[k]) * rows(k, column);
+}
+
+template <typename Matrix>
+Matrix summed(const CoarseFunctions& functions, const Matrix& rows) {
+  Matrix sums;
+  sum(functions, rows, sums);
   return sums;
 }
 
@@ -203,8 +209,18 @@ CoarseCharges::CoarseCharges(const ChargeFunctions& functions, const MatrixXd& n
 }
 
 MatrixXd CoarseCharges::defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials) const {
-  const Eigen::MatrixXf sums = summed(functions_, potentials);
-  return (charges.transpose() * potentials - sums.transpose() * (inverse_ * sums)).cast<double>();
+  Workspace workspace;
+  find_defects(charges, potentials, workspace);
+  return std::move(workspace.defects);
+}
+
+void CoarseCharges::find_defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials,
+                                 Workspace& workspace) const {
+  sum(functions_, potentials, workspace.sums);
+  workspace.answers.noalias() = inverse_ * workspace.sums;
+  workspace.energies.noalias() = charges.transpose() * potentials;
+  workspace.of_sums.noalias() = workspace.sums.transpose() * workspace.answers;
+  workspace.defects = (workspace.energies - workspace.of_sums).cast<double>();
 }
 
 MachineAtRest::MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings,

@@ -21,11 +21,19 @@ struct CompanyResolution {
   std::size_t functions;    ///< largest number of parts of their surfaces
   std::size_t least_panels = 0;
   std::size_t threads = 1;  ///< 0: as many as this process may run at once
+
+  /// Describes what the charges depend on: they are the same for any number of threads.
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.rtol, self.most_panels, self.functions, self.least_panels);
+  }
 };
 
 /// Charges in the sums of neighbouring functions: the defect of a charge is the energy that these lack.
 class CoarseCharges {
  public:
+  /// Prepares nothing, for an archive that has the sums.
+  CoarseCharges() = default;
   /// Prepares the sums, without net charge on conductors that float: `net` has the charges of the functions
   /// on each of these.
   CoarseCharges(const ChargeFunctions& functions, const Eigen::MatrixXd& net,
@@ -33,6 +41,20 @@ class CoarseCharges {
   /// Returns how much less energy, of given potentials, the sums take than the charges (columns) that are the
   /// functions' own answer to them.
   Eigen::MatrixXd defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials) const;
+
+  /// Arrays for defects of the same numbers of charges, one after the other.
+  struct Workspace {
+    Eigen::MatrixXf sums, answers, energies, of_sums;
+    Eigen::MatrixXd defects;
+  };
+  /// Finds the same in a workspace, without allocating memory once that has the sizes.
+  void find_defects(const Eigen::MatrixXf& charges, const Eigen::MatrixXf& potentials,
+                    Workspace& workspace) const;
+
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.functions_, self.inverse_);
+  }
 
  private:
   CoarseFunctions functions_;
@@ -48,12 +70,19 @@ struct PlacedBox {
   Eigen::AlignedBox3d box;
 
   double distance(const Eigen::Vector3d& point) const { return box.exteriorDistance(to_box * point); }
+
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.to_box, self.box);
+  }
 };
 
 /// What does not change while targets move: the charges of the readings' conductors, and how the machine
 /// answers to charges outside it.
 class MachineAtRest {
  public:
+  /// Prepares nothing, for an archive that has the machine.
+  MachineAtRest() = default;
   /// Prepares the conductors of a machine, in world coordinates, for readings of them.
   /// @throws InputError for a reading of what is neither a sensor nor an electrode.
   MachineAtRest(ChargedBodies bodies, const std::vector<Reading>& readings,
@@ -64,6 +93,11 @@ class MachineAtRest {
     Eigen::Index sense;
     Eigen::Index drive;
     double sign;
+
+    template <typename Archive, typename Self>
+    static void describe(Archive& archive, Self& self) {
+      archive(self.sense, self.drive, self.sign);
+    }
   };
 
   const ChargeFunctions& functions() const { return functions_; }
@@ -86,6 +120,12 @@ class MachineAtRest {
   /// Resolution of the formula, 0.1 to 1 s to prepare.
   static constexpr CompanyResolution usual{3e-2, 6000, 200};
 
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.readings_, self.loads_, self.used_, self.error_, self.excess_, self.functions_, self.coarse_,
+            self.answers_);
+  }
+
  private:
   MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings,
                 const CompanyResolution& resolution);
@@ -93,8 +133,8 @@ class MachineAtRest {
   std::vector<OfReading> readings_;
   Eigen::Index loads_ = 0;
   std::vector<PlacedBox> used_;
-  double error_;
-  double excess_;
+  double error_ = 0;
+  double excess_ = 0;
   ChargeFunctions functions_;
   CoarseCharges coarse_;
   std::vector<float> answers_;
@@ -105,6 +145,11 @@ struct Approach {
   std::vector<PlacedBox> boxes;          ///< around what is sensed or driven, in the frame of the machine
   std::vector<Eigen::Isometry3d> poses;  ///< from the frame of the targets to that of the machine
 
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.boxes, self.poses);
+  }
+
   /// Returns the size of a part of a target relative to its distance, the largest one in the poses.
   double relative_size(const Eigen::AlignedBox3d& part) const;
 };
@@ -112,6 +157,8 @@ struct Approach {
 /// The targets, which keep their poses to each other.
 class TargetAtRest {
  public:
+  /// Prepares nothing, for an archive that has the targets.
+  TargetAtRest() = default;
   /// Prepares the targets, finer where they come near if an approach is known.
   TargetAtRest(ChargedBodies bodies, const CompanyResolution& resolution,
                const std::optional<Approach>& approach = {});
@@ -136,6 +183,12 @@ class TargetAtRest {
   /// Resolution of the formula, 0.1 to 1 s to prepare.
   static constexpr CompanyResolution usual{2e-2, 2500, 128};
 
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.functions_, self.coarse_, self.inverse_, self.net_, self.equilibrium_, self.own_,
+            self.floating_, self.to_ground_, self.error_);
+  }
+
  private:
   TargetAtRest(const ConductorsAtRest& conductors, const CompanyResolution& resolution,
                const std::optional<Approach>& approach);
@@ -148,7 +201,7 @@ class TargetAtRest {
   Eigen::MatrixXd own_;
   std::vector<Eigen::Index> floating_;
   Eigen::VectorXd to_ground_;
-  double error_;
+  double error_ = 0;
 };
 
 /// Largest number of steps of the conjugate gradients for the charges on targets.

@@ -38,6 +38,10 @@ loads_of(const std::vector<ChargedReading>& readings, Eigen::Index conductors);
 /// Returns how finely the targets are prepared for an accuracy.
 CompanyResolution target_resolution(std::optional<double> rtol);
 
+/// Tells whether a target is so much nearer to what is sensed or driven than prepared for that it has to be
+/// prepared again. Nearness is the largest ratio of a function's radius to its distance.
+bool is_much_nearer(double nearness, double prepared);
+
 /// Returns the box around a body.
 Eigen::AlignedBox3d bounds_of(const ChargedBody& body);
 

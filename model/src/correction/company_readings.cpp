@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 
 #include "bem/contact.hpp"
@@ -14,6 +15,7 @@
 #include "geometry/wrench.hpp"
 #include "numeric/infinity.hpp"
 #include "numeric/parallel.hpp"
+#include "numeric/progress.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -37,6 +39,14 @@ CompanyResolution machine_resolution(std::optional<double> rtol, std::size_t thr
 
 CompanyResolution target_resolution(std::optional<double> rtol) {
   return rtol ? CompanyResolution{*rtol, 6000, 256} : TargetAtRest::usual;
+}
+
+bool is_much_nearer(double nearness, double prepared) {
+  /// Ratio to the prepared nearness beyond which the functions are too coarse.
+  constexpr double much_nearer = 1.5;
+  /// Ratio of a function's radius to its distance below which the functions are fine enough.
+  constexpr double near_enough = 0.5;
+  return nearness > much_nearer * std::max(prepared, near_enough);
 }
 
 AlignedBox3d bounds_of(const ChargedBody& body) {
@@ -133,8 +143,14 @@ void CompanyReadings::find_groups(const Scene& scene) {
 void CompanyReadings::prepare(const Scene& scene, const std::vector<Isometry3d>& poses, std::size_t threads) {
   if (!machine_) {
     charged_readings_ = charged_readings(readings(scene), drivable_conductors(machine_group_->bodies));
-    machine_ = std::make_unique<const MachineAtRest>(machine_group_->bodies, readings(scene),
-                                                     machine_resolution(rtol_, threads));
+    const ProgressPart part("machine");
+    const CompanyResolution resolution = machine_resolution(rtol_, threads);
+    machine_input_ =
+        bytes_of_bodies(machine_group_->bodies) + bytes_of_readings(readings(scene)) + bytes_of(resolution);
+    auto machine = std::make_unique<MachineAtRest>();
+    read_or_prepare(files(), "machine", machine_input_, *machine,
+                    [&] { *machine = MachineAtRest(machine_group_->bodies, readings(scene), resolution); });
+    machine_ = std::move(machine);
     tabulated_.reset();
   }
   if (target_)
@@ -142,19 +158,33 @@ void CompanyReadings::prepare(const Scene& scene, const std::vector<Isometry3d>&
   std::optional<Approach> approach;
   if (rtol_)
     approach = {machine_->used(), poses};
-  target_.emplace(target_group_->bodies, target_resolution(rtol_), approach);
+  const ProgressPart part("targets");
+  target_input_ = bytes_of_bodies(target_group_->bodies) + bytes_of(target_resolution(rtol_), approach);
+  TargetAtRest target;
+  read_or_prepare(files(), "targets", target_input_, target,
+                  [&] { target = TargetAtRest(target_group_->bodies, target_resolution(rtol_), approach); });
+  target_ = std::move(target);
   approach_ = poses;
   prepared_nearness_ = 0;
   for (const Isometry3d& pose : poses)
     prepared_nearness_ = std::max(prepared_nearness_, CompanyFormula::nearness(*machine_, *target_, pose));
 }
 
-void CompanyReadings::tabulate(const std::vector<Isometry3d>& poses, std::size_t threads) {
+void CompanyReadings::tabulate(std::span<const Isometry3d> poses, std::size_t threads) {
   if (!rtol_)
     return;
-  if (!tabulated_)
-    tabulated_ = std::make_unique<TabulatedMachine>(*machine_, *target_);
-  tabulated_->extend(*target_, poses, threads);
+  const ProgressPart part("tables");
+  if (tabulated_) {
+    tabulated_->extend(*target_, poses, threads);
+    return;
+  }
+  // What later poses add to the tables depends on all before them, and is not kept.
+  auto tabulated = std::make_unique<TabulatedMachine>(*machine_, *target_);
+  read_or_prepare(files(), "tables",
+                  machine_input_ + target_input_ +
+                      bytes_of(std::vector<Isometry3d>(poses.begin(), poses.end())),
+                  *tabulated, [&] { tabulated->extend(*target_, poses, threads); });
+  tabulated_ = std::move(tabulated);
 }
 
 TargetContacts contacts_of(const ChargedBodies& machine, const std::vector<AlignedBox3d>& machine_boxes,
@@ -184,15 +214,12 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
                                  std::vector<ReadingAnswer>& answers) const {
   const TargetContacts touching = contacts_of(machine_group_->bodies, machine_group_->boxes,
                                               target_group_->bodies, target_group_->boxes, pose);
-  std::vector<CompanyFormula::Change> changes;
-  if (tabulated != nullptr) {
-    changes = tabulated->solved(*tabulated_, *target_, pose, *rtol_);
-  } else if (rtol_) {
-    changes = formula.solved(*machine_, *target_, pose, *rtol_);
-  } else {
+  std::vector<CompanyFormula::Change> in_closed_form;
+  if (tabulated == nullptr)
     for (const double change : formula.changes(*machine_, *target_, pose))
-      changes.push_back({change, stated_error(formula.nearness()) * std::abs(change)});
-  }
+      in_closed_form.push_back({change, stated_error(formula.nearness()) * std::abs(change)});
+  const std::vector<CompanyFormula::Change>& changes =
+      tabulated != nullptr ? tabulated->solved(*tabulated_, *target_, pose, *rtol_) : in_closed_form;
   answers.resize(changes.size());
   for (std::size_t k = 0; k < changes.size(); ++k) {
     ReadingAnswer& answer = answers[k];
@@ -214,10 +241,6 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
 
 void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
                             std::optional<double> rtol, bool with_derivatives) {
-  /// Ratio to the largest prepared nearness beyond which the target is prepared again.
-  constexpr double much_nearer = 1.5;
-  /// Ratio of a function's radius to its distance below which the functions are fine enough.
-  constexpr double near_enough = 0.5;
   motion_.update();
   if (rtol && !with_derivatives &&
       moving_.write(scene, answers, *rtol, machine_ && has_moved(*machine_group_)))
@@ -225,21 +248,20 @@ void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answ
   update(rtol);
   find_groups(scene);
   const Isometry3d pose = target_pose();
-  prepare(scene, {pose}, 1);
+  if (!machine_ || !target_)
+    prepare(scene, {pose}, 1);
   motion_.settle();
   unit_ = unit_of(scene);
   TabulatedFormula* const tabulated = rtol ? &tabulated_formula_ : nullptr;
-  tabulate({pose}, 1);
+  tabulate(std::span(&pose, 1), 1);
   write_pose(formula_, tabulated, pose, answers);
-  if (!rtol ||
-      CompanyFormula::nearness(*machine_, *target_, pose) <=
-          much_nearer * std::max(prepared_nearness_, near_enough) ||
+  if (!rtol || !is_much_nearer(CompanyFormula::nearness(*machine_, *target_, pose), prepared_nearness_) ||
       are_within(answers, *rtol))
     return;
   approach_.push_back(pose);
   target_.reset();
   prepare(scene, std::vector<Isometry3d>(approach_), 1);
-  tabulate({pose}, 1);
+  tabulate(std::span(&pose, 1), 1);
   write_pose(formula_, tabulated, pose, answers);
 }
 

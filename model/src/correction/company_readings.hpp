@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,7 @@
 
 #include "correction/company.hpp"
 #include "correction/moving_readings.hpp"
+#include "correction/prepared_parts.hpp"
 #include "correction/tabulated_formula.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
@@ -31,6 +33,12 @@ class CompanyReadings {
 
   /// The name of the formula as a method.
   static constexpr const char* name = "formula in company";
+
+  /// Keeps what is prepared for an accuracy in files from now on; null: in none.
+  void keep_in(const std::shared_ptr<const PreparedFiles>& files) {
+    files_ = files;
+    moving_.keep_in(files);
+  }
 
   /// Writes the changes of the readings of a scene of conductors without a room, some of them targets. It
   /// must be the same in every call, except for its poses. The change is infinite where a grounded target
@@ -66,13 +74,15 @@ class CompanyReadings {
   /// Prepares what is not prepared; the target for an approach in these poses if it is not.
   void prepare(const Scene& scene, const std::vector<Eigen::Isometry3d>& poses, std::size_t threads);
   /// Tabulates the machine where the target is in some poses, if an accuracy is asked for.
-  void tabulate(const std::vector<Eigen::Isometry3d>& poses, std::size_t threads);
+  void tabulate(std::span<const Eigen::Isometry3d> poses, std::size_t threads);
   Eigen::Isometry3d target_pose() const {
     return frame(*machine_group_).inverse(Eigen::Isometry) * frame(*target_group_);
   }
   /// @param tabulated the formula with the tabulated machine; null: `formula` answers
   void write_pose(CompanyFormula& formula, TabulatedFormula* tabulated, const Eigen::Isometry3d& pose,
                   std::vector<ReadingAnswer>& answers) const;
+  /// Returns the files to keep preparations in: of those for an accuracy, which take long.
+  const PreparedFiles* files() const { return rtol_ ? files_.get() : nullptr; }
   bool has_moved(const Group& group) const;
   Eigen::Isometry3d frame(const Group& group) const;
   Group group(const ChargedBodies& bodies, bool of_targets) const;
@@ -80,7 +90,9 @@ class CompanyReadings {
   std::shared_ptr<LinkPoses> poses_;
   LinkMotion motion_;
   std::optional<Group> machine_group_, target_group_;
-  std::optional<double> rtol_;  ///< that machine and target are prepared for
+  std::shared_ptr<const PreparedFiles> files_;
+  std::optional<double> rtol_;                ///< that machine and target are prepared for
+  std::string machine_input_, target_input_;  ///< that they were prepared from
   std::unique_ptr<const MachineAtRest> machine_;
   std::optional<TargetAtRest> target_;
   std::unique_ptr<TabulatedMachine> tabulated_;  ///< for an accuracy

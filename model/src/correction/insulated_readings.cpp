@@ -114,6 +114,7 @@ void InsulatedReadings::prepare(const Scene& scene, std::optional<double> rtol) 
 void InsulatedReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
                               std::optional<double> rtol, bool with_derivatives) {
   prepare(scene, rtol);
+  upper_->readings.keep_in(files_);
   upper_->readings.write(upper_->scene, answers, rtol, with_derivatives);
   if (share_)
     enclose(answers);
@@ -124,6 +125,7 @@ InsulatedReadings::write_frames(const Scene& scene, std::size_t frames,
                                 const std::function<void(std::size_t)>& pose, std::optional<double> rtol,
                                 std::size_t threads) {
   prepare(scene, rtol);
+  upper_->readings.keep_in(files_);
   if (!has_insulators_)
     return upper_->readings.write_frames(upper_->scene, frames, pose, rtol, threads);
   std::vector<std::vector<ReadingAnswer>> answers(frames);

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "correction/company_readings.hpp"
@@ -30,6 +31,9 @@ class InsulatedReadings {
   /// Tells whether the readings of a scene are known: it asks for changes, has no room, and of dielectric
   /// objects only covers and targets that are enclosed.
   static bool knows(const Scene& scene);
+
+  /// Keeps what is prepared for an accuracy in files from now on; null: in none.
+  void keep_in(std::shared_ptr<const PreparedFiles> files) { files_ = std::move(files); }
 
   /// Writes the changes of the scene's readings, as CompanyReadings does. Throws InputError for an rtol in a
   /// scene with dielectric objects, whose effect has errors of its own.
@@ -58,6 +62,7 @@ class InsulatedReadings {
   std::optional<Conducting> upper_;     ///< conductors in the place of dielectric targets; else all there is
   std::optional<Conducting> grounded_;  ///< with grounded ones where `upper_` has floating ones
   std::optional<Conducting> lower_;     ///< without dielectric targets, if there are others, too
+  std::shared_ptr<const PreparedFiles> files_;
   bool has_insulators_ = false;
   /// Estimated share that dielectric targets have of the change by conductors; none: there are none of them.
   std::optional<double> share_;

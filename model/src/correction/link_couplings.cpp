@@ -28,19 +28,22 @@ float limit_of(const ChargeFunctions& functions, std::size_t function, std::size
                             functions.radius(function));
 }
 
-/// Returns the level of a function's points beside the other group's bodies, of which `to_other` is the
-/// frame.
-std::size_t level_of(const ChargeFunctions& functions, std::size_t function, const Isometry3d& to_other,
-                     std::span<const AlignedBox3d> others) {
+}  // namespace
+
+std::size_t level_beside(const ChargeFunctions& functions, std::size_t function, const Isometry3d& to_other,
+                         std::span<const AlignedBox3d> others) {
   const Vector3d centre = to_other * functions.centre(function);
   double nearest = std::numeric_limits<double>::infinity();
   for (const AlignedBox3d& box : others)
     nearest = std::min(nearest, box.squaredExteriorDistance(centre));
-  const std::size_t level = functions.level(function, std::sqrt(nearest), true);
-  return functions.points(0).given.cols() > 0 ? std::max(level, ChargeFunctions::first_with_moments) : level;
+  return functions.level(function, std::sqrt(nearest), true);
 }
 
-}  // namespace
+bool keep_relative_pose(const Isometry3d& a, const Isometry3d& b) {
+  constexpr double rounding = 1e-12;
+  return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff() <=
+         rounding * (1 + b.translation().cwiseAbs().maxCoeff());
+}
 
 /// Places the points of functions in their own frame.
 void LinkCoupler::place(const ChargeFunctions& functions, const Isometry3d& to_other,
@@ -48,11 +51,8 @@ void LinkCoupler::place(const ChargeFunctions& functions, const Isometry3d& to_o
   levels_.clear();
   for (std::vector<float>* values : {&x_, &y_, &z_, &shares_, &limits_})
     values->clear();
-  given_.resize(static_cast<std::size_t>(functions.points(0).given.cols()));
-  for (std::vector<float>& charges : given_)
-    charges.clear();
   for (std::size_t function = 0; function < functions.count(); ++function) {
-    const std::size_t level = level_of(functions, function, to_other, others);
+    const std::size_t level = level_beside(functions, function, to_other, others);
     levels_.push_back(level);
     const FunctionPoints& points = functions.points(level);
     const std::size_t first = points.first[function], end = points.first[function + 1];
@@ -60,8 +60,6 @@ void LinkCoupler::place(const ChargeFunctions& functions, const Isometry3d& to_o
     for (std::size_t k = first; k < end; ++k) {
       x_.push_back(points.at[k].x()), y_.push_back(points.at[k].y()), z_.push_back(points.at[k].z());
       shares_.push_back(points.shares[k]);
-      for (std::size_t load = 0; load < given_.size(); ++load)
-        given_[load].push_back(points.given(static_cast<Index>(k), static_cast<Index>(load)));
     }
   }
   count_ = x_.size();
@@ -69,8 +67,6 @@ void LinkCoupler::place(const ChargeFunctions& functions, const Isometry3d& to_o
   for (std::vector<float>* coordinates : {&x_, &y_, &z_})
     coordinates->resize(padded, padded_coordinate);
   limits_.resize(padded, 1.0F);
-  for (std::vector<float>& charges : given_)
-    charges.resize(padded, 0.0F);
   potentials_.resize(padded);
 }
 
@@ -97,19 +93,15 @@ void LinkCoupler::limit(float row_limit, std::size_t rows) {
   }
 }
 
-/// Finds the potentials of the functions in the rows on those in the columns, and with the given charges of
-/// the columns.
-/// @param relative from the frame of the rows to that of the columns
-void LinkCoupler::sweep(const ChargeFunctions& rows, const ChargeFunctions& columns,
-                        const Isometry3d& relative, Eigen::MatrixXf& functions, Eigen::MatrixXf& given) {
+void LinkCoupler::couple(const ChargeFunctions& rows, const ChargeFunctions& columns,
+                         const Isometry3d& relative, Eigen::MatrixXf& functions) {
   const auto& kernels = best_kernels<NodeKernels>();
   place(columns, relative.inverse(Eigen::Isometry), rows.boxes());
   const auto padded = static_cast<std::ptrdiff_t>(potentials_.size());
   functions.resize(static_cast<Index>(columns.count()), static_cast<Index>(rows.count()));
-  given.resize(static_cast<Index>(rows.count()), static_cast<Index>(given_.size()));
   const Eigen::Isometry3f moved = relative.cast<float>();
   for (std::size_t function = 0; function < rows.count(); ++function) {
-    const std::size_t level = level_of(rows, function, relative, columns.boxes());
+    const std::size_t level = level_beside(rows, function, relative, columns.boxes());
     const FunctionPoints& points = rows.points(level);
     const std::size_t begin = points.first[function], count = points.first[function + 1] - begin;
     row_x_.clear(), row_y_.clear(), row_z_.clear();
@@ -130,26 +122,7 @@ void LinkCoupler::sweep(const ChargeFunctions& rows, const ChargeFunctions& colu
                   inverse_distances_.data() + static_cast<std::ptrdiff_t>(k) * padded, potentials_.data(),
                   padded);
     gather(columns, functions.col(static_cast<Index>(function)).data());
-    for (std::size_t load = 0; load < given_.size(); ++load)
-      given(static_cast<Index>(function), static_cast<Index>(load)) =
-          kernels.dot(potentials_.data(), given_[load].data(), padded);
   }
-}
-
-void LinkCoupler::couple(const ChargeFunctions& first, const ChargeFunctions& second,
-                         const Isometry3d& relative, LinkCoupling& coupling) {
-  coupling.relative = relative;
-  // Given charges are taken in the columns, where they are multiplied by the potentials of whole functions.
-  if (first.points(0).given.cols() == 0) {
-    sweep(first, second, relative, coupling.functions, coupling.given_second);
-    coupling.given_first.resize(static_cast<Index>(second.count()), 0);
-    return;
-  }
-  sweep(second, first, relative.inverse(Eigen::Isometry), transposed_, coupling.given_first);
-  coupling.functions = transposed_.transpose();
-  coupling.given_second.resize(static_cast<Index>(first.count()), 0);
-  if (second.points(0).given.cols() > 0)
-    sweep(first, second, relative, transposed_, coupling.given_second);
 }
 
 }  // namespace fringe::detail

@@ -20,29 +20,34 @@ struct LinkCoupling {
   Eigen::MatrixXf given_second;  ///< of the second one's given charges (columns) on the first one's functions
 };
 
+/// Returns the level of a function's points beside the other group's bodies, of which `to_other` is the
+/// frame.
+std::size_t level_beside(const ChargeFunctions& functions, std::size_t function,
+                         const Eigen::Isometry3d& to_other, std::span<const Eigen::AlignedBox3d> others);
+
+/// Tells whether a relative pose is the same up to rounding.
+bool keep_relative_pose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
+
 /// Evaluates couplings, with arrays that are used again. Charges are points, the finer the nearer the other
 /// group is. Points that are closer than their parts of the surface are large count as spheres of the parts'
 /// own potential: surfaces of two links of one conductor may cross at a joint.
 class LinkCoupler {
  public:
-  /// Evaluates the coupling of two groups in a pose.
+  /// Finds the potentials of the functions of one group (columns) on those of another (rows).
+  /// @param relative from the frame of the first group to that of the second
   void couple(const ChargeFunctions& first, const ChargeFunctions& second, const Eigen::Isometry3d& relative,
-              LinkCoupling& coupling);
+              Eigen::MatrixXf& functions);
 
  private:
   void place(const ChargeFunctions& functions, const Eigen::Isometry3d& to_other,
              std::span<const Eigen::AlignedBox3d> others);
   void gather(const ChargeFunctions& functions, float* of_functions) const;
-  void sweep(const ChargeFunctions& rows, const ChargeFunctions& columns, const Eigen::Isometry3d& relative,
-             Eigen::MatrixXf& functions, Eigen::MatrixXf& given);
   void limit(float row_limit, std::size_t rows);
 
   std::vector<std::size_t> levels_;  ///< of the placed functions
   std::vector<float> x_, y_, z_, shares_, limits_;
-  std::vector<std::vector<float>> given_;
   std::size_t count_ = 0;
   std::vector<float> row_x_, row_y_, row_z_, inverse_distances_, potentials_;
-  Eigen::MatrixXf transposed_;
 };
 
 }  // namespace fringe::detail

@@ -24,13 +24,6 @@ constexpr double safety_of_links = 4;
 /// precision.
 constexpr float least_ridge = 1e-6F;
 
-/// Tells whether a relative pose is the same up to rounding.
-bool keep_pose(const Isometry3d& a, const Isometry3d& b) {
-  constexpr double rounding = 1e-12;
-  return (a.matrix() - b.matrix()).cwiseAbs().maxCoeff() <=
-         rounding * (1 + b.translation().cwiseAbs().maxCoeff());
-}
-
 /// Factorises a symmetric matrix in place, with so much on its diagonal that it is positive definite.
 void factorise_in_place(MatrixXf& matrix) {
   float ridge = least_ridge;
@@ -64,7 +57,7 @@ double MovingFormula::nearness(const MovingMachine& machine, const TargetAtRest&
 }
 
 /// Evaluates the couplings of what has moved against each other.
-void MovingFormula::couple(const MovingMachine& machine, const TargetAtRest& target,
+void MovingFormula::couple(const MovingMachine& machine, const LinkTables& tables, const TargetAtRest& target,
                            const std::vector<Isometry3d>& links, const Isometry3d& frame) {
   const std::size_t count = links.size();
   const bool is_first = between_links_.empty() && with_target_.empty();
@@ -74,13 +67,23 @@ void MovingFormula::couple(const MovingMachine& machine, const TargetAtRest& tar
   for (std::size_t a = 0; a < count; ++a) {
     const ChargeFunctions& functions = machine.links()[a].functions();
     for (std::size_t b = a + 1; b < count; ++b, ++pair) {
+      LinkCoupling& coupling = between_links_[pair];
       const Isometry3d relative = links[b].inverse(Eigen::Isometry) * links[a];
-      if (is_first || !keep_pose(between_links_[pair].relative, relative))
-        coupler_.couple(functions, machine.links()[b].functions(), relative, between_links_[pair]);
+      if (!is_first && keep_relative_pose(coupling.relative, relative))
+        continue;
+      const ChargeFunctions& others = machine.links()[b].functions();
+      coupling.relative = relative;
+      coupler_.couple(functions, others, relative, coupling.functions);
+      tables.of(a).write(others, relative.inverse(Eigen::Isometry), coupling.given_first);
+      tables.of(b).write(functions, relative, coupling.given_second);
     }
+    LinkCoupling& coupling = with_target_[a];
     const Isometry3d relative = links[a].inverse(Eigen::Isometry) * frame;
-    if (is_first || !keep_pose(with_target_[a].relative, relative))
-      coupler_.couple(target.functions(), functions, relative, with_target_[a]);
+    if (!is_first && keep_relative_pose(coupling.relative, relative))
+      continue;
+    coupling.relative = relative;
+    coupler_.couple(target.functions(), functions, relative, coupling.functions);
+    tables.of(a).write(target.functions(), relative, coupling.given_second);
   }
 }
 
@@ -173,11 +176,10 @@ MatrixXf MovingFormula::charges(MatrixXf solved, const MatrixXf& on_floating) co
   return answers_.scales.asDiagonal() * solved;
 }
 
-const std::vector<CompanyFormula::Change>& MovingFormula::solved(const MovingMachine& machine,
-                                                                 const TargetAtRest& target,
-                                                                 const std::vector<Isometry3d>& links,
-                                                                 const Isometry3d& frame) {
-  couple(machine, target, links, frame);
+const std::vector<CompanyFormula::Change>&
+MovingFormula::solved(const MovingMachine& machine, const LinkTables& tables, const TargetAtRest& target,
+                      const std::vector<Isometry3d>& links, const Isometry3d& frame) {
+  couple(machine, tables, target, links, frame);
   assemble(machine, target);
   factorise(machine);
   const Index loads = machine.loads(), functions = index_of(target.functions().count()),

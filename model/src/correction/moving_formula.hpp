@@ -6,6 +6,7 @@
 
 #include "correction/company.hpp"
 #include "correction/link_couplings.hpp"
+#include "correction/link_tables.hpp"
 #include "correction/moving_machine.hpp"
 
 namespace fringe::detail {
@@ -17,9 +18,11 @@ class MovingFormula {
  public:
   /// Returns the changes of all readings in m, to be multiplied by 4πε, and the errors stated.
   ///
+  /// @param tables with what is met in these poses
   /// @param links the poses of the links' frames
   /// @param frame the pose of the targets' frame
-  const std::vector<CompanyFormula::Change>& solved(const MovingMachine& machine, const TargetAtRest& target,
+  const std::vector<CompanyFormula::Change>& solved(const MovingMachine& machine, const LinkTables& tables,
+                                                    const TargetAtRest& target,
                                                     const std::vector<Eigen::Isometry3d>& links,
                                                     const Eigen::Isometry3d& frame);
 
@@ -38,7 +41,7 @@ class MovingFormula {
     Eigen::MatrixXf floating_block;  ///< the factor of the matrix of their net charges
   };
 
-  void couple(const MovingMachine& machine, const TargetAtRest& target,
+  void couple(const MovingMachine& machine, const LinkTables& tables, const TargetAtRest& target,
               const std::vector<Eigen::Isometry3d>& links, const Eigen::Isometry3d& frame);
   void assemble(const MovingMachine& machine, const TargetAtRest& target);
   void factorise(const MovingMachine& machine);

@@ -8,7 +8,9 @@
 
 #include "bem/readings.hpp"
 #include "correction/company_parts.hpp"
+#include "correction/prepared_parts.hpp"
 #include "numeric/parallel.hpp"
+#include "numeric/progress.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -130,7 +132,7 @@ MachineLink::MachineLink(const ConductorsAtRest& conductors, const std::vector<C
 
 MovingMachine::MovingMachine(std::vector<ChargedBodies> links, const std::vector<Reading>& readings,
                              const std::vector<std::vector<Isometry3d>>& poses, double rtol,
-                             std::size_t threads) {
+                             std::size_t threads, const PreparedFiles* files) {
   std::vector<std::string> names;
   for (const ChargedBodies& bodies : links)
     for (const std::string& name : drivable_conductors(bodies))
@@ -156,8 +158,16 @@ MovingMachine::MovingMachine(std::vector<ChargedBodies> links, const std::vector
     frames.reserve(poses.size());
     for (const std::vector<Isometry3d>& pose : poses)
       frames.push_back(pose[k]);
-    made[k].emplace(links[k], charged_[k], potentials, approach(frames, poses, k),
-                    resolution_of(!used_[k].empty(), rtol, 1));
+    const Approach nearness = approach(frames, poses, k);
+    const CompanyResolution resolution = resolution_of(!used_[k].empty(), rtol, 1);
+    MachineLink link;
+    const ProgressPart part("link " + std::to_string(k + 1) + " of " + std::to_string(links.size()));
+    read_or_prepare(files, "link",
+                    bytes_of_bodies(links[k]) + bytes_of_readings(charged_[k]) +
+                        bytes_of(potentials, nearness, resolution),
+                    link,
+                    [&] { link = MachineLink(links[k], charged_[k], potentials, nearness, resolution); });
+    made[k] = std::move(link);
   });
   for (std::optional<MachineLink>& link : made)
     links_.push_back(std::move(*link));

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "correction/company.hpp"
+#include "io/prepared_files.hpp"
 
 /// The formula in company for machines whose links move against each other (model/CORRECTIONS.md, section 8,
 /// "Links that move").
@@ -15,6 +16,8 @@ namespace fringe::detail {
 /// loads with the rest of the machine absent, and functions for all that other charges displace on them.
 class MachineLink {
  public:
+  /// Prepares nothing, for an archive that has the link.
+  MachineLink() = default;
   /// Prepares bodies, joined, in a frame of their own.
   /// @param readings by the potentials of the bodies' conductors
   /// @param loads potentials of these conductors (rows) for all loads of the machine (columns)
@@ -37,12 +40,18 @@ class MachineLink {
   double excess() const { return excess_; }
   std::size_t panels() const { return functions_.panels().corners.size(); }
 
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.loads_, self.excess_, self.functions_, self.net_, self.to_ground_, self.coarse_,
+            self.energies_);
+  }
+
  private:
   MachineLink(const ConductorsAtRest& conductors, const std::vector<ChargedReading>& readings,
               const Eigen::MatrixXd& loads, const Approach& approach, const CompanyResolution& resolution);
 
   std::vector<Eigen::Index> loads_;
-  double excess_;
+  double excess_ = 0;
   ChargeFunctions functions_;
   Eigen::MatrixXf net_;
   Eigen::VectorXd to_ground_;
@@ -56,9 +65,11 @@ class MovingMachine {
   /// Prepares the links' bodies, joined, each in its own frame. No conductor that floats has bodies on two of
   /// them.
   /// @param poses the poses of the links' frames, for each of some poses of the motion
+  /// @param files that keep the links; may be null
   /// @throws InputError for a reading of what is neither a sensor nor an electrode.
   MovingMachine(std::vector<ChargedBodies> links, const std::vector<Reading>& readings,
-                const std::vector<std::vector<Eigen::Isometry3d>>& poses, double rtol, std::size_t threads);
+                const std::vector<std::vector<Eigen::Isometry3d>>& poses, double rtol, std::size_t threads,
+                const PreparedFiles* files = nullptr);
 
   const std::vector<MachineLink>& links() const { return links_; }
   const std::vector<MachineAtRest::OfReading>& readings() const { return readings_; }

@@ -11,6 +11,7 @@
 #include "fringe/reading.hpp"
 #include "numeric/infinity.hpp"
 #include "numeric/parallel.hpp"
+#include "numeric/progress.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -20,12 +21,6 @@ using Eigen::Isometry3d;
 
 /// Number of poses that one thread answers in turn, with the same couplings.
 constexpr std::size_t poses_together = 8;
-
-/// Ratio to the largest prepared nearness beyond which the target is prepared again.
-constexpr double much_nearer = 1.5;
-
-/// Ratio of a function's radius to its distance below which the functions are fine enough.
-constexpr double near_enough = 0.5;
 
 /// Tells whether parts of the machine are on links that move against each other.
 bool moves(const Scene& scene, const LinkMotion& motion) {
@@ -136,7 +131,8 @@ void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses
     std::vector<ChargedBodies> bodies;
     for (const Group& link : links_)
       bodies.push_back(link.bodies);
-    machine_.emplace(std::move(bodies), readings_, of_links, rtol, threads);
+    machine_.emplace(std::move(bodies), readings_, of_links, rtol, threads, files_.get());
+    tables_.reset();
     target_.reset();
   }
   const bool is_known =
@@ -148,14 +144,33 @@ void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses
                             });
   if (is_known)
     return;
-  target_.emplace(target_group_->bodies, target_resolution(rtol),
-                  machine_->approach(of_target, of_links, MovingMachine::none));
+  const Approach approach = machine_->approach(of_target, of_links, MovingMachine::none);
+  const ProgressPart part("targets");
+  TargetAtRest target;
+  read_or_prepare(
+      files_.get(), "targets",
+      bytes_of_bodies(target_group_->bodies) + bytes_of(target_resolution(rtol), std::optional(approach)),
+      target, [&] { target = TargetAtRest(target_group_->bodies, target_resolution(rtol), approach); });
+  target_ = std::move(target);
   approach_ = poses;
   prepared_nearness_ = 0;
   for (const Poses& pose : poses)
     prepared_nearness_ =
         std::max(prepared_nearness_, MovingFormula::nearness(*machine_, *target_, pose.links, pose.target));
   formula_ = MovingFormula();
+}
+
+/// Tabulates the links where targets and other links are in some poses.
+void MovingReadings::tabulate(const std::vector<Poses>& poses, std::size_t threads) {
+  std::vector<std::vector<Isometry3d>> links;
+  std::vector<Isometry3d> frames;
+  for (const Poses& pose : poses) {
+    links.push_back(pose.links);
+    frames.push_back(pose.target);
+  }
+  if (!tables_)
+    tables_.emplace(*machine_, *target_);
+  tables_->extend(*machine_, *target_, links, frames, threads);
 }
 
 /// Refuses contact between bodies of links that move against each other and may have different potentials.
@@ -183,7 +198,7 @@ void MovingReadings::refuse_contacts(const Poses& pose) const {
 void MovingReadings::write_pose(MovingFormula& formula, const Poses& pose,
                                 std::vector<ReadingAnswer>& answers) const {
   const std::vector<CompanyFormula::Change>& changes =
-      formula.solved(*machine_, *target_, pose.links, pose.target);
+      formula.solved(*machine_, *tables_, *target_, pose.links, pose.target);
   answers.assign(changes.size(), {});
   std::vector<TargetContacts> touching;
   for (std::size_t link = 0; link < links_.size(); ++link)
@@ -247,6 +262,7 @@ MovingReadings::write_frames(const Scene& scene, std::size_t frames,
   for (const Poses& each : poses)
     refuse_contacts(each);
   prepare(scene, poses, rtol, threads);
+  tabulate(poses, threads);
   std::vector<std::vector<ReadingAnswer>> answers(frames);
   write_pose(formula_, poses.front(), answers.front());
   parallel_for((frames + poses_together - 1) / poses_together, threads, [&](std::size_t part) {
@@ -272,12 +288,14 @@ bool MovingReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answe
   refuse_contacts(pose);
   if (!target_ || rtol_ != rtol)
     prepare(scene, {pose}, rtol, 1);
+  tabulate({pose}, 1);
   write_pose(formula_, pose, answers);
   const double nearness = MovingFormula::nearness(*machine_, *target_, pose.links, pose.target);
-  if (nearness > much_nearer * std::max(prepared_nearness_, near_enough) && !are_within(answers, rtol)) {
+  if (is_much_nearer(nearness, prepared_nearness_) && !are_within(answers, rtol)) {
     std::vector<Poses> approach = approach_;
     approach.push_back(pose);
     prepare(scene, approach, rtol, 1);
+    tabulate({pose}, 1);
     write_pose(formula_, pose, answers);
   }
   return true;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -11,6 +12,7 @@
 #include "correction/company.hpp"
 #include "correction/moving_formula.hpp"
 #include "correction/moving_machine.hpp"
+#include "correction/prepared_parts.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 #include "geometry/link_motion.hpp"
@@ -23,6 +25,9 @@ class MovingReadings {
  public:
   /// Prepares nothing yet; the scene's links have the poses given.
   explicit MovingReadings(std::shared_ptr<LinkPoses> poses);
+
+  /// Keeps what is prepared in files from now on; null: in none.
+  void keep_in(std::shared_ptr<const PreparedFiles> files) { files_ = std::move(files); }
 
   /// Returns the readings in so many frames of a motion; none if no links of the machine move against each
   /// other, or if the targets do, or if a floating conductor has bodies on links that do. The same bits for
@@ -55,15 +60,18 @@ class MovingReadings {
   bool keeps_groups() const;
   Poses poses() const;
   void prepare(const Scene& scene, const std::vector<Poses>& poses, double rtol, std::size_t threads);
+  void tabulate(const std::vector<Poses>& poses, std::size_t threads);
   void write_pose(MovingFormula& formula, const Poses& pose, std::vector<ReadingAnswer>& answers) const;
   void refuse_contacts(const Poses& pose) const;
 
   std::shared_ptr<LinkPoses> poses_;
+  std::shared_ptr<const PreparedFiles> files_;
   LinkMotion motion_;  ///< settled when the groups were found
   std::vector<Group> links_;
   std::optional<Group> target_group_;
   std::optional<double> rtol_;  ///< that machine and target are prepared for
   std::optional<MovingMachine> machine_;
+  std::optional<LinkTables> tables_;  ///< of the machine's links
   std::optional<TargetAtRest> target_;
   std::vector<Poses> approach_;  ///< poses that the target is prepared for
   double prepared_nearness_ = 0;

@@ -2,15 +2,19 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
 #include <limits>
 #include <optional>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "bem/panel.hpp"
 #include "bem/panel_pair.hpp"
 #include "numeric/parallel.hpp"
+#include "numeric/progress.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {
@@ -30,6 +34,9 @@ constexpr std::size_t first_level = ChargeFunctions::first_with_moments;
 
 /// Distance from a panel's centre, over its radius, beyond which it counts as a point.
 constexpr double far = 6;
+
+/// Number of groups of points from which on it is worth showing how far they are: some seconds.
+constexpr std::size_t groups_with_progress = 40;
 
 /// Bits of a coordinate's number in the Z-order, three of which fill a word.
 constexpr unsigned order_bits = 21;
@@ -114,7 +121,11 @@ OutsidePotentials::Values OutsidePotentials::at(std::span<const Vector3d> points
   Values values{TrianglePotentials(count, given()), TrianglePotentials(count, columns)};
   const std::vector<std::size_t> order = along_curve(points);
   constexpr std::size_t in_group = 16 * block;
-  parallel_for((points.size() + in_group - 1) / in_group, threads, [&](std::size_t group) {
+  const std::size_t groups = (points.size() + in_group - 1) / in_group;
+  std::atomic<std::size_t> begun = 0;
+  parallel_for(groups, threads, [&](std::size_t group) {
+    if (groups >= groups_with_progress)
+      show_progress(fmt::format("{} of {} points", in_group * begun++, points.size()));
     Scratch scratch;
     std::vector<Vector3d> some;
     const std::size_t end = std::min(points.size(), (group + 1) * in_group);

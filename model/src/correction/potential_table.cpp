@@ -110,6 +110,15 @@ void PotentialTable::clear() {
   values_.clear();
 }
 
+std::vector<PotentialTable::Entry> PotentialTable::entries() const {
+  std::vector<Entry> result;
+  result.reserve(places_.size());
+  for (const auto& [key, cell] : places_)
+    result.push_back({key, cell});
+  std::sort(result.begin(), result.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
+  return result;
+}
+
 std::vector<Vector3d> PotentialTable::centres() const {
   std::vector<Vector3d> result;
   result.reserve(cells_.size());
@@ -129,7 +138,7 @@ void PotentialTable::fill(const Eigen::MatrixXf& charges, std::size_t threads) {
       points.emplace_back(cell.centre + cell.half * Vector3d(chebyshev_node(k % per_side),
                                                              chebyshev_node(k / per_side % per_side),
                                                              chebyshev_node(k / (per_side * per_side))));
-  const OutsidePotentials::Values values = potentials_.at(points, true, &charges, threads);
+  const OutsidePotentials::Values values = potentials_.at(points, charges.cols() > 0, &charges, threads);
   const Index given = values.of_given.cols();
   width_ = static_cast<std::size_t>(whole_blocks(given + charges.cols()));
   values_.resize(cells_.size() * nodes * width_, 0.0F);

@@ -53,12 +53,43 @@ class PotentialTable {
   /// Returns the number of values at a node, filled up to a whole block.
   std::size_t width() const { return width_; }
 
+  template <typename Archive>
+  static void describe(Archive& archive, const PotentialTable& self) {
+    archive(self.entries(), self.cells_, self.values_, self.width_);
+  }
+  template <typename Archive>
+  static void describe(Archive& archive, PotentialTable& self) {
+    std::vector<Entry> entries;
+    archive(entries, self.cells_, self.values_, self.width_);
+    self.places_.clear();
+    for (const Entry& entry : entries)
+      self.places_.emplace(entry.key, entry.cell);
+  }
+
  private:
   struct Cell {
     Eigen::Vector3d centre;
     double half;
+
+    template <typename Archive, typename Self>
+    static void describe(Archive& archive, Self& self) {
+      archive(self.centre, self.half);
+    }
   };
 
+  /// An entry of places_.
+  struct Entry {
+    std::uint64_t key;
+    std::int64_t cell;
+
+    template <typename Archive, typename Self>
+    static void describe(Archive& archive, Self& self) {
+      archive(self.key, self.cell);
+    }
+  };
+
+  /// Returns the entries of places_ in the order of their keys.
+  std::vector<Entry> entries() const;
   static std::uint64_t key(const Eigen::Vector3d& point, unsigned level, double side);
 
   const OutsidePotentials& potentials_;

@@ -57,39 +57,6 @@ double side_of_cells(const TargetAtRest& target) {
   return largest_cell_size * box.diagonal().norm();
 }
 
-/// Solves a symmetric system by Cholesky's method, without the directions that depend on those before, up to
-/// the rounding of single precision.
-MatrixXd solved_without_dependent(const MatrixXd& form, const MatrixXd& right) {
-  /// Part of a direction's energy that rounding may leave.
-  constexpr double rounding = 1e-6;
-  const Index count = form.rows();
-  MatrixXd factor = MatrixXd::Zero(count, count), result = right;
-  for (Index k = 0; k < count; ++k) {
-    const double pivot = form(k, k) - factor.row(k).head(k).squaredNorm();
-    if (!(pivot > rounding * form(k, k))) {
-      factor.row(k).setZero();
-      continue;
-    }
-    factor(k, k) = std::sqrt(pivot);
-    const Index below = count - k - 1;
-    factor.col(k).tail(below) =
-        (form.col(k).tail(below) - factor.bottomLeftCorner(below, k) * factor.row(k).head(k).transpose()) /
-        factor(k, k);
-  }
-  for (Index k = 0; k < count; ++k)
-    if (factor(k, k) > 0)
-      result.row(k) = (result.row(k) - factor.row(k).head(k) * result.topRows(k)) / factor(k, k);
-    else
-      result.row(k).setZero();
-  for (Index k = count - 1; k >= 0; --k)
-    if (factor(k, k) > 0) {
-      const Index below = count - k - 1;
-      result.row(k) =
-          (result.row(k) - factor.col(k).tail(below).transpose() * result.bottomRows(below)) / factor(k, k);
-    }
-  return result;
-}
-
 }  // namespace
 
 TabulatedMachine::TabulatedMachine(const MachineAtRest& machine, const TargetAtRest& target)
@@ -131,6 +98,7 @@ void TabulatedMachine::extend(const TargetAtRest& target, std::span<const Isomet
 const std::vector<CompanyFormula::Change>& TabulatedFormula::solved(const TabulatedMachine& machine,
                                                                     const TargetAtRest& target,
                                                                     const Isometry3d& pose, double rtol) {
+  prepare(machine, target);
   find_potentials(machine, target, pose);
   start(machine, target);
   const auto functions = static_cast<std::ptrdiff_t>(target.functions().count());
@@ -151,11 +119,13 @@ const std::vector<CompanyFormula::Change>& TabulatedFormula::solved(const Tabula
       break;
     for (std::size_t k = 0; k < solved_.size(); ++k)
       before_[k] = solved_[k].value;
-    const MatrixXf residual =
-        right_ - images_.topLeftCorner(right_.rows(), count_) * coefficients_.cast<float>();
+    auto chosen = chosen_.topRows(count_);
+    chosen = coefficients_.topRows(count_).cast<float>();
+    residual_.noalias() = images_.topLeftCorner(right_.rows(), count_) * chosen;
+    residual_ = right_ - residual_;
     const Index first = count_;
     for (Index load = 0; load < right_.cols(); ++load) {
-      own_.col(count_).head(right_.rows()) = residual.col(load);
+      own_.col(count_).head(right_.rows()) = residual_.col(load);
       kernels.multiply(target.inverse().data(), functions, own_.col(count_).data(),
                        charges_.col(count_).data());
       add_direction(machine);
@@ -166,16 +136,51 @@ const std::vector<CompanyFormula::Change>& TabulatedFormula::solved(const Tabula
   return solved_;
 }
 
+/// Gives all arrays the sizes that the machine and the targets may need.
+void TabulatedFormula::prepare(const TabulatedMachine& machine, const TargetAtRest& target) {
+  constexpr std::size_t most_points = ChargeFunctions::points_per_function.back();
+  const Index functions = index_of(target.functions().count()), loads = machine.machine().loads(),
+              floating = index_of(target.floating().size()), sides = loads + floating,
+              width = whole_blocks(machine.machine().given() + machine.modes().charges.cols()),
+              most = target.conductors() + loads + (most_charge_steps - 1) * sides,
+              padded = whole_blocks(functions) + node_block;
+  loads_ = loads;
+  seen_.resize(functions, width);
+  none_.assign(static_cast<std::size_t>(width), 0.0F);
+  sums_.resize(none_.size());
+  of_modes_.resize(none_.size());
+  of_rows_.resize(std::max(target.functions().count(), PotentialTable::nodes));
+  outside_.reserve(most_points);
+  cells_.reserve(most_points);
+  weights_.resize(most_points);
+  right_.resize(functions, sides);
+  residual_.resize(functions, sides);
+  if (charges_.rows() != padded || charges_.cols() != most)
+    for (MatrixXf* matrix : {&charges_, &own_, &images_})
+      matrix->setZero(padded, most);
+  moments_.resize(most, width);
+  form_.resize(most, most);
+  factor_.resize(most, most);
+  column_.resize(most);
+  energies_.resize(most, most);
+  for (MatrixXd* matrix : {&sides_, &coefficients_})
+    matrix->resize(most, sides);
+  chosen_.resize(most, sides);
+  charged_.resize(most, loads);
+  changes_.resize(loads, loads);
+  block_.resize(floating, floating);
+  answered_.resize(floating, loads);
+  before_.reserve(machine.machine().readings().size());
+  solved_.reserve(before_.capacity());
+}
+
 /// Finds the potentials of everything that is tabulated on each function of the target.
 void TabulatedFormula::find_potentials(const TabulatedMachine& machine, const TargetAtRest& target,
                                        const Isometry3d& pose) {
   const PotentialTable& table = machine.table();
   const auto& kernels = best_kernels<NodeKernels>();
-  const Index width = whole_blocks(machine.machine().given() + machine.modes().charges.cols());
-  seen_.setZero(index_of(target.functions().count()), width);
-  none_.assign(static_cast<std::size_t>(width), 0.0F);
-  sums_.resize(none_.size());
-  of_rows_.resize(std::max(target.functions().count(), PotentialTable::nodes));
+  const Index width = seen_.cols();
+  seen_.setZero();
   outside_.clear();
   cells_.clear();
   std::size_t current = 0, in_cell = 0;
@@ -202,7 +207,6 @@ void TabulatedFormula::find_potentials(const TabulatedMachine& machine, const Ta
       in_cell = static_cast<std::size_t>(std::find(cells_.begin(), cells_.end(), *cell) - cells_.begin());
       if (in_cell == cells_.size()) {
         cells_.push_back(*cell);
-        weights_.resize(std::max(weights_.size(), cells_.size()));
         weights_[in_cell].fill(0);
       }
     }
@@ -231,21 +235,11 @@ void TabulatedFormula::find_outside(const TabulatedMachine& machine) {
 /// Begins with the charges of the target's conductors at unit potentials and those that the loads displace.
 void TabulatedFormula::start(const TabulatedMachine& machine, const TargetAtRest& target) {
   const auto& kernels = best_kernels<NodeKernels>();
-  const Index functions = seen_.rows(), padded = whole_blocks(functions) + node_block,
-              floating = index_of(target.floating().size());
-  loads_ = machine.machine().loads();
-  right_.resize(functions, loads_ + floating);
+  const Index functions = seen_.rows(), floating = index_of(target.floating().size());
   right_.leftCols(loads_) = seen_.leftCols(loads_);
   for (Index k = 0; k < floating; ++k)
     right_.col(loads_ + k) = target.net().col(target.floating()[static_cast<std::size_t>(k)]).cast<float>();
-  const Index most = target.conductors() + loads_ + (most_charge_steps - 1) * right_.cols();
-  if (charges_.rows() != padded || charges_.cols() < most) {
-    for (MatrixXf* matrix : {&charges_, &own_, &images_})
-      matrix->setZero(padded, most);
-    form_.resize(most, most);
-    sides_.resize(most, right_.cols());
-  }
-  moments_.setZero(most, seen_.cols());
+  moments_.setZero();
   count_ = 0;
   for (Index k = 0; k < target.conductors(); ++k) {
     charges_.col(count_).head(functions) = target.equilibrium().col(k).cast<float>();
@@ -268,7 +262,7 @@ void TabulatedFormula::add_direction(const TabulatedMachine& machine) {
   const NodeMatrix seen{seen_.data(), functions, width};
   float* const moments = moments_.row(count_).data();
   kernels.apply(seen, charges_.col(count_).data(), none_.data(), of_rows_.data(), moments);
-  of_modes_.assign(moments, moments + width);
+  std::copy(moments, moments + width, of_modes_.begin());
   std::fill(of_modes_.begin(), of_modes_.begin() + given, 0.0F);
   kernels.apply(seen, charges_.col(count_).data(), of_modes_.data(), of_rows_.data(), sums_.data());
   images_.col(count_).head(functions) =
@@ -283,54 +277,97 @@ void TabulatedFormula::add_direction(const TabulatedMachine& machine) {
 /// Adds the energies of the directions from `before` on.
 void TabulatedFormula::extend_form(Index before) {
   const Index functions = seen_.rows();
-  const MatrixXf energies = charges_.topLeftCorner(functions, count_).transpose() *
-                            images_.block(0, before, functions, count_ - before);
+  auto energies = energies_.topLeftCorner(count_, count_ - before);
+  energies.noalias() = charges_.topLeftCorner(functions, count_).transpose() *
+                       images_.block(0, before, functions, count_ - before);
   form_.block(0, before, count_, count_ - before) = energies.cast<double>();
   form_.block(before, 0, count_ - before, before) =
       form_.block(0, before, before, count_ - before).transpose();
 }
 
+/// Solves the form for the coefficients by Cholesky's method, without the directions that depend on those
+/// before, up to the rounding of single precision.
+void TabulatedFormula::solve_coefficients() {
+  /// Part of a direction's energy that rounding may leave.
+  constexpr double rounding = 1e-6;
+  const Index sides = right_.cols();
+  auto factor = factor_.topLeftCorner(count_, count_);
+  auto result = coefficients_.topRows(count_);
+  factor.setZero();
+  result = sides_.topRows(count_);
+  for (Index k = 0; k < count_; ++k) {
+    const double pivot = form_(k, k) - factor.row(k).head(k).squaredNorm();
+    if (!(pivot > rounding * form_(k, k))) {
+      factor.row(k).setZero();
+      continue;
+    }
+    factor(k, k) = std::sqrt(pivot);
+    const Index below = count_ - k - 1;
+    auto product = column_.head(below);
+    product.noalias() = factor.bottomLeftCorner(below, k) * factor.row(k).head(k).transpose();
+    factor.col(k).tail(below) = (form_.col(k).segment(k + 1, below) - product) / factor(k, k);
+  }
+  for (Index k = 0; k < count_; ++k)
+    for (Index side = 0; side < sides; ++side)
+      result(k, side) =
+          factor(k, k) > 0
+              ? (result(k, side) - factor.row(k).head(k).dot(result.col(side).head(k))) / factor(k, k)
+              : 0;
+  for (Index k = count_ - 1; k >= 0; --k) {
+    const Index below = count_ - k - 1;
+    for (Index side = 0; side < sides && factor(k, k) > 0; ++side)
+      result(k, side) =
+          (result(k, side) - factor.col(k).tail(below).dot(result.col(side).tail(below))) / factor(k, k);
+  }
+}
+
 /// Minimises the energy in the directions, with the net charges that floating targets may have.
 void TabulatedFormula::solve_form(const TargetAtRest& target) {
-  coefficients_ = solved_without_dependent(form_.topLeftCorner(count_, count_), sides_.topRows(count_));
-  changes_ = sides_.topLeftCorner(count_, loads_).transpose() * coefficients_.leftCols(loads_);
-  charged_ = coefficients_.leftCols(loads_);
+  solve_coefficients();
   const Index floating = right_.cols() - loads_;
-  if (floating == 0)
-    return;
-  // The net charge of what floats is that of its capacitance to the ground.
-  const MatrixXd net = sides_.topRows(count_).rightCols(floating);
-  MatrixXd block = net.transpose() * coefficients_.rightCols(floating);
-  block.diagonal() += target.to_ground();
-  charged_ -=
-      coefficients_.rightCols(floating) * block.llt().solve(net.transpose() * coefficients_.leftCols(loads_));
-  changes_ = sides_.topLeftCorner(count_, loads_).transpose() * charged_;
+  auto charged = charged_.topRows(count_);
+  charged = coefficients_.topLeftCorner(count_, loads_);
+  if (floating > 0) {
+    // The net charge of what floats is that of its capacitance to the ground.
+    const auto net = sides_.topRows(count_).rightCols(floating);
+    block_.noalias() = net.transpose() * coefficients_.topRows(count_).rightCols(floating);
+    block_.diagonal() += target.to_ground();
+    block_factor_.compute(block_);
+    answered_.noalias() = net.transpose() * charged;
+    block_factor_.solveInPlace(answered_);
+    charged.noalias() -= coefficients_.topRows(count_).rightCols(floating) * answered_;
+  }
+  changes_.noalias() = sides_.topLeftCorner(count_, loads_).transpose() * charged;
 }
 
 void TabulatedFormula::state_errors(const TabulatedMachine& machine, const TargetAtRest& target,
                                     double nearness) {
   const Index functions = seen_.rows(), given = machine.machine().given(),
               modes = machine.modes().charges.cols();
-  const MatrixXf chosen = charged_.cast<float>();
-  const MatrixXd lacking = target.coarse().defects(charges_.topLeftCorner(functions, count_) * chosen,
-                                                   own_.topLeftCorner(functions, count_) * chosen);
+  auto chosen = chosen_.topLeftCorner(count_, loads_);
+  chosen = charged_.topRows(count_).cast<float>();
+  on_target_.noalias() = charges_.topLeftCorner(functions, count_) * chosen;
+  potentials_.noalias() = own_.topLeftCorner(functions, count_) * chosen;
+  target.coarse().find_defects(on_target_, potentials_, lacking_);
   // The moments with everything tabulated, a column for each load.
-  const MatrixXf moments = moments_.topRows(count_).transpose() * chosen;
-  const auto of_modes = moments.middleRows(given, modes);
+  all_moments_.noalias() = moments_.topRows(count_).transpose() * chosen;
+  const auto of_modes = all_moments_.middleRows(given, modes);
   const auto last = of_modes.bottomRows(modes / 4);
-  const MatrixXd unanswered =
-      (of_modes.transpose() * (machine.modes().missing * of_modes) + last.transpose() * last).cast<double>();
+  answers_.noalias() = machine.modes().missing * of_modes;
+  unanswered_.noalias() = of_modes.transpose() * answers_;
+  unanswered_.noalias() += last.transpose() * last;
   // The error of the given potentials is estimated by what fewer panels lack, and more where the panels are
   // too few to tell how fast it falls.
-  const MatrixXf shifts = moments.middleRows(loads_, loads_).transpose() *
-                          static_cast<float>(std::sqrt(std::max(machine.machine().excess(), 1.0)));
+  shifts_ = all_moments_.middleRows(loads_, loads_).transpose() *
+            static_cast<float>(std::sqrt(std::max(machine.machine().excess(), 1.0)));
   for (std::size_t k = 0; k < solved_.size(); ++k) {
     const auto [sense, drive, sign] = machine.machine().readings()[k];
-    const auto part = [s = sense, d = drive](const MatrixXd& defects) {
-      return std::sqrt(std::max(defects(s, s), 0.0) * std::max(defects(d, d), 0.0));
+    const auto part = [s = sense, d = drive](const auto& defects) {
+      const double of_sense = defects(s, s), of_drive = defects(d, d);
+      return std::sqrt(std::max(of_sense, 0.0) * std::max(of_drive, 0.0));
     };
-    const double parts = solved_[k].error + part(lacking) + part(unanswered) +
-                         std::abs(shifts(sense, drive)) + std::abs(shifts(drive, sense)) +
+    const double parts = solved_[k].error + part(lacking_.defects) + part(unanswered_) +
+                         std::abs(shifts_(sense, drive)) + std::abs(shifts_(drive, sense)) +
                          target.error() * std::abs(solved_[k].value);
     // Gaps below a function are not resolved; then the change may be wrong by as much as it is.
     solved_[k].error = std::min(stated_per_parts * parts * std::sqrt(std::max(nearness, 1.0)),

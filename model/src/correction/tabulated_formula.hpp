@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "correction/answer_modes.hpp"
@@ -33,6 +34,11 @@ class TabulatedMachine {
   const AnswerModes& modes() const { return modes_; }
   const PotentialTable& table() const { return table_; }
 
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.table_, self.modes_, self.places_);
+  }
+
  private:
   const MachineAtRest& machine_;
   OutsidePotentials potentials_;
@@ -42,7 +48,8 @@ class TabulatedMachine {
 };
 
 /// Evaluates what targets change as CompanyFormula::solved() does, with the potentials of a tabulated
-/// machine.
+/// machine. After the first pose of a machine and targets it allocates no memory, but for points that lie in
+/// no cell.
 class TabulatedFormula {
  public:
   /// Returns the changes with all charges that the target's functions can carry, within `rtol` of these, in
@@ -63,10 +70,12 @@ class TabulatedFormula {
 
   void find_potentials(const TabulatedMachine& machine, const TargetAtRest& target,
                        const Eigen::Isometry3d& pose);
+  void prepare(const TabulatedMachine& machine, const TargetAtRest& target);
   void find_outside(const TabulatedMachine& machine);
   void start(const TabulatedMachine& machine, const TargetAtRest& target);
   void add_direction(const TabulatedMachine& machine);
   void extend_form(Eigen::Index before);
+  void solve_coefficients();
   void solve_form(const TargetAtRest& target);
   void state_errors(const TabulatedMachine& machine, const TargetAtRest& target, double nearness);
 
@@ -75,9 +84,10 @@ class TabulatedFormula {
   std::vector<std::size_t> cells_;  ///< around the points of one function
   std::vector<std::array<float, PotentialTable::nodes>> weights_;
 
-  Eigen::Index count_ = 0;   ///< number of directions of the charge on the target
-  Eigen::Index loads_ = 0;   ///< of the readings; then come those of what floats
-  Eigen::MatrixXf right_;    ///< potentials (columns) that the charges are to have
+  Eigen::Index count_ = 0;  ///< number of directions of the charge on the target; arrays have rows or columns
+                            ///< for the largest one
+  Eigen::Index loads_ = 0;  ///< of the readings; then come those of what floats
+  Eigen::MatrixXf right_;   ///< potentials (columns) that the charges are to have
   Eigen::MatrixXf charges_;  ///< of the functions (rows) in each direction
   Eigen::MatrixXf own_;      ///< their potentials by themselves
   Eigen::MatrixXf images_;   ///< their potentials before the machine
@@ -89,6 +99,13 @@ class TabulatedFormula {
   Eigen::MatrixXd coefficients_;  ///< of the directions (rows) for each right side
   Eigen::MatrixXd charged_;       ///< the same for each load, with the net charges of what floats
   Eigen::MatrixXd changes_;
+  // What is computed on the way.
+  Eigen::MatrixXf energies_, chosen_, residual_, on_target_, potentials_, all_moments_, answers_, unanswered_,
+      shifts_;
+  Eigen::MatrixXd factor_, block_, answered_;
+  Eigen::VectorXd column_;
+  Eigen::LLT<Eigen::MatrixXd> block_factor_;
+  CoarseCharges::Workspace lacking_;
   std::vector<double> before_;
   std::vector<CompanyFormula::Change> solved_;
 };

@@ -3,12 +3,16 @@
 #include <utility>
 
 #include "fringe/interruption.hpp"
+#include "numeric/time_limit.hpp"
 
 namespace fringe {
 namespace {
 
 /// The question of the innermost scope of this thread; null without a scope.
 thread_local const std::function<bool()>* question = nullptr;
+
+/// Whether limits of time count on this thread.
+thread_local bool limits_count = true;
 
 }  // namespace
 
@@ -24,6 +28,21 @@ InterruptionScope::~InterruptionScope() {
 void detail::check_interruption() {
   if (question != nullptr && (*question)())
     throw Interrupted();
+}
+
+detail::TimeLimit::TimeLimit(double seconds)
+    : start_(std::chrono::steady_clock::now()), seconds_(seconds), scope_([this, outer = question] {
+        return (limits_count && is_over()) || (outer != nullptr && (*outer)());
+      }) {}
+
+double detail::TimeLimit::seconds_left() const {
+  return seconds_ - std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+detail::WithoutTimeLimit::WithoutTimeLimit() : before_(std::exchange(limits_count, false)) {}
+
+detail::WithoutTimeLimit::~WithoutTimeLimit() {
+  limits_count = before_;
 }
 
 }  // namespace fringe

@@ -15,6 +15,8 @@
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "geometry/link_motion.hpp"
+#include "io/prepared_files.hpp"
+#include "numeric/time_limit.hpp"
 #include "scene/readings_of_objects.hpp"
 #include "scene/recommended_method.hpp"
 
@@ -32,7 +34,8 @@ class LiveScene::Implementation {
  public:
   explicit Implementation(Scene scene)
       : scene_(std::move(scene)), poses_(std::make_shared<detail::LinkPoses>(scene_.links)),
-        readings_of_objects_(scene_), company_(poses_) {}
+        readings_of_objects_(scene_), company_(poses_),
+        knows_company_(detail::InsulatedReadings::knows(scene_)) {}
 
   const Scene& scene() const { return scene_; }
 
@@ -52,6 +55,7 @@ class LiveScene::Implementation {
     options.entries = Entries::of_readings;
     std::vector<std::vector<ReadingAnswer>> answers;
     if (is_integral(options.method) && knows_company(integral_options(options))) {
+      company_.keep_in(files_of(options));
       uninterrupted([&] { answers = company_.write_frames(scene_, frames, pose, options.rtol, threads); });
       return answers;
     }
@@ -93,10 +97,13 @@ class LiveScene::Implementation {
   }
 
   bool knows_company(const CapacitanceOptions& options) const {
-    return options.correction != Correction::none && detail::InsulatedReadings::knows(scene_);
+    return options.correction != Correction::none && knows_company_;
   }
 
   void choose_method(const EvaluationOptions& options) {
+    std::optional<detail::TimeLimit> limit;
+    if (options.max_seconds && !std::holds_alternative<Recommended>(options.method))
+      limit.emplace(*options.max_seconds);
     if (is_integral(options.method))
       integrate(options);
     else if (std::holds_alternative<Recommended>(options.method))
@@ -112,8 +119,10 @@ class LiveScene::Implementation {
     detail::refuse_thick_covers(scene_);
     answer_.matrix.reset();
     answer_.reached = true;
-    if (in_company)
+    if (in_company) {
+      company_.keep_in(files_of(asked));
       company_.write(scene_, answer_.readings, asked.rtol, asked.derivatives);
+    }
     if (asked.rtol) {
       if (!in_company)
         throw InputError("rtol is an option of the correction formula for the changes of readings, which "
@@ -169,11 +178,21 @@ class LiveScene::Implementation {
     const bool goes_on = asked.rtol.has_value();
     if (!recommended_ || recommended_->rtol() != rtol || recommended_->goes_on() != goes_on)
       recommended_.emplace(rtol, goes_on, poses_);
-    answer_ = recommended_->evaluate(scene_);
+    recommended_->keep_in(files_of(asked));
+    answer_ = recommended_->evaluate(scene_, asked.max_seconds);
     if (answer_.matrix)
       find_readings();
     else if (answer_.readings.empty())
       readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
+  }
+
+  /// Returns the files of the folder that is asked for, if one is.
+  std::shared_ptr<const detail::PreparedFiles> files_of(const EvaluationOptions& options) {
+    if (!options.prepared)
+      files_.reset();
+    else if (!files_ || files_->folder() != *options.prepared)
+      files_ = std::make_shared<const detail::PreparedFiles>(*options.prepared);
+    return files_;
   }
 
   /// Takes the readings from the matrix.
@@ -193,6 +212,8 @@ class LiveScene::Implementation {
   ReducedOptions reduced_options_;
   std::optional<detail::RecommendedMethod> recommended_;
   detail::InsulatedReadings company_;
+  bool knows_company_;
+  std::shared_ptr<const detail::PreparedFiles> files_;
   std::optional<CollisionDetector> detector_;
   std::optional<SceneSensing> sensing_;
   ConeMethod sensing_method_ = ConeMethod::field_of_view;

@@ -14,6 +14,25 @@
 namespace fringe {
 namespace {
 
+/// Refuses a folder of prepared data where nothing would be kept in it.
+void check_prepared(const EvaluationOptions& options) {
+  if (options.prepared && !(options.rtol && (options.correction == Correction::formula ||
+                                             std::holds_alternative<Recommended>(options.method))))
+    throw InputError("prepared is an option of the correction formula with an rtol, and of recommended with "
+                     "one: others prepare nothing that is kept");
+}
+
+/// Checks a limit of time, which methods that answer at once do not have.
+void check_max_seconds(const EvaluationOptions& options) {
+  if (!options.max_seconds)
+    return;
+  if (!(std::isfinite(*options.max_seconds) && *options.max_seconds > 0))
+    throw InputError(fmt::format("max_seconds {} must be finite and positive", *options.max_seconds));
+  if (is_integral(options.method) && !options.rtol)
+    throw InputError(
+        fmt::format("max_seconds is no option of {}, which answers at once", to_string(options.method)));
+}
+
 [[noreturn]] void refuse_derivatives(const std::string& answering) {
   throw InputError(fmt::format("derivatives are known by exact without a correction, boundary-elements, "
                                "reduced:K and the correction formula with an rtol, not by {}",
@@ -77,6 +96,8 @@ void validate(const EvaluationOptions& options) {
 }
 
 CapacitanceOptions integral_options(const EvaluationOptions& options) {
+  check_prepared(options);
+  check_max_seconds(options);
   if (options.rtol) {
     if (options.correction != Correction::formula)
       throw InputError(
@@ -99,6 +120,8 @@ CapacitanceOptions integral_options(const EvaluationOptions& options) {
 }
 
 double rtol_of(const EvaluationOptions& options) {
+  check_prepared(options);
+  check_max_seconds(options);
   if (is_integral(options.method) && options.rtol) {
     validate(options);
     return *options.rtol;

@@ -44,19 +44,25 @@ int first_steps(double rtol) {
   return steps;
 }
 
+/// Counts the triangles of the objects that are neither plates nor boxes.
+std::size_t triangles_to_prepare(const Scene& scene) {
+  std::size_t triangles = 0;
+  for (const Object& object : scene.objects)
+    if (!std::holds_alternative<Plate>(object.shape) && !std::holds_alternative<Cuboid>(object.shape))
+      triangles += triangulate(object.shape).size();
+  return triangles;
+}
+
 /// Tests whether the reduced method takes no more than some seconds. Bodies in contact on different links
 /// would take seconds for every pose; they are left to boundary elements, and so are dielectric bodies, which
 /// take seconds to prepare and many milliseconds for every pose.
 bool reduction_is_bounded(const Scene& scene) {
   if (has_insulators(scene))
     return false;
-  std::size_t triangles = 0, bodies = scene.objects.size();
+  std::size_t bodies = scene.objects.size();
   for (const Sensor& sensor : scene.sensors)
     bodies += sensor.plates.size();
-  for (const Object& object : scene.objects)
-    if (!std::holds_alternative<Plate>(object.shape) && !std::holds_alternative<Cuboid>(object.shape))
-      triangles += triangulate(object.shape).size();
-  return triangles <= most_prepared_triangles && bodies <= most_bodies;
+  return triangles_to_prepare(scene) <= most_prepared_triangles && bodies <= most_bodies;
 }
 
 /// Returns the largest relative error of the entries that tell what a sensor feels: its own, and those of the
@@ -80,6 +86,21 @@ double largest_error(const MaxwellMatrix& matrix, const Scene& scene) {
   return largest;
 }
 
+/// Returns what an attempt finds, if it is expected to take no longer than what is left of the time, and does
+/// not; an interruption from elsewhere passes through.
+template <typename Attempt>
+auto in_time(const TimeLimit* limit, double expected_seconds, const Attempt& attempt) -> decltype(attempt()) {
+  if (limit != nullptr && limit->seconds_left() < expected_seconds)
+    return std::nullopt;
+  try {
+    return attempt();
+  } catch (const Interrupted&) {
+    if (limit == nullptr || !limit->is_over())
+      throw;
+    return std::nullopt;
+  }
+}
+
 /// Returns the largest relative error of the changes; infinity if one of them is not known.
 double largest_error_of_changes(const std::vector<ReadingAnswer>& readings) {
   if (std::ranges::any_of(readings,
@@ -93,19 +114,30 @@ double largest_error_of_changes(const std::vector<ReadingAnswer>& readings) {
 RecommendedMethod::RecommendedMethod(double rtol, bool goes_on, std::shared_ptr<LinkPoses> poses)
     : rtol_(rtol), goes_on_(goes_on), poses_(std::move(poses)), company_(poses_), accurate_(poses_) {}
 
-Evaluation RecommendedMethod::evaluate(const Scene& scene) {
-  std::optional<Candidate> best = by_reduced_method(scene);
+Evaluation RecommendedMethod::evaluate(const Scene& scene, std::optional<double> max_seconds) {
+  std::optional<TimeLimit> limited;
+  if (max_seconds)
+    limited.emplace(*max_seconds);
+  const TimeLimit* const limit = limited ? &*limited : nullptr;
+  refusal_.clear();
+  std::optional<Candidate> best =
+      in_time(limit, seconds_of_reduced_method(scene), [&] { return by_reduced_method(scene); });
   if (!best || !(best->error <= rtol_))
-    if (std::optional<Candidate> other = by_boundary_elements(scene, most_unknowns);
+    if (std::optional<Candidate> other =
+            in_time(limit, 0, [&] { return by_boundary_elements(scene, most_unknowns); });
         other && (!best || other->error < best->error))
       best = std::move(other);
-  if (goes_on_ && (!best || !(best->error <= rtol_)))
-    if (std::optional<Evaluation> answer = by_going_on(scene, best))
+  if (goes_on_ && (!best || !(best->error <= rtol_)) && !(limit != nullptr && limit->is_over()))
+    if (std::optional<Evaluation> answer = by_going_on(scene, best, limit))
       return *std::move(answer);
   if (!best || !(best->error <= std::max(rtol_, most_unreached_error))) {
     try {
+      const WithoutTimeLimit unlimited;
       return by_formula(scene);
     } catch (const InputError& error) {
+      if (!best && refusal_.empty())
+        throw InputError(fmt::format("{:g} s suffice for no method but the formula: {}",
+                                     max_seconds.value_or(0), error.what()));
       if (!best)
         throw InputError(
             refusal_ == error.what() ? refusal_ : fmt::format("{}; the formula: {}", refusal_, error.what()));
@@ -116,12 +148,17 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene) {
 
 /// Tries what takes up to minutes; returns the formula's answer if it states less than the best matrix, which
 /// may become that of all unknowns. Nothing if the computation is interrupted before.
-std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std::optional<Candidate>& best) {
+std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std::optional<Candidate>& best,
+                                                         const TimeLimit* limit) {
   std::optional<Evaluation> formula;
   try {
     if (InsulatedReadings::knows(scene)) {
-      formula = by_formula(scene);
-      if (std::optional<Evaluation> accurate = by_accurate_formula(scene, *formula))
+      {
+        const WithoutTimeLimit unlimited;
+        formula = by_formula(scene);
+      }
+      if (std::optional<Evaluation> accurate = in_time(limit, seconds_of_accurate_formula(scene),
+                                                       [&] { return by_accurate_formula(scene, *formula); }))
         formula = std::move(accurate);
       if (formula->reached)
         return formula;
@@ -149,6 +186,23 @@ Evaluation RecommendedMethod::answer_of(const Scene& scene, Candidate candidate)
   return {std::move(felt), std::move(candidate.matrix), {}, std::move(candidate.method), reached};
 }
 
+/// Estimates the seconds until the reduced method has an answer; 0 if it is prepared or refuses.
+double RecommendedMethod::seconds_of_reduced_method(const Scene& scene) const {
+  constexpr double seconds_per_triangle = 2e-3;
+  return reduced_ || reduced_refuses_
+             ? 0
+             : seconds_per_triangle * static_cast<double>(triangles_to_prepare(scene));
+}
+
+/// Estimates the seconds until the formula in company has an answer to the accuracy; 0 if it is prepared, or
+/// files may hold what was. Measured on the machines of model/CORRECTIONS.md, section 8.
+double RecommendedMethod::seconds_of_accurate_formula(const Scene& scene) const {
+  constexpr double least_seconds = 2, seconds_per_triangle = 5e-3;
+  return is_accurate_prepared_ || files_
+             ? 0
+             : least_seconds + seconds_per_triangle * static_cast<double>(triangles_to_prepare(scene));
+}
+
 std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method(const Scene& scene) {
   const int steps = first_steps(rtol_);
   try {
@@ -166,6 +220,11 @@ std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_reduced_method
   } catch (const InputError& error) {
     refusal_ = error.what();
     return std::nullopt;
+  } catch (const Interrupted&) {
+    // Preparations that an interruption leaves incomplete must not serve the next answer.
+    reduced_.reset();
+    reduced_refuses_ = false;
+    throw;
   }
 }
 
@@ -209,6 +268,7 @@ std::optional<Evaluation> RecommendedMethod::by_accurate_formula(const Scene& sc
   try {
     Evaluation answer = in_closed_form;
     accurate_.write(scene, answer.readings, rtol_);
+    is_accurate_prepared_ = true;
     answer.answered_by = CompanyReadings::name;
     answer.reached = largest_error_of_changes(answer.readings) <= rtol_;
     return answer;
@@ -217,6 +277,8 @@ std::optional<Evaluation> RecommendedMethod::by_accurate_formula(const Scene& sc
   } catch (const Interrupted&) {
     // Preparations that an interruption leaves incomplete must not serve the next answer.
     accurate_ = InsulatedReadings(poses_);
+    is_accurate_prepared_ = false;
+    accurate_.keep_in(files_);
     return std::nullopt;
   }
 }

@@ -10,6 +10,7 @@
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "geometry/link_motion.hpp"
+#include "numeric/time_limit.hpp"
 
 namespace fringe::detail {
 
@@ -24,9 +25,16 @@ class RecommendedMethod {
   double rtol() const { return rtol_; }
   bool goes_on() const { return goes_on_; }
 
+  /// Keeps what is prepared for an accuracy in files from now on; null: in none.
+  void keep_in(const std::shared_ptr<const PreparedFiles>& files) {
+    files_ = files;
+    accurate_.keep_in(files);
+  }
+
   /// Evaluates every sensor of the scene, which must be the same in every call, except for its poses.
+  /// @param max_seconds time after which the best answer so far is to do
   /// @throws InputError for scenes that all methods refuse.
-  Evaluation evaluate(const Scene& scene);
+  Evaluation evaluate(const Scene& scene, std::optional<double> max_seconds = {});
 
  private:
   /// The matrix of one method, and what it states of its errors.
@@ -36,11 +44,14 @@ class RecommendedMethod {
     double error;  ///< largest one that matters to a sensor, relative
   };
 
+  double seconds_of_reduced_method(const Scene& scene) const;
+  double seconds_of_accurate_formula(const Scene& scene) const;
   std::optional<Candidate> by_reduced_method(const Scene& scene);
   std::optional<Candidate> by_boundary_elements(const Scene& scene, std::size_t most_unknowns);
   Evaluation by_formula(const Scene& scene);
   std::optional<Evaluation> by_accurate_formula(const Scene& scene, const Evaluation& in_closed_form);
-  std::optional<Evaluation> by_going_on(const Scene& scene, std::optional<Candidate>& best);
+  std::optional<Evaluation> by_going_on(const Scene& scene, std::optional<Candidate>& best,
+                                        const TimeLimit* limit);
   Evaluation answer_of(const Scene& scene, Candidate candidate) const;
 
   double rtol_;
@@ -52,6 +63,8 @@ class RecommendedMethod {
   std::optional<SceneEvaluator> formula_;
   InsulatedReadings company_;
   InsulatedReadings accurate_;  ///< prepared for an accuracy
+  bool is_accurate_prepared_ = false;
+  std::shared_ptr<const PreparedFiles> files_;
 };
 
 }  // namespace fringe::detail

@@ -124,3 +124,19 @@ def test_the_command_ends_with_the_process_that_watches_it() -> None:
     while Path(f"/proc/{child}/cmdline").exists() and Path(f"/proc/{child}/cmdline").read_bytes():
         assert time.monotonic() < deadline
         time.sleep(0.01)
+
+
+@pytest.mark.parametrize("number, answer", [("0", "the first answer"), ("1", "")])
+def test_when_mpirun_ends_its_processes_the_first_one_prints_the_answer(
+    monkeypatch: pytest.MonkeyPatch, number: str, answer: str
+) -> None:
+    """Other processes only report that there is one."""
+    monkeypatch.setenv("OMPI_COMM_WORLD_RANK", number)
+    message = "not accurate" if answer else ""
+    process = started(
+        f'report(AnswerSoFar("{answer}", "{message}", float("inf")))\nprint("begun", flush=True)\n{BUSY}'
+    )
+    assert process.stdout is not None and process.stdout.readline() == "begun\n"
+    os.kill(process.pid, signal.SIGTERM)
+    status, output, errors = finished(process)
+    assert (status, output.strip(), errors.strip()) == (130, answer, message)

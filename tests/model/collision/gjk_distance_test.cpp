@@ -174,6 +174,30 @@ TEST(GjkDistance, EqualsKnownDistances) {
             std::numeric_limits<double>::infinity());
 }
 
+/// The four vertices of a face lie in a plane but for their rounding: which of them are nearest is decided by
+/// that.
+TEST(GjkDistance, OfTurnedCuboidsIsAsAccurate) {
+  constexpr double three_units = 3 * std::numeric_limits<double>::epsilon();
+  Random random(6);
+  const auto cuboid = [&](const Vector3d& place) {
+    const Vector3d half = random.in_box({0.2, 0.2, 0.2}, {1, 1, 1});
+    const Eigen::Matrix3d turn = random.rigid_motion().linear();
+    Points corners;
+    for (const double x : {-1.0, 1.0})
+      for (const double y : {-1.0, 1.0})
+        for (const double z : {-1.0, 1.0})
+          corners.emplace_back(place + turn * half.cwiseProduct(Vector3d(x, y, z)));
+    return corners;
+  };
+  for (int i = 0; i < draws(60); ++i) {
+    const Points a = cuboid(Vector3d::Zero()), b = cuboid(random.in_box({3.5, -2, -2}, {3.6, 2, 2}));
+    const Real expected = sqrt(square_by_features(a, b));
+    const GjkDistance found = gjk_distance(a, b);
+    ASSERT_LE(abs(found.distance - expected), three_units * expected) << "pair " << i;
+    ASSERT_TRUE(found.exact);
+  }
+}
+
 TEST(GjkDistance, RefusesEmptySetsAndVerticesThatAreNotFinite) {
   EXPECT_THROW(gjk_distance({}, Points{{0, 0, 0}}), InputError);
   EXPECT_THROW(gjk_distance(Points{{0, 0, NAN}}, Points{{0, 0, 0}}), InputError);

@@ -1,0 +1,20 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bem/bodies.hpp"
+#include "fringe/scene.hpp"
+#include "io/prepared_files.hpp"
+
+/// What the parts of the formula in company are prepared from, as the input of PreparedFiles.
+namespace fringe::detail {
+
+/// Returns all of some bodies that the charges on them depend on.
+std::string bytes_of_bodies(const ChargedBodies& bodies);
+
+/// Returns what readings sense and drive.
+std::string bytes_of_readings(const std::vector<Reading>& readings);
+std::string bytes_of_readings(const std::vector<ChargedReading>& readings);
+
+}  // namespace fringe::detail

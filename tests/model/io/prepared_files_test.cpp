@@ -1,0 +1,131 @@
+#include "io/prepared_files.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fringe/error.hpp"
+
+namespace fringe::detail {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string content(const fs::path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+void write(const fs::path& file, const std::string& bytes) {
+  std::ofstream(file, std::ios::binary) << bytes;
+}
+
+class PreparedFilesTest : public testing::Test {
+ protected:
+  PreparedFilesTest() { fs::remove_all(folder); }
+  ~PreparedFilesTest() override { fs::remove_all(folder); }
+
+  const fs::path folder = fs::path(testing::TempDir()) / "prepared files" / "of a test";
+  const std::string data = "data that took long\0to prepare";
+};
+
+TEST_F(PreparedFilesTest, FindTheDataOfAKindAndAnInputAndNoOther) {
+  const PreparedFiles files(folder);
+  EXPECT_EQ(files.find("machine", "input"), std::nullopt);
+  files.keep("machine", "input", data);
+  EXPECT_EQ(PreparedFiles(folder).find("machine", "input"), data);
+  EXPECT_EQ(files.find("link", "input"), std::nullopt);
+  EXPECT_EQ(files.find("machine", "Input"), std::nullopt);
+  files.keep("machine", "input", "other data");
+  EXPECT_EQ(files.find("machine", "input"), "other data");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+}
+
+TEST_F(PreparedFilesTest, CompareTheWholeInputAndNotItsHash) {
+  const PreparedFiles files(folder);
+  files.keep("machine", "input", data);
+  fs::rename(files.file("machine", "input"), files.file("machine", "another input"));
+  EXPECT_EQ(files.find("machine", "another input"), std::nullopt);
+}
+
+TEST_F(PreparedFilesTest, DamagedTruncatedAndForeignFilesCountAsNone) {
+  const PreparedFiles files(folder);
+  files.keep("machine", "input", data);
+  const fs::path file = files.file("machine", "input");
+  const std::string whole = content(file);
+  for (std::size_t k = 0; k < whole.size(); ++k) {
+    std::string damaged = whole;
+    damaged[k] = static_cast<char>(damaged[k] ^ 1);
+    write(file, damaged);
+    ASSERT_EQ(files.find("machine", "input"), std::nullopt) << "byte " << k;
+    write(file, whole.substr(0, k));
+    ASSERT_EQ(files.find("machine", "input"), std::nullopt) << "length " << k;
+  }
+  write(file, "a text");
+  EXPECT_EQ(files.find("machine", "input"), std::nullopt);
+  write(file, whole);
+  EXPECT_EQ(files.find("machine", "input"), data);
+}
+
+TEST_F(PreparedFilesTest, AFolderThatCannotBeIsRefusedByName) {
+  fs::create_directories(folder.parent_path());
+  write(folder, "a file");
+  try {
+    const PreparedFiles files(folder);
+    FAIL() << "a file was taken for a folder";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), testing::HasSubstr("of a test: prepared data cannot be kept there"));
+  }
+  EXPECT_EQ(content(folder), "a file");
+}
+
+TEST_F(PreparedFilesTest, AFileThatCannotBeWrittenIsNamed) {
+  const PreparedFiles files(folder);
+  fs::create_directories(files.file("machine", "input") / "in its place");
+  try {
+    files.keep("machine", "input", data);
+    FAIL() << "a folder was replaced";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(error.what(), files.file("machine", "input").string() + ": cannot be written");
+  }
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+}
+
+/// A value that consists of others.
+struct Described {
+  std::vector<double> numbers;
+  std::string text;
+  std::optional<double> number;
+
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.numbers, self.text, self.number);
+  }
+};
+
+TEST_F(PreparedFilesTest, AValueIsPreparedOnce) {
+  const PreparedFiles files(folder);
+  for (int run = 0; run < 3; ++run) {
+    Described value;
+    bool is_prepared = false;
+    read_or_prepare(run < 2 ? &files : nullptr, "value", "input", value, [&] {
+      value.numbers = {1, 2, 0.1};
+      value.text = "text";
+      value.number = 3;
+      is_prepared = true;
+    });
+    EXPECT_EQ(is_prepared, run != 1);
+    EXPECT_EQ(value.numbers, (std::vector<double>{1, 2, 0.1}));
+    EXPECT_EQ(value.text, "text");
+    EXPECT_EQ(value.number, 3);
+  }
+}
+
+}  // namespace
+}  // namespace fringe::detail
