@@ -233,13 +233,21 @@ void OutsidePotentials::add_potentials(const Sources& sources, std::size_t funct
 void OutsidePotentials::correct(std::span<const Vector3d> points, Scratch& scratch) const {
   const FunctionPanels& own = functions_.panels();
   PotentialSums sums;
+  Eigen::AlignedBox3d box;
+  for (const Vector3d& point : points)
+    box.extend(point);
+  const Vector3d centre = box.center();
+  const double radius = box.diagonal().norm() / 2;
   scratch.near.clear();
   std::size_t row = 0;
   for (const std::size_t function : scratch.close)
     for (std::size_t panel = own.first[function]; panel < own.first[function + 1]; ++panel, ++row) {
-      const double limit = far * panels_[panel].radius;
+      const PanelPoint& place = panels_[panel];
+      const double limit = far * place.radius, limit_of_all = limit + radius;
+      if ((centre - place.centre).squaredNorm() >= limit_of_all * limit_of_all)
+        continue;
       for (std::size_t p = 0; p < points.size(); ++p)
-        if ((points[p] - panels_[panel].centre).squaredNorm() < limit * limit)
+        if ((points[p] - place.centre).squaredNorm() < limit * limit)
           scratch.near.push_back({panel, row * block + p});
     }
   scratch.means.assign(scratch.near.size(), 0);
