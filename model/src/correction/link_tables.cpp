@@ -26,6 +26,9 @@ constexpr double largest_link_cell = 1;
 /// The level of the link's points for places that are in no cell.
 constexpr std::size_t level_of_near = 2;
 
+/// The level of the others' points where these are in no cell.
+constexpr std::size_t level_at_near = 1;
+
 /// Largest potential of one of n points of a function, times the function's radius over √n: about that in the
 /// middle of its part of the surface.
 constexpr double most_of_part = 2;
@@ -38,11 +41,15 @@ double side_of_largest_cells(const TargetAtRest& target) {
 }
 
 /// Calls a function with every point of functions beside a link, the number of its function and its share.
+/// Functions whose centres are in no cell of the table have a few points.
 template <typename Visit>
 void visit_points_beside(const ChargeFunctions& functions, const Isometry3d& pose,
-                         const ChargeFunctions& of_link, const Visit& visit) {
+                         const ChargeFunctions& of_link, const PotentialTable& table, const Visit& visit) {
   for (std::size_t function = 0; function < functions.count(); ++function) {
-    const FunctionPoints& points = functions.points(level_beside(functions, function, pose, of_link.boxes()));
+    std::size_t level = level_beside(functions, function, pose, of_link.boxes());
+    if (level > level_at_near && !table.find(pose * functions.centre(function)))
+      level = level_at_near;
+    const FunctionPoints& points = functions.points(level);
     for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k)
       visit(pose * points.at[k].cast<double>(), function, points.shares[k]);
   }
@@ -85,7 +92,9 @@ LinkTable::LinkTable(const ChargeFunctions& functions, double largest)
     : functions_(functions), potentials_(functions, true), table_(potentials_, largest) {}
 
 void LinkTable::add(const ChargeFunctions& others, const Isometry3d& pose) {
-  visit_points_beside(others, pose, functions_,
+  for (std::size_t function = 0; function < others.count(); ++function)
+    table_.add(pose * others.centre(function));
+  visit_points_beside(others, pose, functions_, table_,
                       [&](const Vector3d& at, std::size_t, float) { table_.add(at); });
 }
 
@@ -119,19 +128,20 @@ void LinkTable::write(const ChargeFunctions& others, const Isometry3d& pose, Mat
   };
   std::vector<Vector3d> outside;
   std::vector<std::pair<Index, float>> parts;
-  visit_points_beside(others, pose, functions_, [&](const Vector3d& at, std::size_t function, float share) {
-    if (function != current || !cell || !table_.contains(*cell, at)) {
-      finish();
-      current = function;
-      cell = table_.find(at);
-    }
-    if (cell) {
-      table_.add_weights(*cell, at, share, weights);
-    } else {
-      outside.push_back(at);
-      parts.emplace_back(static_cast<Index>(function), share);
-    }
-  });
+  visit_points_beside(others, pose, functions_, table_,
+                      [&](const Vector3d& at, std::size_t function, float share) {
+                        if (function != current || !cell || !table_.contains(*cell, at)) {
+                          finish();
+                          current = function;
+                          cell = table_.find(at);
+                        }
+                        if (cell) {
+                          table_.add_weights(*cell, at, share, weights);
+                        } else {
+                          outside.push_back(at);
+                          parts.emplace_back(static_cast<Index>(function), share);
+                        }
+                      });
   finish();
   if (!outside.empty())
     add_near(functions_, outside, parts, given);
