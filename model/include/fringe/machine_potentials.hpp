@@ -68,10 +68,12 @@ class MachinePotentials {
     std::vector<bool> clears;  ///< whether the body is apart from the machine; if not, the values are 0
   };
   /// Computes the changes of the readings by a body, by what it and the machine answer to each other.
+  /// @param body the body, and the points that stand for it
   /// @param poses from the body's frame to the world
   /// @param answers charges on the parts (rows), in √m, the sum of whose squares is the matrix answers(), as
   /// far as it matters where the body is
   /// @param to_ground capacitance over 4πε through which the body is grounded, in m; connected if not given
+  /// @param threads number of threads, 0 for all; the changes have the same bits for any number
   /// @throws InputError for matrices of other sizes.
   Changes changes(const Body& body, std::span<const Eigen::Isometry3d> poses, const Eigen::MatrixXf& answers,
                   std::optional<double> to_ground, std::size_t threads = 0) const;
