@@ -86,9 +86,9 @@ MatrixXd summed_rows(const Unknowns& unknowns, const MatrixXd& rows, bool are_we
 }
 
 /// The equations in the coarse space: one density, or one potential, on panels that are alike.
-class CoarseSpace {
+class CoarseCorrection {
  public:
-  CoarseSpace(const Unknowns& unknowns, const MatrixXd& matrix) : unknowns_(unknowns) {
+  CoarseCorrection(const Unknowns& unknowns, const MatrixXd& matrix) : unknowns_(unknowns) {
     MatrixXd half = summed_rows(unknowns, matrix, true).transpose();
     for (Index k = 0; k < unknowns.size(); ++k)
       if (unknowns.is_conductor(k))
@@ -162,7 +162,7 @@ class NearbyPanels {
 /// Solves the equations of all panels: by factorisation if there are few, else by generalised minimal
 /// residuals with the coarse space and the blocks of nearby panels as preconditioner.
 MatrixXd solve_all(const PanelMesh& mesh, const Unknowns& unknowns, const MatrixXd& matrix,
-                   const CoarseSpace& coarse, const MatrixXd& right_sides) {
+                   const CoarseCorrection& coarse, const MatrixXd& right_sides) {
   /// Least number of unknowns for each right side, and altogether, with which the iteration takes less time.
   constexpr Index least_per_column = 60, least_unknowns = 1200;
   /// Largest residual, relative to the right side: far below the accuracy that can be asked for.
@@ -293,7 +293,7 @@ struct Solutions {
 
 Solutions solutions_of(const PanelMesh& mesh, const Equations& equations, const MatrixXd& right_sides) {
   const Unknowns& unknowns = equations.unknowns;
-  const CoarseSpace coarse(unknowns, equations.matrix);
+  const CoarseCorrection coarse(unknowns, equations.matrix);
   Solutions result;
   result.fine = solve_all(mesh, unknowns, equations.matrix, coarse, right_sides);
   result.coarse = coarse.solve(right_sides);

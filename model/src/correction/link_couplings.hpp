@@ -34,8 +34,8 @@ bool keep_relative_pose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
 class LinkCoupler {
  public:
   /// Finds the potentials of the functions of one group (columns) on those of another (rows).
-  /// @param relative from the frame of the first group to that of the second
-  void couple(const ChargeFunctions& first, const ChargeFunctions& second, const Eigen::Isometry3d& relative,
+  /// @param relative from the frame of the rows' group to that of the columns'
+  void couple(const ChargeFunctions& rows, const ChargeFunctions& columns, const Eigen::Isometry3d& relative,
               Eigen::MatrixXf& functions);
 
  private:

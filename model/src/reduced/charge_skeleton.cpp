@@ -113,7 +113,8 @@ class SurroundingPoints {
           Index nearest = 0;
           const Vector3d point(x, y, z);
           (all.colwise() - point.cast<float>()).colwise().squaredNorm().minCoeff(&nearest);
-          const Vector3d from = on_panels[static_cast<std::size_t>(nearest)], towards = point - from;
+          const Vector3d& from = on_panels[static_cast<std::size_t>(nearest)];
+          const Vector3d towards = point - from;
           const double away = towards.norm();
           if (away >= distance && away < distance + 2 * step)
             result.emplace_back(from + distance / away * towards);

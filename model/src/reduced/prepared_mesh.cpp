@@ -197,12 +197,14 @@ void PreparedMesh::set_functions(const std::vector<Panel>& panels, const MatrixX
 }
 
 const ChargedPanels* PreparedMesh::skeleton(double distance, std::ptrdiff_t functions, double& error) const {
-  const auto beyond = std::upper_bound(skeleton_distances.begin(), skeleton_distances.end(), distance);
-  if (beyond == skeleton_distances.begin())
+  const auto beyond = static_cast<std::size_t>(
+      std::upper_bound(skeleton_distances.begin(), skeleton_distances.end(), distance) -
+      skeleton_distances.begin());
+  if (beyond == 0)
     return nullptr;
-  auto& skeletons = skeletons_[static_cast<std::size_t>(beyond - skeleton_distances.begin() - 1)];
+  auto& skeletons = skeletons_[beyond - 1];
   if (!skeletons)
-    skeletons = charge_skeletons(charged_, missing_.rows(), surfaces_, *std::prev(beyond));
+    skeletons = charge_skeletons(charged_, missing_.rows(), surfaces_, skeleton_distances[beyond - 1]);
   for (const ChargeSkeleton& skeleton : *skeletons)
     if (skeleton.functions >= functions && skeleton.error <= error) {
       error = skeleton.error;
