@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "fringe/error.hpp"
+#include "temporary_folder.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -22,40 +23,33 @@ std::string content(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-void write(const fs::path& file, const std::string& bytes) {
-  std::ofstream(file, std::ios::binary) << bytes;
-}
-
-class PreparedFilesTest : public testing::Test {
+class PreparedFilesTest : public test::TemporaryFolder {
  protected:
-  PreparedFilesTest() { fs::remove_all(folder); }
-  ~PreparedFilesTest() override { fs::remove_all(folder); }
-
-  const fs::path folder = fs::path(testing::TempDir()) / "prepared files" / "of a test";
+  const fs::path kept_in = folder() / "prepared files" / "of a test";
   const std::string data = std::string("data that took long") + '\0' + "to prepare";
 };
 
 TEST_F(PreparedFilesTest, FindTheDataOfAKindAndAnInputAndNoOther) {
-  const PreparedFiles files(folder);
+  const PreparedFiles files(kept_in);
   EXPECT_EQ(files.find("machine", "input"), std::nullopt);
   files.keep("machine", "input", data);
-  EXPECT_EQ(PreparedFiles(folder).find("machine", "input"), data);
+  EXPECT_EQ(PreparedFiles(kept_in).find("machine", "input"), data);
   EXPECT_EQ(files.find("link", "input"), std::nullopt);
   EXPECT_EQ(files.find("machine", "Input"), std::nullopt);
   files.keep("machine", "input", "other data");
   EXPECT_EQ(files.find("machine", "input"), "other data");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(kept_in), {}), 1);
 }
 
 TEST_F(PreparedFilesTest, CompareTheWholeInputAndNotItsHash) {
-  const PreparedFiles files(folder);
+  const PreparedFiles files(kept_in);
   files.keep("machine", "input", data);
   fs::rename(files.file("machine", "input"), files.file("machine", "another input"));
   EXPECT_EQ(files.find("machine", "another input"), std::nullopt);
 }
 
 TEST_F(PreparedFilesTest, DamagedTruncatedAndForeignFilesCountAsNone) {
-  const PreparedFiles files(folder);
+  const PreparedFiles files(kept_in);
   files.keep("machine", "input", data);
   const fs::path file = files.file("machine", "input");
   const std::string whole = content(file);
@@ -74,19 +68,19 @@ TEST_F(PreparedFilesTest, DamagedTruncatedAndForeignFilesCountAsNone) {
 }
 
 TEST_F(PreparedFilesTest, AFolderThatCannotBeIsRefusedByName) {
-  fs::create_directories(folder.parent_path());
-  write(folder, "a file");
+  fs::create_directories(kept_in.parent_path());
+  write(kept_in, "a file");
   try {
-    const PreparedFiles files(folder);
+    const PreparedFiles files(kept_in);
     FAIL() << "a file was taken for a folder";
   } catch (const InputError& error) {
     EXPECT_THAT(error.what(), testing::HasSubstr("of a test: prepared data cannot be kept there"));
   }
-  EXPECT_EQ(content(folder), "a file");
+  EXPECT_EQ(content(kept_in), "a file");
 }
 
 TEST_F(PreparedFilesTest, AFileThatCannotBeWrittenIsNamed) {
-  const PreparedFiles files(folder);
+  const PreparedFiles files(kept_in);
   fs::create_directories(files.file("machine", "input") / "in its place");
   try {
     files.keep("machine", "input", data);
@@ -94,7 +88,7 @@ TEST_F(PreparedFilesTest, AFileThatCannotBeWrittenIsNamed) {
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(error.what(), files.file("machine", "input").string() + ": cannot be written");
   }
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder), {}), 1);
+  EXPECT_EQ(std::distance(fs::directory_iterator(kept_in), {}), 1);
 }
 
 /// A value that consists of others.
@@ -110,7 +104,7 @@ struct Described {
 };
 
 TEST_F(PreparedFilesTest, AValueIsPreparedOnce) {
-  const PreparedFiles files(folder);
+  const PreparedFiles files(kept_in);
   for (int run = 0; run < 3; ++run) {
     Described value;
     bool is_prepared = false;

@@ -10,6 +10,7 @@
 #include "fringe/live_scene.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/progress.hpp"
+#include "temporary_folder.hpp"
 
 /// What the formula in company prepares for an accuracy is kept in a folder and found again.
 namespace fringe {
@@ -48,11 +49,8 @@ std::vector<Frame> motion(bool turns) {
   return frames;
 }
 
-class PreparedDataTest : public testing::TestWithParam<bool> {
+class PreparedDataTest : public test::TemporaryFolder, public testing::WithParamInterface<bool> {
  protected:
-  PreparedDataTest() { fs::remove_all(folder); }
-  ~PreparedDataTest() override { fs::remove_all(folder); }
-
   /// Answers anew, and counts what is shown of panels that are refined.
   std::vector<std::vector<ReadingAnswer>> answers(const Scene& scene,
                                                   const std::optional<fs::path>& prepared) {
@@ -66,12 +64,12 @@ class PreparedDataTest : public testing::TestWithParam<bool> {
 
   std::map<std::string, fs::file_time_type> files() const {
     std::map<std::string, fs::file_time_type> found;
-    for (const fs::directory_entry& entry : fs::directory_iterator(folder))
+    for (const fs::directory_entry& entry : fs::directory_iterator(kept_in))
       found[entry.path().filename().string()] = entry.last_write_time();
     return found;
   }
 
-  const fs::path folder = fs::path(testing::TempDir()) / ("prepared data" + std::to_string(GetParam()));
+  const fs::path kept_in = folder() / "prepared data";
   int solutions = 0;
 };
 
@@ -87,37 +85,37 @@ void expect_same_bits(const std::vector<std::vector<ReadingAnswer>>& found,
 TEST_P(PreparedDataTest, ASecondRunReadsThemAndAnswersWithTheSameBits) {
   const auto known = answers(machine(), std::nullopt);
   EXPECT_GT(solutions, 0);
-  expect_same_bits(answers(machine(), folder), known);
+  expect_same_bits(answers(machine(), kept_in), known);
   EXPECT_GT(solutions, 0);
   const auto kept = files();
   EXPECT_EQ(kept.size(), 3U);  // machine, targets and tables, or two links and targets
-  expect_same_bits(answers(machine(), folder), known);
+  expect_same_bits(answers(machine(), kept_in), known);
   EXPECT_EQ(solutions, 0);
   EXPECT_EQ(files(), kept);
 }
 
 TEST_P(PreparedDataTest, ADamagedFileIsPreparedAgain) {
-  const auto known = answers(machine(), folder);
+  const auto known = answers(machine(), kept_in);
   const auto kept = files();
   for (const auto& [name, time] : kept) {
-    fs::resize_file(folder / name, fs::file_size(folder / name) / 2);
-    fs::last_write_time(folder / name, time);
+    fs::resize_file(kept_in / name, fs::file_size(kept_in / name) / 2);
+    fs::last_write_time(kept_in / name, time);
   }
-  expect_same_bits(answers(machine(), folder), known);
+  expect_same_bits(answers(machine(), kept_in), known);
   EXPECT_GT(solutions, 0);
-  expect_same_bits(answers(machine(), folder), known);
+  expect_same_bits(answers(machine(), kept_in), known);
   EXPECT_EQ(solutions, 0);
   EXPECT_EQ(files().size(), kept.size());
 }
 
 TEST_P(PreparedDataTest, AChangedSceneIsNotTakenForAnother) {
-  answers(machine(), folder);
+  answers(machine(), kept_in);
   Scene changed = machine();
   changed.objects[0].shape = Cuboid{0.2, 0.12, 0.04};
-  expect_same_bits(answers(changed, folder), answers(changed, std::nullopt));
+  expect_same_bits(answers(changed, kept_in), answers(changed, std::nullopt));
   changed = machine();
   changed.objects[2].shape = Cuboid{0.05, 0.08, 0.02};
-  expect_same_bits(answers(changed, folder), answers(changed, std::nullopt));
+  expect_same_bits(answers(changed, kept_in), answers(changed, std::nullopt));
 }
 
 INSTANTIATE_TEST_SUITE_P(AtRestAndMoving, PreparedDataTest, testing::Bool());
