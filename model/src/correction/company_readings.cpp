@@ -178,7 +178,7 @@ void CompanyReadings::tabulate(std::span<const Isometry3d> poses, std::size_t th
     tabulated_->extend(*target_, poses, threads);
     return;
   }
-  // What later poses add to the tables depends on all before them, and is not kept.
+  // Only these poses' tables are kept in files: cells that later poses add depend on all poses before them.
   auto tabulated = std::make_unique<TabulatedMachine>(*machine_, *target_);
   read_or_prepare(files(), "tables",
                   machine_input_ + target_input_ +

@@ -7,7 +7,7 @@
 #include "fringe/scene.hpp"
 #include "io/prepared_files.hpp"
 
-/// What the parts of the formula in company are prepared from, as the input of PreparedFiles.
+/// Keeps machine, links and targets of the formula in company in files, found by all that they depend on.
 namespace fringe::detail {
 
 /// Returns all of some bodies that the charges on them depend on.

@@ -99,7 +99,7 @@ class TabulatedFormula {
   Eigen::MatrixXd coefficients_;  ///< of the directions (rows) for each right side
   Eigen::MatrixXd charged_;       ///< the same for each load, with the net charges of what floats
   Eigen::MatrixXd changes_;
-  // What is computed on the way.
+  // Holds intermediate results, so that later poses allocate no memory.
   Eigen::MatrixXf energies_, chosen_, residual_, on_target_, potentials_, all_moments_, answers_, unanswered_,
       shifts_;
   Eigen::MatrixXd factor_, block_, answered_;

@@ -107,7 +107,7 @@ class ArchiveReader {
   void take(void* data, std::size_t size) {
     if (size > bytes_.size())
       throw ArchiveEnds();
-    // Of an empty array there is no address that may be copied to.
+    // An empty array may have a null address, which memcpy must not be given.
     if (size > 0)
       std::memcpy(data, bytes_.data(), size);
     bytes_.remove_prefix(size);

@@ -11,7 +11,7 @@ namespace {
 /// The question of the innermost scope of this thread; null without a scope.
 thread_local const std::function<bool()>* question = nullptr;
 
-/// Whether limits of time count on this thread.
+/// True if limits of time count on this thread.
 thread_local bool limits_count = true;
 
 }  // namespace

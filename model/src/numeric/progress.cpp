@@ -7,7 +7,7 @@
 namespace fringe {
 namespace {
 
-/// What the innermost scope of this thread shows progress with; null without a scope.
+/// Shows progress for the innermost scope of this thread; null without a scope.
 thread_local const std::function<void(const std::string&)>* shown_with = nullptr;
 
 /// The part that this thread works on; null if it has no name.

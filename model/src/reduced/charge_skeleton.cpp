@@ -189,7 +189,7 @@ std::vector<ChargeSkeleton> fitted_skeletons(double distance, const std::vector<
   const Index rows = index_of(fitted.size());
   const MatrixXd wanted = seen.functions(fitted, Eigen::seqN(0, functions));
   const VectorXd scale = wanted.rowwise().norm().cwiseInverse();
-  // With more points than this the charges would follow the points around the body, not the potential.
+  // More points would let the charges fit the sampled values, and not the potential between the samples.
   const Index most = std::min(index_of(points.size()), rows / 2);
   const std::vector<Vector3d> first(points.begin(), points.begin() + most);
   /// Rounding of single precision, some times of it: the charges are such that both, the errors that they

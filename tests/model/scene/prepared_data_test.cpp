@@ -12,7 +12,7 @@
 #include "fringe/progress.hpp"
 #include "temporary_folder.hpp"
 
-/// What the formula in company prepares for an accuracy is kept in a folder and found again.
+/// Tests that preparations of the formula in company are kept in a folder and found again.
 namespace fringe {
 namespace {
 
