@@ -15,7 +15,7 @@ import basix
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.mesh.distributed import whole_numbers
+from fem_reference.mesh.distributed import summed, whole_numbers
 from fem_reference.solve.face_solver import CellForms, FaceSystem
 from fem_reference.mesh.tagged_mesh import FIRST_BODY, FREE_SPACE, OUTER_SURFACE, TaggedMesh
 from fem_reference.mesh.quarter_points import aligned_rule, patterns, second_order
@@ -122,7 +122,7 @@ def flux_energies(
     parts = [CellForms(forms, cells.faces, own)]
     fixed = [_faces_of(tagged, cells, bodies) for bodies in conductors]
     if tagged.in_room:
-        fixed.append(tagged.facets.find(OUTER_SURFACE))
+        fixed.append(_of_any_process(tagged, tagged.facets.find(OUTER_SURFACE)))
     else:
         parts.append(_condensed_exterior(tagged, cells, own, degree))
     system = FaceSystem(tagged.mesh, parts, np.concatenate(fixed), degree)
@@ -253,4 +253,15 @@ def _faces_of(tagged: TaggedMesh, cells: _Cells, bodies: Sequence[int]) -> Integ
         if len(inside):
             own = tagged.mesh.topology.connectivity(3, 2).array.reshape(-1, 4)[inside]
             found.append(np.intersect1d(own, cells.faces))
-    return np.asarray(np.unique(np.concatenate(found)))
+    return _of_any_process(tagged, np.concatenate(found))
+
+
+def _of_any_process(tagged: TaggedMesh, faces: Integers) -> Integers:
+    """Numbers of the faces, of those that this process holds, that are among the `faces` of any process.
+
+    A process that holds one cell of a face as a ghost need not hold the other, inside a body, by which its owner knows the face.
+    """
+    entities = tagged.mesh.topology.index_map(2)
+    among = np.zeros(entities.size_local + entities.num_ghosts)
+    among[faces] = 1
+    return np.flatnonzero(summed(entities, among)).astype(np.int32)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n", "2"]
+MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n"]
 PLATE = """
 [[sensor]]
 name = "front"
@@ -56,25 +56,28 @@ def run(processes: list[str], *arguments: str | Path) -> subprocess.CompletedPro
     return subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True, check=False)
 
 
-def answers(scene: Path, rtol: str) -> tuple[dict[str, Any], dict[str, Any]]:
-    """The answers of one process and of two, without a limit of time, which would make the number of levels depend on the machine."""
+def answers(scene: Path, rtol: str, count: int) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The answers of one process and of several, without a limit of time, which would make the number of levels depend on the machine."""
     found = []
-    for processes in ([], MPIRUN):
+    for processes in ([], [*MPIRUN, str(count)]):
         done = run(processes, scene, "--json", "--rtol", rtol)
         assert done.returncode == 0, done.stderr
         found.append(json.loads(done.stdout))
-    one, two = found
-    assert (one["processes"], two["processes"]) == (1, 2) and len(one["levels"]) == len(two["levels"])
-    first, other = one["levels"][0], two["levels"][0]
+    one, several = found
+    assert (one["processes"], several["processes"]) == (1, count)
+    assert len(one["levels"]) == len(several["levels"])
+    first, other = one["levels"][0], several["levels"][0]
     assert first["unknowns"] == other["unknowns"]
     np.testing.assert_allclose(other["maxwell"], first["maxwell"], rtol=1e-9)
     np.testing.assert_allclose(other["delta_self"], first["delta_self"], rtol=1e-8)
-    return one, two
+    return one, several
 
 
-def test_two_processes_enclose_as_one_does_on_the_same_mesh(scene: Path) -> None:
-    """In a room, with a curved body that floats, and one that is left out."""
-    alone, together = answers(scene, "0.3")
+@pytest.mark.parametrize("processes", [2, 4])
+def test_several_processes_enclose_as_one_does_on_the_same_mesh(scene: Path, processes: int) -> None:
+    """In a room, with a curved body that floats, and one that is left out. Of four processes, some hold a cell on the body's surface
+    as a ghost without the cell inside the body."""
+    alone, together = answers(scene, "0.3", processes)
     assert alone["left_out"] and alone["left_out"] == together["left_out"]
     own = np.diag(alone["maxwell"])
     # Lower bounds are lowered by what the iteration for the fluxes may have left.
@@ -84,7 +87,7 @@ def test_two_processes_enclose_as_one_does_on_the_same_mesh(scene: Path) -> None
 
 def test_two_processes_adapt_the_mesh_and_enclose_what_one_does(scene: Path) -> None:
     scene.write_text(PLATE)
-    alone, together = answers(scene, "5e-4")
+    alone, together = answers(scene, "5e-4", 2)
     assert len(together["levels"]) == 2
     ((lower,),), ((upper,),) = together["lower"], together["upper"]
     assert upper - lower <= 2 * 5e-4 * together["maxwell"][0][0]
@@ -93,7 +96,7 @@ def test_two_processes_adapt_the_mesh_and_enclose_what_one_does(scene: Path) -> 
 
 @pytest.mark.parametrize("arguments", [("--output", "field.vtu"), ("--slice", "slice.json")])
 def test_what_one_process_does_is_refused_once(scene: Path, arguments: tuple[str, ...]) -> None:
-    done = run(MPIRUN, scene, *arguments)
+    done = run([*MPIRUN, "2"], scene, *arguments)
     told = [line for line in done.stderr.splitlines() if line.startswith("fem_reference:")]
     assert done.returncode == 2 and len(told) == 1 and "single process" in told[0]
     assert list(scene.parent.iterdir()) == [scene]
