@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
-import math
 import signal
 import sys
 from pathlib import Path
 from types import FrameType
 
 from geometries.common import installation
+from geometries.common.arguments import positive_integer, positive_number
 from geometries.common.interpreter import continue_with
 
 # What shells report for a command that was interrupted.
@@ -141,7 +141,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     show.add_argument(
         "--between",
-        type=_count,
+        type=positive_integer,
         metavar="N",
         help="frames shown between two of the motion file, with --readings (default: 8)",
     )
@@ -208,7 +208,7 @@ def _add_coverage(commands: argparse._SubParsersAction[argparse.ArgumentParser])
     )
     coverage.add_argument(
         "--grid",
-        type=_positive,
+        type=positive_number,
         metavar="M",
         help="side of the square of surface for each place, in metres (default: about 2,000 places)",
     )
@@ -220,7 +220,7 @@ def _add_coverage(commands: argparse._SubParsersAction[argparse.ArgumentParser])
     )
     coverage.add_argument(
         "--threshold",
-        type=_positive,
+        type=positive_number,
         metavar="F",
         help="least change that is noticed (default: that of each reading, or five times its noise, or 2.5e-15)",
     )
@@ -237,19 +237,13 @@ def _add_coverage(commands: argparse._SubParsersAction[argparse.ArgumentParser])
     )
 
 
-def _positive(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < math.inf:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number greater than 0")
-    return value
-
-
 def _potential(text: str) -> float | None:
     """Returns the capacitance to ground (F): none for a grounded probe, 0 for a floating one."""
-    return {"grounded": None, "floating": 0.0}[text] if text in ("grounded", "floating") else _positive(text)
+    return (
+        {"grounded": None, "floating": 0.0}[text]
+        if text in ("grounded", "floating")
+        else positive_number(text)
+    )
 
 
 def _add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
@@ -290,7 +284,7 @@ def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     nightly.add_argument("study", metavar="STUDY", nargs="?", default="nightly", help="default: nightly")
     nightly.add_argument("--results", type=Path, metavar="DIR", help="default: results/<study>")
-    nightly.add_argument("--jobs", type=_count, metavar="N", help="jobs at a time on this machine")
+    nightly.add_argument("--jobs", type=positive_integer, metavar="N", help="jobs at a time on this machine")
     nightly.add_argument(
         "--profile",
         metavar="PROFILE",
@@ -298,7 +292,7 @@ def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     )
     nightly.add_argument(
         "--job-seconds",
-        type=_count,
+        type=positive_integer,
         metavar="S",
         help="expected length of a job (default: 60 here, 600 on a cluster)",
     )
@@ -322,7 +316,10 @@ def _add_output_and_jobs(command: argparse.ArgumentParser, kept: str, at_a_time:
 
 def _add_jobs(command: argparse.ArgumentParser, at_a_time: str) -> None:
     command.add_argument(
-        "--jobs", type=_count, metavar="N", help=f"{at_a_time} at a time (default: by cores and memory)"
+        "--jobs",
+        type=positive_integer,
+        metavar="N",
+        help=f"{at_a_time} at a time (default: by cores and memory)",
     )
 
 
@@ -342,12 +339,6 @@ def _relative(text: str) -> float:
     if not 0 < value < 1:
         raise argparse.ArgumentTypeError(f"{text!r} is not a number between 0 and 1")
     return value
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number greater than 0")
-    return int(text)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

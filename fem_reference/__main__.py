@@ -19,21 +19,11 @@ from pathlib import Path
 
 from fem_reference.common.supervision import Report, supervised
 from geometries.common import installation
+from geometries.common.arguments import positive_number
 from geometries.common.errors import InputError
 from geometries.common.interpreter import continue_with
 
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
-
-
-def _positive(text: str) -> float:
-    """Parse a positive number."""
-    try:
-        value = float(text)
-    except ValueError:
-        value = math.nan
-    if not value > 0:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a positive number")
-    return value
 
 
 def _field_file(text: str) -> Path:
@@ -60,11 +50,11 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     parser.add_argument("scene", metavar="SCENE", help="a scene file (TOML)")
     parser.add_argument(
-        "--rtol", type=_positive, default=1e-3, help="largest relative error of an entry (default 1e-3)"
+        "--rtol", type=positive_number, default=1e-3, help="largest relative error of an entry (default 1e-3)"
     )
     parser.add_argument(
         "--max-seconds",
-        type=_positive,
+        type=positive_number,
         default=math.inf,
         metavar="S",
         help="start no level that is predicted to end later than this many seconds after the start, and end one that does, the first "
@@ -72,14 +62,14 @@ def _parser(program: str) -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--max-unknowns",
-        type=_positive,
+        type=positive_number,
         default=math.inf,
         metavar="N",
         help="start no level that is predicted to have more unknowns than this (default: no limit)",
     )
     parser.add_argument(
         "--max-memory",
-        type=_positive,
+        type=positive_number,
         default=math.inf,
         metavar="GIB",
         help="start no level that is predicted to take more memory than this (default: no limit)",
@@ -119,14 +109,14 @@ def _parser(program: str) -> argparse.ArgumentParser:
     parser.add_argument(
         "--wrap-alpha",
         metavar="M",
-        type=_positive,
+        type=positive_number,
         help="radius in metres of the narrowest hollow that such a surface follows (default: 0.8 of the distance to the nearest other "
         "conductor, at most 0.05 of the extent)",
     )
     parser.add_argument(
         "--wrap-offset",
         metavar="M",
-        type=_positive,
+        type=positive_number,
         help="distance in metres of such a surface from what it contains (default: --rtol, within 2e-3 and 2e-2, times the distance to "
         "the nearest other conductor)",
     )

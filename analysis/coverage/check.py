@@ -21,6 +21,8 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results.store import write_text
 from analysis.show.make import find_scene
 from analysis.topics.machines.set_ups import HOUSING, all_set_ups
+from geometries.common.arguments import positive_number
+from geometries.common.errors import InputError
 from geometries.scene import reader, shapes
 from geometries.scene.scene import Scene
 
@@ -195,8 +197,16 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--places", type=int, default=20, metavar="N", help="of each scene")
     parser.add_argument("--housings", type=int, default=0, metavar="N", help="scenes of sensors on housings")
     parser.add_argument("--bodies", type=int, default=100, metavar="N", help="around a sphere, of each SCENE")
-    parser.add_argument("--grid", type=float, metavar="M")
+    parser.add_argument("--grid", type=positive_number, metavar="M")
     options = parser.parse_args(arguments)
+    try:
+        return _checked(options)
+    except InputError as error:
+        parser.error(str(error))
+
+
+def _checked(options: argparse.Namespace) -> int:
+    """Prints the comparisons that are asked for; returns the exit code."""
     probes = tuple(options.probe) or DEFAULT
     given = [find_scene(name) for name in options.scenes]
     found = []

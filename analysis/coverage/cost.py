@@ -10,6 +10,8 @@ from analysis.coverage.probes import DEFAULT, probe
 from analysis.coverage.survey import Options, survey
 from analysis.pipeline.model_stage import model_module
 from analysis.show.make import find_scene
+from geometries.common.arguments import positive_number
+from geometries.common.errors import InputError
 from geometries.scene import reader
 
 
@@ -18,18 +20,24 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="python3 -m analysis.coverage.cost", description=__doc__)
     parser.add_argument("scene", metavar="SCENE")
     parser.add_argument("--probe", action="append", default=[], metavar="PROBE")
-    parser.add_argument("--grid", type=float, metavar="M")
+    parser.add_argument("--grid", type=positive_number, metavar="M")
     options = parser.parse_args(arguments)
-    path = find_scene(options.scene)
-    scene, model = reader.load(path), model_module()
-    probes = tuple(probe(name) for name in tuple(options.probe) or DEFAULT)
-    passed, used = time.perf_counter(), time.process_time()
-    found = survey(path, scene, probes, Options(grid=options.grid, methods=()), model)
-    passed, used = time.perf_counter() - passed, time.process_time() - used
-    print(
-        f"{path.stem}: {len(found.places.points)} places, {len(probes)} probes, {found.panels} panels: {used:.1f} s of processor time, {passed:.1f} s passed"
-    )
+    try:
+        print(_measured(options.scene, tuple(options.probe) or DEFAULT, options.grid))
+    except InputError as error:
+        parser.error(str(error))
     return 0
+
+
+def _measured(name: str, names: tuple[str, ...], grid: float | None) -> str:
+    """Surveys a scene; returns the times as a line."""
+    path = find_scene(name)
+    scene, model = reader.load(path), model_module()
+    probes = tuple(probe(each) for each in names)
+    passed, used = time.perf_counter(), time.process_time()
+    found = survey(path, scene, probes, Options(grid=grid, methods=()), model)
+    passed, used = time.perf_counter() - passed, time.process_time() - used
+    return f"{path.stem}: {len(found.places.points)} places, {len(probes)} probes, {found.panels} panels: {used:.1f} s of processor time, {passed:.1f} s passed"
 
 
 if __name__ == "__main__":

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 #include <span>
 #include <string>
@@ -18,6 +17,7 @@
 
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangulation.hpp"
+#include "processor_time.hpp"
 
 namespace {
 
@@ -25,12 +25,6 @@ using namespace fringe;
 
 constexpr std::array rtols{1e-2, 1e-3, 1e-4, 1e-5};
 constexpr std::array mesh_rtols{1e-2, 1e-3};
-
-double processor_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 struct SetUp {
   std::string name;
@@ -131,12 +125,8 @@ struct Measurement {
 Measurement measure(const SetUp& set_up, double rtol, int repeats) {
   const BoundaryElementOptions options{.rtol = rtol};
   MaxwellMatrix answer = maxwell(set_up.scene, options);
-  double seconds = 1e9;
-  for (int repeat = 0; repeat < repeats; ++repeat) {
-    const double start = processor_seconds();
-    answer = maxwell(set_up.scene, options);
-    seconds = std::min(seconds, processor_seconds() - start);
-  }
+  const double seconds =
+      benchmarks::least_seconds_of([&] { answer = maxwell(set_up.scene, options); }, repeats);
   const Eigen::ArrayXXd error = (answer.values - set_up.truth).array() / set_up.truth.array();
   const double estimate = (answer.errors.array() / answer.values.array().abs()).maxCoeff();
   fmt::print("{:<40} {:>8.0e} {:>9} {:>8} {:>10.2f} {:>12.5f} {:>12.5f} {:>12.5f}\n", set_up.name, rtol,

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <fstream>
 #include <memory>
 #include <string>
@@ -9,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "peers/peer.hpp"
+#include "processor_time.hpp"
 #include "random.hpp"
 
 /// Measures the nanoseconds of processor time per boolean query of two convex shapes, in comparison with FCL,
@@ -91,17 +91,9 @@ PeerPairs half_intersecting(const PeerShapes& shapes) {
   return pairs_within(high);
 }
 
-/// Returns the processor time of this thread, which others on the machine do not lengthen.
-double processor_nanoseconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return 1e9 * static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_nsec);
-}
-
 double nanoseconds_per_query(const Peer& peer, std::size_t& count) {
-  const double start = processor_nanoseconds();
-  count = peer.count_intersecting();
-  return (processor_nanoseconds() - start) / static_cast<double>(pairs_per_row);
+  const double seconds = seconds_of([&] { count = peer.count_intersecting(); });
+  return 1e9 * seconds / static_cast<double>(pairs_per_row);
 }
 
 using MakePeer = std::unique_ptr<Peer> (*)(const PeerShapes&, const PeerPairs&);

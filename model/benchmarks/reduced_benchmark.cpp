@@ -1,48 +1,35 @@
 /// Measures the reduced method by its steps: error, time per pose, and whether the stated error covers the
 /// true one, over random poses of plates, of boxes and of bodies of triangles, and over the scene files
-/// given; with --meshes COUNT only over this many poses of the bodies of triangles. The true values are those
-/// of boundary elements at rtol = 1e-4 (less strict for triangles); a set-up for which that is not reached is
-/// omitted; with --machine COUNT only the formula in company, for a hand in 500 poses before an arm, compared
-/// in COUNT of them with boundary elements; with --covers COUNT only sensors under covers before a hand, and
-/// the same without covers, in COUNT poses each; with --moving SCENE POSES only that formula on the first so
-/// many frames of SCENE.motion.toml, beside the scene, and with the folder of prepared data named behind
-/// these also from that (python3 -m analysis.topics.machines.moving --write FOLDER writes such scenes).
-/// Methods take turns; times are processor times of this thread, the least of five moves to the same pose.
+/// given. The true values are those of boundary elements at rtol = 1e-4 (less strict for triangles); a set-up
+/// for which that is not reached is omitted. Methods take turns; times are processor times of this thread,
+/// the least of five moves to the same pose. Options choose other subjects (--help).
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
-#include <filesystem>
-#include <functional>
+#include <exception>
 #include <optional>
-#include <random>
 #include <string>
 #include <vector>
 
+#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
+#include "company_rows.hpp"
+#include "cover_rows.hpp"
 #include "fringe/error.hpp"
-#include "fringe/live_scene.hpp"
-#include "fringe/motion.hpp"
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_reader.hpp"
-#include "hand_before_arm.hpp"
 #include "mesh_poses.hpp"
+#include "processor_time.hpp"
+#include "random.hpp"
 
 namespace {
 
 using namespace fringe;
+using namespace fringe::benchmarks;
 using Eigen::Vector3d;
-
-constexpr int repeats = 5;  ///< moves per measurement; the quickest counts
-
-double processor_seconds() {
-  timespec time{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
 
 /// Name of an additional link that carries the objects, so that they can be moved.
 constexpr const char* mover = "objects of the benchmark";
@@ -80,9 +67,7 @@ class RandomScenes {
   }
 
  private:
-  double number(double from, double to) {
-    return from + (to - from) * static_cast<double>(random_() >> 11) * 0x1p-53;
-  }
+  double number(double from, double to) { return random_.uniform(from, to); }
 
   /// Estimates the distance over a grid of points of each body in turn, to a few millimetres.
   static double distance(const Cuboid& sizes, const Eigen::Isometry3d& pose) {
@@ -102,7 +87,7 @@ class RandomScenes {
   }
 
   bool boxes_;
-  std::mt19937_64 random_{1};
+  Random random_;
 };
 
 /// The result of one method for one set-up.
@@ -112,16 +97,6 @@ struct Measurement {
   bool reached;
   bool covered;
 };
-
-double quickest(const std::function<void()>& answer) {
-  double least = 1e9;
-  for (int repeat = 0; repeat < repeats; ++repeat) {
-    const double start = processor_seconds();
-    answer();
-    least = std::min(least, processor_seconds() - start);
-  }
-  return 1e6 * least;
-}
 
 struct Measurements {
   std::vector<std::vector<Measurement>> by_steps{most_reduced_steps};
@@ -136,10 +111,10 @@ Measurement measured_answer(ReducedEvaluator& evaluator, const std::string& link
   const MaxwellMatrix answer = evaluator.maxwell();
   const Eigen::ArrayXXd difference = (answer.values - truth.values).array().abs();
   const Eigen::ArrayXd delta = (answer.delta_self - truth.delta_self).array().abs();
-  const double microseconds = quickest([&] {
-    evaluator.set_pose(link, pose);
-    evaluator.maxwell();
-  });
+  const double microseconds = 1e6 * least_seconds_of([&] {
+                                evaluator.set_pose(link, pose);
+                                evaluator.maxwell();
+                              });
   return {(difference / truth.values.array().abs()).maxCoeff(), microseconds, answer.reached,
           (difference <= answer.errors.array() + truth.errors.array()).all() &&
               (delta <= answer.delta_self_errors.array() + truth.delta_self_errors.array()).all()};
@@ -148,20 +123,20 @@ Measurement measured_answer(ReducedEvaluator& evaluator, const std::string& link
 void measure_integral(const Scene& scene, const std::string& link, const Eigen::Isometry3d& pose,
                       Measurements& measured) {
   SceneEvaluator evaluator(scene);
-  measured.triangle_integral.push_back(quickest([&] {
-    evaluator.set_pose(link, pose);
-    evaluator.capacitance();
-  }));
+  measured.triangle_integral.push_back(1e6 * least_seconds_of([&] {
+                                         evaluator.set_pose(link, pose);
+                                         evaluator.capacitance();
+                                       }));
 }
 
 /// Measures one body, prepared once, in many poses.
-void measure_body(const benchmarks::MeshBody& body, int count, Measurements& measured) {
-  Scene known = benchmarks::mesh_scene(body.known);
-  const Scene scene = benchmarks::mesh_scene(body.shape);
+void measure_body(const MeshBody& body, int count, Measurements& measured) {
+  Scene known = mesh_scene(body.known);
+  const Scene scene = mesh_scene(body.shape);
   std::vector<ReducedEvaluator> evaluators;
   for (int steps = 1; steps <= most_reduced_steps; ++steps)
     evaluators.emplace_back(scene, ReducedOptions{.steps = steps, .rtol = {}});
-  for (const Eigen::Isometry3d& pose : benchmarks::mesh_poses(body.shape, count, 1)) {
+  for (const Eigen::Isometry3d& pose : mesh_poses(body.shape, count, 1)) {
     known.links[0].pose = pose;
     const MaxwellMatrix truth = maxwell(known, {.rtol = body.known_to});
     if (!truth.reached) {
@@ -193,12 +168,6 @@ void measure(const Scene& from, Measurements& measured) {
         measured_answer(evaluator, mover, here, truth));
   }
   measure_integral(scene, mover, here, measured);
-}
-
-double quantile(std::vector<double> values, double part) {
-  std::sort(values.begin(), values.end());
-  return values[std::min(values.size() - 1,
-                         static_cast<std::size_t>(part * static_cast<double>(values.size())))];
 }
 
 double mean(const std::vector<double>& values) {
@@ -233,206 +202,35 @@ void summarise(const std::string& what, const Measurements& measured) {
 }
 
 void measure_meshes(int count) {
-  for (const benchmarks::MeshBody& body : benchmarks::mesh_bodies()) {
+  for (const MeshBody& body : mesh_bodies()) {
     Measurements measured;
     measure_body(body, count, measured);
     summarise(body.name + ", random poses", measured);
   }
 }
 
-/// Measures the readings of a motion by the formula in company at an accuracy asked for.
-void measure_machine(std::size_t compared) {
-  constexpr std::size_t poses = 500;
-  constexpr double truth_rtol = 1e-2;
-  const Scene scene = benchmarks::hand_before_arm();
-  const std::vector<Frame> motion = benchmarks::hand_poses(scene, poses);
-  for (const double rtol : {2e-2, 1e-2}) {
-    LiveScene live(scene);
-    const EvaluationOptions options{.correction = Correction::formula, .rtol = rtol};
-    double start = processor_seconds();
-    live.readings_of(motion, options, 1);
-    const double first = processor_seconds() - start;
-    start = processor_seconds();
-    const std::vector<std::vector<ReadingAnswer>> answers = live.readings_of(motion, options, 1);
-    const double again = processor_seconds() - start;
-    fmt::print("hand of {} triangles before an arm of {} with {} sensors, rtol {}: {} poses, {:.2f} ms each, "
-               "{:.1f} s to prepare\n",
-               benchmarks::triangles_of(scene, true), benchmarks::triangles_of(scene, false),
-               scene.sensors.size(), rtol, poses, 1e3 * again / poses, first - again);
-    std::fflush(stdout);
-    std::vector<double> errors;
-    double squares = 0, stated = 0, ratio = 0;
-    std::size_t covered = 0;
-    for (std::size_t k = 0; k < compared; ++k) {
-      const std::size_t pose = (k + 1) * poses / compared - 1;
-      LiveScene there(scene);
-      there.set_poses(motion[pose].poses);
-      const Evaluation truth =
-          there.evaluate({.method = BoundaryElements{}, .rtol = truth_rtol, .entries = Entries::of_readings});
-      for (std::size_t reading = 0; reading < truth.readings.size(); ++reading) {
-        const Estimate &known = truth.readings[reading].change, &found = answers[pose][reading].change;
-        const double error = std::abs(*found.value - *known.value);
-        errors.push_back(100 * error / std::abs(*known.value));
-        squares += errors.back() * errors.back();
-        stated += 100 * *found.error / std::abs(*known.value);
-        covered += error <= *found.error + *known.error;
-        ratio = std::max(ratio, error / *found.error);
-      }
-    }
-    if (!errors.empty())
-      fmt::print("  {} changes: rms {:.2f} %, median {:.2f} %, worst {:.2f} %; stated in the mean {:.2f} %; "
-                 "covered {}, largest difference per stated error {:.2f}\n",
-                 errors.size(), std::sqrt(squares / static_cast<double>(errors.size())),
-                 quantile(errors, 0.5), quantile(errors, 1), stated / static_cast<double>(errors.size()),
-                 covered, ratio);
-  }
-}
+/// What is asked for on the command line.
+struct Request {
+  std::vector<std::string> files;
+  std::optional<int> meshes;
+  std::optional<std::size_t> machine, covers;
+  std::vector<std::string> moving;  ///< scene, number of poses and, if there are three, folder
+};
 
-/// A sensor of 10 cm, with a cover if that has a permittivity above 1, before a hand, a box whose nearest
-/// face is at the origin of the additional link.
-Scene covered_scene(double thickness, double relative_permittivity) {
-  constexpr double side = 0.1, hand_thickness = 0.03;
-  Scene scene;
-  scene.sensors.push_back(
-      {"sensor", {}, 2.5, 5e-12, {{{-side / 2, -side / 2, 0}, {side, 0, 0}, {0, side, 0}}}});
-  Object hand{"hand",
-              {},
-              Cuboid{0.12, 0.18, hand_thickness},
-              Eigen::Isometry3d(Eigen::Translation3d(0, 0, hand_thickness / 2))};
-  hand.target = true;
-  scene.objects.push_back(hand);
-  scene = movable(scene);
-  scene.links.back().pose.translation() = Vector3d(0, 0, side);
-  if (relative_permittivity > 1) {
-    Object cover{"cover",
-                 {},
-                 Cuboid{side, side, thickness},
-                 Eigen::Isometry3d(Eigen::Translation3d(0, 0, thickness / 2)),
-                 Dielectric{relative_permittivity}};
-    cover.conductor = "sensor";
-    scene.objects.insert(scene.objects.begin(), cover);
-  }
-  return scene;
-}
-
-/// Measures readings of `reduced:1` under covers and without, side by side in the same poses.
-void measure_covers(std::size_t poses) {
-  constexpr double truth_rtol = 1e-2;
-  const Scene bare = covered_scene(0, 1);
-  ReducedEvaluator uncovered(bare, {.steps = 1, .rtol = {}});
-  for (const auto& [thickness, permittivity] : {std::pair(2e-3, 4.0), {0.5e-3, 80.0}, {10e-3, 3.0}}) {
-    const Scene scene = covered_scene(thickness, permittivity);
-    double start = processor_seconds();
-    ReducedEvaluator evaluator(scene, {.steps = 1, .rtol = {}});
-    evaluator.maxwell();
-    const double preparation = processor_seconds() - start;
-    std::mt19937_64 random{1};
-    const auto number = [&](double from, double to) {
-      return from + (to - from) * static_cast<double>(random() >> 11) * 0x1p-53;
-    };
-    std::vector<double> ratios, times, errors;
-    std::size_t covered = 0, reached = 0;
-    for (std::size_t k = 0; k < poses; ++k) {
-      Eigen::Isometry3d pose(Eigen::Translation3d(number(-0.04, 0.04), number(-0.04, 0.04),
-                                                  thickness + 0.01 * std::pow(15, number(0, 1))));
-      pose.rotate(Eigen::AngleAxisd(number(0, 6.2), Vector3d::UnitZ()));
-      const auto time = [&](ReducedEvaluator& one) {
-        return quickest([&] {
-          one.set_pose(mover, pose);
-          one.maxwell();
-        });
-      };
-      const double without = time(uncovered), with = time(evaluator);
-      times.push_back(with);
-      ratios.push_back(with / without);
-      const MaxwellMatrix answer = evaluator.maxwell();
-      reached += answer.reached;
-      LiveScene there(scene);
-      there.set_pose(mover, pose);
-      const Estimate known =
-          there.evaluate({.method = BoundaryElements{}, .rtol = truth_rtol, .entries = Entries::of_readings})
-              .readings[0]
-              .change;
-      const Estimate& found = answer.readings[0].change;
-      const double error = std::abs(*found.value - *known.value);
-      errors.push_back(100 * error / std::abs(*known.value));
-      covered += error <= *found.error + *known.error;
-    }
-    fmt::print("cover of {} mm and {}: {:.1f} s to prepare; {} poses, ratio to the time without it median "
-               "{:.2f}, largest {:.2f}; µs median {:.0f}, longest {:.0f}\n  changes: error % median {:.2f}, "
-               "worst {:.2f}; reached {}, covered {}\n",
-               1e3 * thickness, permittivity, preparation, poses, quantile(ratios, 0.5), quantile(ratios, 1),
-               quantile(times, 0.5), quantile(times, 1), quantile(errors, 0.5), quantile(errors, 1), reached,
-               covered);
-    std::fflush(stdout);
-  }
-}
-
-double seconds_of(const std::function<void()>& action) {
-  const double start = processor_seconds();
-  action();
-  return processor_seconds() - start;
-}
-
-/// Measures the readings of a scene and its motion by the formula in company, first without and then with
-/// prepared data that are kept in a folder, if one is named.
-void measure_motion(const std::filesystem::path& file, std::size_t poses,
-                    const std::optional<std::string>& folder) {
-  constexpr double rtol = 1e-2;
-  const Scene scene = load_scene(file);
-  std::vector<Frame> motion =
-      load_motion(std::filesystem::path(file).replace_extension(".motion.toml"), scene);
-  motion.resize(std::min(poses, motion.size()));
-  EvaluationOptions options{.correction = Correction::formula, .rtol = rtol};
-  const auto report = [&](const std::string& how) {
-    LiveScene live(scene);
-    std::vector<std::vector<ReadingAnswer>> answers;
-    const double first = seconds_of([&] { live.readings_of(motion, options, 1); });
-    const double again = seconds_of([&] { answers = live.readings_of(motion, options, 1); });
-    std::vector<double> stated;
-    for (const std::vector<ReadingAnswer>& pose : answers)
-      for (const ReadingAnswer& reading : pose)
-        if (reading.change.value && reading.change.error && std::isfinite(*reading.change.value))
-          stated.push_back(100 * *reading.change.error / std::abs(*reading.change.value));
-    fmt::print(
-        "{}, {} links with {} sensors, rtol {}{}: {} poses, {:.1f} ms each, {:.1f} s to prepare; stated "
-        "in the median {:.1f} %\n",
-        file.stem().string(), scene.links.size(), scene.sensors.size(), rtol, how, motion.size(),
-        1e3 * again / static_cast<double>(motion.size()), first - again, quantile(stated, 0.5));
-    std::fflush(stdout);
-  };
-  report("");
-  if (!folder)
-    return;
-  options.prepared = *folder;
-  report(", prepared data written");
-  report(", prepared data read");
-}
-
-}  // namespace
-
-int main(int argument_count, char** arguments) {
+void run(const Request& request) {
   constexpr int mesh_count = 40;
-  if (argument_count == 3 && std::string(arguments[1]) == "--meshes") {
-    measure_meshes(std::stoi(arguments[2]));
-    return 0;
-  }
-  if (argument_count == 3 && std::string(arguments[1]) == "--machine") {
-    measure_machine(std::stoul(arguments[2]));
-    return 0;
-  }
-  if (argument_count == 3 && std::string(arguments[1]) == "--covers") {
-    measure_covers(std::stoul(arguments[2]));
-    return 0;
-  }
-  if (argument_count >= 4 && argument_count <= 5 && std::string(arguments[1]) == "--moving") {
-    measure_motion(arguments[2], std::stoul(arguments[3]),
-                   argument_count > 4 ? std::optional<std::string>(arguments[4]) : std::nullopt);
-    return 0;
-  }
+  if (request.meshes)
+    return measure_meshes(*request.meshes);
+  if (request.machine)
+    return measure_hand_before_arm(*request.machine);
+  if (request.covers)
+    return measure_covers(*request.covers);
+  if (!request.moving.empty())
+    return measure_motion(request.moving[0], std::stoul(request.moving[1]),
+                          request.moving.size() > 2 ? std::optional(request.moving[2]) : std::nullopt);
   Measurements of_files;
-  for (int k = 1; k < argument_count; ++k)
-    measure(load_scene(arguments[k]), of_files);
+  for (const std::string& file : request.files)
+    measure(load_scene(file), of_files);
   summarise("scene files", of_files);
   for (const auto& [what, boxes, count] :
        {std::tuple("plates, random poses", false, 500), std::tuple("boxes, random poses", true, 100)}) {
@@ -443,4 +241,29 @@ int main(int argument_count, char** arguments) {
     summarise(what, measured);
   }
   measure_meshes(mesh_count);
+}
+
+}  // namespace
+
+int main(int argument_count, char** arguments) {
+  CLI::App program("Measures the reduced method and the formula in company: run time against error.");
+  Request request;
+  program.add_option("SCENE", request.files, "Scene files that are measured, too");
+  program.add_option("--meshes", request.meshes, "Only bodies of triangles, in so many poses");
+  program.add_option("--machine", request.machine,
+                     "Only the formula for a hand before an arm; so many poses are compared");
+  program.add_option("--covers", request.covers, "Only sensors under covers, in so many poses");
+  program
+      .add_option("--moving", request.moving,
+                  "Only the formula on a scene and so many frames of the motion beside it, and with prepared "
+                  "data in a folder")
+      ->expected(2, 3);
+  CLI11_PARSE(program, argument_count, arguments);
+  try {
+    run(request);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "reduced_benchmark: {}\n", error.what());
+    return 2;
+  }
+  return 0;
 }

@@ -21,6 +21,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from analysis.pipeline import model_stage
 from analysis.results.store import read_json, write_json
 from analysis.topics.machines import hand_before_arm
+from geometries.common.arguments import positive_integer
 from geometries.scene import motion, reader
 from geometries.scene.poses import AxisRotation, Pose, Vector3
 from geometries.scene.scene import Link, Object, Plate, Scene, Sensor
@@ -250,7 +251,7 @@ def main() -> None:
     parser.add_argument("--rtol", type=float, default=1e-2)
     parser.add_argument("--solve", type=int, default=0, help="poses of each machine that get a truth")
     parser.add_argument(
-        "--poses", type=int, default=POSES_OF_HAND, help="only the first poses of the motions"
+        "--poses", type=positive_integer, default=POSES_OF_HAND, help="only the first poses of the motions"
     )
     parser.add_argument("--machine", choices=MACHINES, help="only this one")
     parser.add_argument(

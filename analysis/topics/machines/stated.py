@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from analysis.pipeline import model_stage
+from geometries.common.arguments import positive_integer, positive_number
 from geometries.scene.poses import AxisRotation, Pose
 from geometries.scene.scene import Object, Plate, Scene, Sensor
 from geometries.scene.shapes import Cuboid, PlateShape, Shape, Sphere
@@ -115,10 +116,10 @@ def row(name: str, answers: list[Answer]) -> str:
 def main() -> None:
     """Prints the poses in which an error is larger than stated, and the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--poses", type=int, default=2000)
+    parser.add_argument("--poses", type=positive_integer, default=2000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
-    parser.add_argument("--seconds", type=float, default=math.inf, help="ends after these seconds")
+    parser.add_argument("--seconds", type=positive_number, default=math.inf, help="ends after these seconds")
     asked = parser.parse_args()
     begin, answers, count = time.monotonic(), {name: list[Answer]() for name in METHODS}, 0
     for number in range(asked.first, asked.first + asked.poses):
