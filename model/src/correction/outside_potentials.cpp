@@ -15,6 +15,7 @@
 #include "bem/panel_pair.hpp"
 #include "numeric/parallel.hpp"
 #include "numeric/progress.hpp"
+#include "numeric/triangle_rules.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {
@@ -33,7 +34,11 @@ constexpr std::array<PartRatios, 2> largest_part_ratios{PartRatios{0.3, 0.5, 0.7
 constexpr std::size_t first_level = ChargeFunctions::first_with_moments;
 
 /// Distance from a panel's centre, over its radius, beyond which it counts as a point.
-constexpr double far = 6;
+constexpr double far = 15;
+
+/// The same for quadrature rules of two degrees; closer panels are integrated in closed form. The error is
+/// 1e-3 of the panel's potential at most (the rules' bounds: model/NUMERICS.md, section 12).
+constexpr std::array<std::pair<double, int>, 2> rules_from{{{2.5, 5}, {6, 2}}};
 
 /// Number of groups of points from which on it is worth showing how far they are: some seconds.
 constexpr std::size_t groups_with_progress = 40;
@@ -90,6 +95,26 @@ OutsidePotentials::OutsidePotentials(const ChargeFunctions& functions, bool is_f
   for (const PanelPoint& panel : panels_)
     centres.at.emplace_back(panel.centre.cast<float>());
   add_sources(centres);
+  for (const auto& [from, degree] : rules_from)
+    add_rule(from, degree);
+}
+
+void OutsidePotentials::add_rule(double from, int degree) {
+  const std::span<const TriangleRule> rules = triangle_rules();
+  const TriangleRule& rule = *std::find_if(rules.begin(), rules.end(),
+                                           [&](const TriangleRule& each) { return each.degree >= degree; });
+  const std::span nodes(rule.nodes, static_cast<std::size_t>(rule.points));
+  PanelRule& added = rules_.emplace_back();
+  added.from = from;
+  for (const TriangleNode& node : nodes)
+    added.weights.push_back(static_cast<float>(node.weight));
+  for (const auto& [a, b, c] : functions_.panels().corners)
+    for (const TriangleNode& node : nodes) {
+      const Vector3d at = a + node.second * (b - a) + node.third * (c - a);
+      added.x.push_back(static_cast<float>(at.x()));
+      added.y.push_back(static_cast<float>(at.y()));
+      added.z.push_back(static_cast<float>(at.z()));
+    }
 }
 
 void OutsidePotentials::add_sources(const FunctionPoints& points) {
@@ -152,7 +177,7 @@ void OutsidePotentials::evaluate(std::span<const Vector3d> points, bool with_fun
                                  const FunctionCharges* charges, Scratch& scratch) const {
   const auto& kernels = best_kernels<NodeKernels>();
   Eigen::AlignedBox3d box;
-  std::array<std::array<float, block>, 3> at{};
+  Coordinates at{};
   for (std::array<float, block>& coordinates : at)
     coordinates.fill(padded_coordinate);
   for (std::size_t p = 0; p < points.size(); ++p) {
@@ -197,7 +222,7 @@ void OutsidePotentials::evaluate(std::span<const Vector3d> points, bool with_fun
     fill(levels_.back(), function, values);
     values += (panels[function + 1] - panels[function]) * block;
   }
-  correct(points, scratch);
+  correct(points, at, scratch);
   values = scratch.inverse_distances.data();
   for (const std::size_t function : scratch.close) {
     add_potentials(levels_.back(), function, values, with_functions, scratch);
@@ -230,7 +255,10 @@ void OutsidePotentials::add_potentials(const Sources& sources, std::size_t funct
 }
 
 /// Replaces 1/r by the mean over the panel where a point is close to it.
-void OutsidePotentials::correct(std::span<const Vector3d> points, Scratch& scratch) const {
+void OutsidePotentials::correct(std::span<const Vector3d> points, const Coordinates& at,
+                                Scratch& scratch) const {
+  const auto& kernels = best_kernels<NodeKernels>();
+  const NodePoints columns{at[0].data(), at[1].data(), at[2].data(), index_of(points.size())};
   const FunctionPanels& own = functions_.panels();
   PotentialSums sums;
   Eigen::AlignedBox3d box;
@@ -243,8 +271,22 @@ void OutsidePotentials::correct(std::span<const Vector3d> points, Scratch& scrat
   for (const std::size_t function : scratch.close)
     for (std::size_t panel = own.first[function]; panel < own.first[function + 1]; ++panel, ++row) {
       const PanelPoint& place = panels_[panel];
-      const double limit = far * place.radius, limit_of_all = limit + radius;
-      if ((centre - place.centre).squaredNorm() >= limit_of_all * limit_of_all)
+      const double distance = (centre - place.centre).norm() - radius;
+      if (distance >= far * place.radius)
+        continue;
+      // The whole block takes the rule of its nearest point, and of the first rule if that is nearer still.
+      std::size_t used = rules_.size() - 1;
+      while (used > 0 && distance < rules_[used].from * place.radius)
+        --used;
+      const PanelRule& rule = rules_[used];
+      const std::size_t count = rule.weights.size(), first = panel * count;
+      scratch.of_rule.resize(count * block);
+      kernels.fill({rule.x.data() + first, rule.y.data() + first, rule.z.data() + first, index_of(count)},
+                   columns, scratch.of_rule.data());
+      kernels.combine({scratch.of_rule.data(), index_of(count)}, {rule.weights.data(), 1, 1},
+                      scratch.inverse_distances.data() + row * block);
+      const double limit = rules_.front().from * place.radius;
+      if (distance >= limit)
         continue;
       for (std::size_t p = 0; p < points.size(); ++p)
         if ((points[p] - place.centre).squaredNorm() < limit * limit)

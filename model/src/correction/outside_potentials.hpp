@@ -52,7 +52,7 @@ class OutsidePotentials {
   /// Memory of an evaluation, and the potentials that it found: a block for each charge.
   struct Scratch {
     std::vector<float> of_given, of_functions, of_charges;
-    std::vector<float> inverse_distances, sums;
+    std::vector<float> inverse_distances, of_rule, sums;
     std::vector<std::size_t> close;
     std::vector<std::array<std::size_t, 2>> near;  ///< a panel, and the place of its 1/r at a point
     std::vector<double> means;
@@ -75,6 +75,16 @@ class OutsidePotentials {
     double radius;
   };
 
+  /// The coordinates of a block of points.
+  using Coordinates = std::array<std::array<float, block>, 3>;
+
+  /// The points of a quadrature rule on every panel, one panel after the other.
+  struct PanelRule {
+    double from;  ///< distance from a panel's centre, over its radius, from which on the rule is used
+    std::vector<float> weights;
+    std::vector<float> x, y, z;
+  };
+
   /// Points in whose place functions count: at each the share of its function's charge, then the given
   /// charges.
   struct Sources {
@@ -83,14 +93,16 @@ class OutsidePotentials {
   };
 
   void add_sources(const FunctionPoints& points);
+  void add_rule(double from, int degree);
   void add_potentials(const Sources& sources, std::size_t function, const float* inverse_distances,
                       bool with_functions, Scratch& scratch) const;
-  void correct(std::span<const Eigen::Vector3d> points, Scratch& scratch) const;
+  void correct(std::span<const Eigen::Vector3d> points, const Coordinates& at, Scratch& scratch) const;
 
   const ChargeFunctions& functions_;
   bool is_fine_;
   std::vector<PanelPoint> panels_;
-  std::vector<Sources> levels_;  ///< the coarsest first; the last are the panels' centres
+  std::vector<PanelRule> rules_;  ///< the nearest first
+  std::vector<Sources> levels_;   ///< the coarsest first; the last are the panels' centres
 };
 
 }  // namespace fringe::detail
