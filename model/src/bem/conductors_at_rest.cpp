@@ -27,8 +27,9 @@ constexpr double quadrature_part = 50;
 /// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
 constexpr double finest_tolerance = 1e-13;
 
-/// Fraction of rtol at which the conjugate gradients stop.
-constexpr double iteration_part = 1e-3;
+/// Fraction of rtol to which the conjugate gradients find the charges. Their energy is found to the square of
+/// that, but the potentials far away not: those of a sensor and of the guard around it nearly cancel there.
+constexpr double iteration_part = 1e-2;
 
 /// Ratio of the tolerance of simplified surfaces to rtol.
 constexpr double simplification_at_rest = 1;
@@ -85,7 +86,7 @@ ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_
   double tolerance = rtol / quadrature_part;
   while (true) {
     system_.refine({}, tolerance);
-    solution_ = system_.solve(iteration_part * rtol);
+    solution_ = system_.solve(iteration_part * rtol * iteration_part * rtol);
     if (!solution_.positive_definite) {
       if (tolerance < finest_tolerance)
         throw std::runtime_error("the matrix of the conductors at rest is not positive definite");
