@@ -43,7 +43,7 @@ class Options:
     threshold: float | None = None
     methods: tuple[str, ...] = ("exact", "formula", SMALL)
     compared: int = 12
-    rtol: float = 0.005
+    rtol: float = 0.004
     most_panels: int = 12000
     parts: int = 600
 

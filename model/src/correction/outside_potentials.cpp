@@ -30,11 +30,11 @@ using Eigen::Vector3d;
 constexpr std::size_t most_levels = 3;
 using PartRatios = std::array<double, most_levels>;
 constexpr std::array<PartRatios, 2> largest_part_ratios{PartRatios{0.3, 0.5, 0.7},
-                                                        PartRatios{0.01, 0.04, 0.25}};
+                                                        PartRatios{0.02, 0.08, 0.3}};
 constexpr std::size_t first_level = ChargeFunctions::first_with_moments;
 
 /// Distance from a panel's centre, over its radius, beyond which it counts as a point.
-constexpr double far = 15;
+constexpr double far = 10;
 
 /// The same for quadrature rules of two degrees; closer panels are integrated in closed form. The error is
 /// 1e-3 of the panel's potential at most (the rules' bounds: model/NUMERICS.md, section 12).
