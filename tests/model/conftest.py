@@ -1,8 +1,11 @@
 """Where the tests of the model find what the build made."""
 
+import os
+import pty
 import subprocess
 import sys
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -20,5 +23,26 @@ def fringe_command() -> Command:
     def run(*arguments: str | Path) -> "subprocess.CompletedProcess[str]":
         command = [str(ROOT / "build" / "bin" / "fringe"), *map(str, arguments)]
         return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def shown_on_a_terminal() -> Callable[..., str]:
+    """Runs build/bin/fringe, which must succeed and print an answer, and returns what it shows on the terminal that its errors go to."""
+
+    def run(*arguments: str | Path) -> str:
+        command = [str(ROOT / "build" / "bin" / "fringe"), *map(str, arguments)]
+        terminal, end = pty.openpty()
+        with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=end) as process:
+            os.close(end)
+            assert process.communicate()[0] and process.returncode == 0
+        shown = ""
+        # A terminal hands over a part at a time, and fails once the program has left it.
+        with suppress(OSError):
+            while part := os.read(terminal, 4096).decode():
+                shown += part
+        os.close(terminal)
+        return shown
 
     return run

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import pty
 import re
 import signal
 import subprocess
@@ -217,18 +216,11 @@ def test_an_interrupted_sweep_keeps_the_frames_that_are_finished(tmp_path: Path)
     assert errors == f"fringe: {path}: interrupted after {finished} of {frames} frames\n"
 
 
-def test_on_a_terminal_the_progress_is_shown_and_erased(tmp_path: Path) -> None:
+def test_on_a_terminal_the_progress_is_shown_and_erased(
+    shown_on_a_terminal: Callable[..., str], tmp_path: Path
+) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(REFINED)
-    terminal, end = pty.openpty()
-    with subprocess.Popen(
-        [COMMAND, "capacitance", path, "--method", "boundary-elements", "--rtol", "1e-3"],
-        stdout=subprocess.PIPE,
-        stderr=end,
-    ) as process:
-        os.close(end)
-        assert process.communicate()[0] and process.returncode == 0
-    shown = os.read(terminal, 100_000).decode()
-    os.close(terminal)
+    shown = shown_on_a_terminal("capacitance", path, "--method", "boundary-elements", "--rtol", "1e-3")
     assert re.search(r"\r\x1b\[K\d+ unknowns, error [\d.e-]+ of 0.001 asked for, [\d.]+ s", shown)
     assert shown.endswith("\r\x1b[K")

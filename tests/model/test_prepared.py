@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import pty
 import re
 import subprocess
 from collections.abc import Callable
@@ -12,7 +10,6 @@ from pathlib import Path
 import fringe
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 SCENE = """
@@ -95,14 +92,10 @@ def test_a_folder_that_cannot_be_is_refused(fringe_command: Command, scene: Path
     assert done.returncode == 2 and f"{tmp_path / 'file'}: prepared data cannot be kept there" in done.stderr
 
 
-def test_on_a_terminal_preparations_say_how_far_they_are(scene: Path) -> None:
-    terminal, end = pty.openpty()
-    words = [ROOT / "build/bin/fringe", "capacitance", scene, "--correction", "formula", "--rtol", "0.2"]
-    with subprocess.Popen(words, stdout=subprocess.PIPE, stderr=end) as process:
-        os.close(end)
-        assert process.communicate()[0] and process.returncode == 0
-    shown = os.read(terminal, 100_000).decode()
-    os.close(terminal)
+def test_on_a_terminal_preparations_say_how_far_they_are(
+    shown_on_a_terminal: Callable[..., str], scene: Path
+) -> None:
+    shown = shown_on_a_terminal("capacitance", scene, "--correction", "formula", "--rtol", "0.2")
     for part in ("machine", "targets"):
         assert re.search(rf"\r\x1b\[K{part}: \d+ panels, error [\d.e-]+ of [\d.]+ asked for, [\d.]+ s", shown)
     assert "\r\x1b[Kfringe: remark: " in shown
