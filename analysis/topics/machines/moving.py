@@ -1,7 +1,7 @@
-"""Machines whose links move before a target: the formula in company to an accuracy, beside stored truths by boundary elements.
+"""Machines whose links move before a target: the formula in company to an accuracy, beside stored truths on panels (panel_truths.py).
 
 `python3 -m analysis.topics.machines.moving` prints a row for each machine, or for one with `--machine NAME`; with `--solve COUNT` it first solves so many poses of each, spread
-over its motion, that have no truth in `moving_truths.json`, minutes each. Delete the file to solve all anew.
+over its motion, that have no truth in `moving_truths.json`, one or two minutes each. Delete the file to solve all anew.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from scipy.spatial.transform import Rotation, Slerp
 from analysis.pipeline import model_stage
 from analysis.results.store import read_json, write_json
 from analysis.topics.machines import hand_before_arm
+from analysis.topics.machines.panel_truths import COARSE, FINE, Machine, Targets
 from geometries.common.arguments import positive_integer
 from geometries.scene import motion, reader
 from geometries.scene.poses import AxisRotation, Pose, Vector3
@@ -33,8 +34,8 @@ Array = NDArray[np.float64]
 FILE = Path(__file__).with_name("moving_truths.json")
 POSES, POSES_OF_HAND = 200, 500
 """Poses of a motion."""
-RTOL = 1e-2
-"""Accuracy asked of a true change, relative."""
+HAND = "hand"
+"""The machine of which only the target moves."""
 _SCENES = Path(__file__).parents[3] / "geometries" / "scenes"
 _PATIENT = ("head", "neck", "torso", "left arm", "right arm", "left leg", "right leg")
 _SEGMENTS = 24
@@ -157,11 +158,11 @@ def six_joint_arm() -> Moving:
 
 def hand() -> Moving:
     """Returns the hand before the arm at rest, from 30 to 2 cm."""
-    return Moving("hand", hand_before_arm.scene(), hand_before_arm.poses(POSES_OF_HAND))
+    return Moving(HAND, hand_before_arm.scene(), hand_before_arm.poses(POSES_OF_HAND))
 
 
 MACHINES: dict[str, Callable[[], Moving]] = {
-    "hand": hand,
+    HAND: hand,
     "X-ray arm": x_ray_arm,
     "six-joint arm": six_joint_arm,
 }
@@ -173,19 +174,36 @@ def chosen(count: int, poses: int) -> list[int]:
 
 
 def solve(machine: Moving, poses: list[int], file: Path = FILE) -> None:
-    """Solves the poses that have no stored truth; each is stored at once."""
-    for pose in poses:
-        records = read_json(file) or {}
-        known = records.setdefault(machine.name, {})
-        if str(pose) in known:
-            continue
-        scene = model_stage.model_module().Scene.loads(canonical(machine.scene))
-        for link, matrix in zip(machine.scene.links, machine.poses[pose], strict=True):
-            scene.set_pose(link.name, matrix)
-        readings = scene.readings(method="boundary-elements", rtol=RTOL)
-        known[str(pose)] = {name: [each.change, each.error["change"]] for name, each in readings.items()}
+    """Solves the poses that have no stored truth on finer and on coarser panels; each is stored at once with its values on the finer ones and the differences."""
+    records = read_json(file) or {}
+    known = records.setdefault(machine.name, {})
+    missing = [pose for pose in poses if str(pose) not in known]
+    if not missing:
+        return
+    live = model_stage.model_module().Scene.loads(canonical(machine.scene))
+    targets = [Targets(machine.scene, resolution) for resolution in (FINE, COARSE)]
+    at_rest: list[Machine] = []
+    names = [link.name for link in machine.scene.links]
+    for pose in missing:
+        for link, matrix in zip(names, machine.poses[pose], strict=True):
+            live.set_pose(link, matrix)
+        if not at_rest or machine.name != HAND:
+            at_rest = [Machine(live, own, resolution) for own, resolution in zip(targets, (FINE, COARSE))]
+        there = _in_world(machine, pose, targets[0].link)
+        fine, coarse = (one.changes(own, there) for one, own in zip(at_rest, targets))
+        known[str(pose)] = {name: [fine[name], abs(fine[name] - coarse[name])] for name in fine}
         write_json(file, records)
         print(f"{machine.name}, pose {pose}: solved", flush=True)
+
+
+def _in_world(machine: Moving, pose: int, link: str | None) -> Array:
+    """Returns the pose (4, 4) of a link in the world; the identity for None."""
+    found = np.eye(4)
+    places = {each.name: number for number, each in enumerate(machine.scene.links)}
+    while link is not None:
+        found = machine.poses[pose, places[link]] @ found
+        link = machine.scene.links[places[link]].parent
+    return found
 
 
 def row(machine: Moving, rtol: float, poses: int = POSES_OF_HAND, file: Path = FILE) -> str:
