@@ -320,7 +320,6 @@ TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors, const CompanyReso
 
 const std::vector<double>& CompanyFormula::changes(const MachineAtRest& machine, const TargetAtRest& target,
                                                    const Isometry3d& pose) {
-  is_fine_ = false;
   place(machine, target, pose);
   find_potentials(machine, target);
   find_answers(machine, target);
@@ -364,8 +363,7 @@ void CompanyFormula::place_target(const MachineAtRest& machine, const TargetAtRe
     double nearest = std::numeric_limits<double>::infinity();
     for (const AlignedBox3d& box : machine.functions().boxes())
       nearest = std::min(nearest, box.squaredExteriorDistance(centre));
-    const std::size_t level = target_.levels[function] =
-        functions.level(function, std::sqrt(nearest), is_fine_);
+    const std::size_t level = target_.levels[function] = functions.level(function, std::sqrt(nearest), false);
     const FunctionPoints& points = functions.points(level);
     for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
       const Eigen::Vector3f at = moved * points.at[k];
@@ -394,8 +392,8 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
     for (const AlignedBox3d& box : target.functions().boxes())
       nearest = std::min(nearest, box.squaredExteriorDistance(centre));
     // Charges of both signs nearly cancel far away, where their moments are what is left.
-    const std::size_t level = machine_.levels[function] = std::max(
-        functions.level(function, std::sqrt(nearest), is_fine_), ChargeFunctions::first_with_moments);
+    const std::size_t level = machine_.levels[function] =
+        std::max(functions.level(function, std::sqrt(nearest), false), ChargeFunctions::first_with_moments);
     const FunctionPoints& points = functions.points(level);
     for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
       machine_.x.push_back(points.at[k].x()), machine_.y.push_back(points.at[k].y());

@@ -8,7 +8,6 @@
 
 #include "correction/charge_functions.hpp"
 #include "fringe/scene.hpp"
-#include "geometry/wrench.hpp"
 
 /// The formula that knows company: what targets change in the readings of a machine at rest
 /// (model/CORRECTIONS.md, section 8).
@@ -204,16 +203,6 @@ class TargetAtRest {
   double error_ = 0;
 };
 
-/// Largest number of steps of the conjugate gradients for the charges on targets.
-constexpr int most_charge_steps = 10;
-
-/// Part of the accuracy asked for by which a change may alter in their last step.
-constexpr double last_step_part = 0.1;
-
-/// Ratio of the stated error to the sum of its parts: measured in open set-ups (model/CORRECTIONS.md, section
-/// 8).
-constexpr double stated_per_parts = 2;
-
 /// Evaluates what targets change, pose by pose.
 class CompanyFormula {
  public:
@@ -228,14 +217,6 @@ class CompanyFormula {
     double value;
     double error;
   };
-
-  /// Returns the changes with all charges that the target's functions can carry, within `rtol` of these.
-  const std::vector<Change>& solved(const MachineAtRest& machine, const TargetAtRest& target,
-                                    const Eigen::Isometry3d& pose, double rtol);
-
-  /// Returns the derivatives of the changes that solved() has just found, as the target moves: in 1 and in m,
-  /// in the frame of the machine, to be multiplied by 4πε.
-  std::vector<Wrench> wrenches(const MachineAtRest& machine, const TargetAtRest& target);
 
   /// Returns the largest ratio, in the last pose, of the radius of a function of the target to its distance
   /// from what is sensed or driven: gaps below it are not resolved.
@@ -253,7 +234,6 @@ class CompanyFormula {
   };
 
   void place(const MachineAtRest& machine, const TargetAtRest& target, const Eigen::Isometry3d& pose);
-  void couple(const MachineAtRest& machine, const TargetAtRest& target);
   void place_target(const MachineAtRest& machine, const TargetAtRest& target, const Eigen::Isometry3d& pose);
   void place_machine(const MachineAtRest& machine, const TargetAtRest& target, const Eigen::Isometry3d& pose);
   void find_potentials(const MachineAtRest& machine, const TargetAtRest& target);
@@ -273,12 +253,6 @@ class CompanyFormula {
   Eigen::MatrixXd potentials_;  ///< of the given charges (columns) by direction
   Eigen::MatrixXd net_;         ///< net charges of the directions on each target conductor (columns)
   double nearness_ = 0;
-  bool is_fine_ = false;              ///< true if points are finer than the formula in closed form needs
-  Eigen::MatrixXf coupling_;          ///< potentials of the target's functions (columns) on the machine's
-  Eigen::MatrixXf target_charges_;    ///< of the target's functions in each load (columns)
-  Eigen::MatrixXf machine_charges_;   ///< that the machine's functions answer with
-  Eigen::MatrixXf given_potentials_;  ///< of the given charges (columns) on the target's functions
-  std::vector<Change> solved_;
   std::vector<double> changes_;
 };
 

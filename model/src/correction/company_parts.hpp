@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -11,7 +12,10 @@
 #include "bem/bodies.hpp"
 #include "correction/charge_functions.hpp"
 #include "correction/company.hpp"
+#include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
+#include "geometry/link_motion.hpp"
+#include "geometry/wrench.hpp"
 
 /// Parts of the preparation of machines for the formula in company, at rest or with links that move
 /// (model/CORRECTIONS.md, section 8).
@@ -64,5 +68,13 @@ TargetContacts contacts_of(const ChargedBodies& machine,
                            const std::vector<Eigen::AlignedBox3d>& machine_boxes,
                            const ChargedBodies& targets, const std::vector<Eigen::AlignedBox3d>& target_boxes,
                            const Eigen::Isometry3d& pose);
+
+/// Returns pairs of links whose bodies are prepared together, so that what they contribute to derivatives is
+/// not known.
+std::vector<PairWrench> unknown_pairs(const ChargedBodies& bodies);
+
+/// Writes the derivatives of a change that is known and finite, and their errors.
+/// @param pairs what the pairs of links contribute
+void write_derivatives(const LinkPoses& poses, std::span<const PairWrench> pairs, ReadingAnswer& answer);
 
 }  // namespace fringe::detail

@@ -83,6 +83,32 @@ bool are_within(const std::vector<ReadingAnswer>& answers, double rtol) {
   });
 }
 
+std::vector<PairWrench> unknown_pairs(const ChargedBodies& bodies) {
+  const Vector3d unknown = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+  const std::optional<std::size_t> first = bodies.bodies.front().link;
+  std::vector<PairWrench> pairs;
+  for (const ChargedBody& body : bodies.bodies)
+    if (body.link != first)
+      pairs.push_back({body.link, first, {unknown, unknown}});
+  return pairs;
+}
+
+void write_derivatives(const LinkPoses& poses, std::span<const PairWrench> pairs, ReadingAnswer& answer) {
+  /// Ratio of the relative errors of derivatives and changes, that of boundary elements.
+  constexpr double error_per_error = 10;
+  answer.derivatives.clear();
+  // In contact there are none.
+  if (!answer.change.value || std::isinf(*answer.change.value))
+    return;
+  answer.derivatives = derivatives_by_link(poses, pairs);
+  const double relative = error_per_error * *answer.change.error / std::abs(*answer.change.value);
+  for (LinkDerivatives& of_link : answer.derivatives) {
+    PoseDerivatives& error = of_link.error.emplace();
+    error << Vector3d::Constant(relative * of_link.change.head<3>().norm()),
+        Vector3d::Constant(relative * of_link.change.tail<3>().norm());
+  }
+}
+
 CompanyReadings::CompanyReadings(std::shared_ptr<LinkPoses> poses)
     : poses_(std::move(poses)), motion_(poses_), moving_(poses_) {}
 
@@ -242,8 +268,9 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
 void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
                             std::optional<double> rtol, bool with_derivatives) {
   motion_.update();
-  if (rtol && !with_derivatives &&
-      moving_.write(scene, answers, *rtol, machine_ && has_moved(*machine_group_)))
+  is_by_links_ = rtol && moving_.write(scene, answers, *rtol,
+                                       with_derivatives || (machine_ && has_moved(*machine_group_)));
+  if (is_by_links_)
     return;
   update(rtol);
   find_groups(scene);
@@ -266,34 +293,20 @@ void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answ
 }
 
 void CompanyReadings::write_derivatives(std::vector<ReadingAnswer>& answers) {
-  /// Ratio of the relative errors of derivatives and changes, that of boundary elements.
-  constexpr double error_per_error = 10;
-  formula_.solved(*machine_, *target_, target_pose(), *rtol_);
-  const std::vector<Wrench> wrenches = formula_.wrenches(*machine_, *target_);
+  if (is_by_links_) {
+    moving_.write_derivatives(answers);
+    return;
+  }
+  const std::vector<Wrench>& wrenches = tabulated_formula_.wrenches(*tabulated_, *target_, target_pose());
   const Isometry3d to_world = frame(*machine_group_);
-  // Parts of the machine or of the targets that move relative to each other are not prepared.
-  const Vector3d unknown = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
-  std::vector<PairWrench> pairs;
-  for (const Group* each : {&*machine_group_, &*target_group_})
-    for (const ChargedBody& body : each->bodies.bodies)
-      if (const std::optional<std::size_t> first = each->bodies.bodies.front().link; body.link != first)
-        pairs.push_back({body.link, first, {unknown, unknown}});
+  std::vector<PairWrench> pairs = unknown_pairs(machine_group_->bodies);
+  for (const PairWrench& pair : unknown_pairs(target_group_->bodies))
+    pairs.push_back(pair);
   pairs.push_back(
       {target_group_->bodies.bodies.front().link, machine_group_->bodies.bodies.front().link, {}});
   for (std::size_t k = 0; k < answers.size(); ++k) {
-    ReadingAnswer& answer = answers[k];
-    answer.derivatives.clear();
-    // In contact there are none.
-    if (!answer.change.value || std::isinf(*answer.change.value))
-      continue;
     pairs.back().wrench = unit_ * in_outer_frame(wrenches[k], to_world);
-    answer.derivatives = derivatives_by_link(*poses_, pairs);
-    const double relative = error_per_error * *answer.change.error / std::abs(*answer.change.value);
-    for (LinkDerivatives& of_link : answer.derivatives) {
-      PoseDerivatives& error = of_link.error.emplace();
-      error << Vector3d::Constant(relative * of_link.change.head<3>().norm()),
-          Vector3d::Constant(relative * of_link.change.tail<3>().norm());
-    }
+    detail::write_derivatives(*poses_, pairs, answers[k]);
   }
 }
 

@@ -46,8 +46,8 @@ class CompanyReadings {
   /// have different potentials.
   /// @throws InputError for scenes that maxwell() refuses, but for contact with targets.
   /// @param rtol the error asked of the changes, relative; without it the formula in closed form answers
-  /// @param with_derivatives whether write_derivatives() follows: links of the machine that have moved
-  /// against each other are then prepared together
+  /// @param with_derivatives whether write_derivatives() follows: the machine's links are then prepared each
+  /// by itself
   void write(const Scene& scene, std::vector<ReadingAnswer>& answers, std::optional<double> rtol = {},
              bool with_derivatives = false);
 
@@ -102,7 +102,8 @@ class CompanyReadings {
   double unit_ = 0;  ///< 4πε, F/m
   CompanyFormula formula_;
   TabulatedFormula tabulated_formula_;
-  MovingReadings moving_;  ///< once links of the machine move against each other
+  bool is_by_links_ = false;  ///< the last answer: by links that may move
+  MovingReadings moving_;     ///< once links of the machine move against each other
 };
 
 }  // namespace fringe::detail

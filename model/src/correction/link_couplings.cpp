@@ -82,22 +82,10 @@ void LinkCoupler::gather(const ChargeFunctions& functions, float* of_functions) 
   }
 }
 
-/// Limits the potentials between points that are closer than their parts of the surface are large.
-void LinkCoupler::limit(float row_limit, std::size_t rows) {
-  const std::size_t padded = potentials_.size();
-  for (std::size_t row = 0; row < rows; ++row) {
-    float* values = inverse_distances_.data() + row * padded;
-    for (std::size_t k = 0; k < padded; ++k)
-      // At the same place the potential is not a number, which is not less than the limit.
-      values[k] = std::min(std::min(row_limit, limits_[k]), values[k]);
-  }
-}
-
 void LinkCoupler::couple(const ChargeFunctions& rows, const ChargeFunctions& columns,
                          const Isometry3d& relative, Eigen::MatrixXf& functions) {
   const auto& kernels = best_kernels<NodeKernels>();
   place(columns, relative.inverse(Eigen::Isometry), rows.boxes());
-  const auto padded = static_cast<std::ptrdiff_t>(potentials_.size());
   functions.resize(static_cast<Index>(columns.count()), static_cast<Index>(rows.count()));
   const Eigen::Isometry3f moved = relative.cast<float>();
   for (std::size_t function = 0; function < rows.count(); ++function) {
@@ -109,20 +97,115 @@ void LinkCoupler::couple(const ChargeFunctions& rows, const ChargeFunctions& col
       const Eigen::Vector3f at = moved * points.at[k];
       row_x_.push_back(at.x()), row_y_.push_back(at.y()), row_z_.push_back(at.z());
     }
-    if (inverse_distances_.size() < count * potentials_.size())
-      inverse_distances_.resize(count * potentials_.size());
-    kernels.fill({row_x_.data(), row_y_.data(), row_z_.data(), static_cast<std::ptrdiff_t>(count)},
-                 {x_.data(), y_.data(), z_.data(), static_cast<std::ptrdiff_t>(count_)},
-                 inverse_distances_.data());
+    const NodePoints points_of_row{row_x_.data(), row_y_.data(), row_z_.data(), index_of(count)},
+        points_of_columns{x_.data(), y_.data(), z_.data(), index_of(count_)};
+    const float* const shares = points.shares.data() + begin;
     if (level == finest)
-      limit(limit_of(rows, function, count), count);
-    std::fill(potentials_.begin(), potentials_.end(), 0.0F);
-    for (std::size_t k = 0; k < count; ++k)
-      kernels.add(points.shares[begin + k],
-                  inverse_distances_.data() + static_cast<std::ptrdiff_t>(k) * padded, potentials_.data(),
-                  padded);
+      kernels.add_up_limited(points_of_row, shares, limit_of(rows, function, count), points_of_columns,
+                             limits_.data(), potentials_.data());
+    else
+      kernels.add_up(points_of_row, shares, points_of_columns, potentials_.data());
     gather(columns, functions.col(static_cast<Index>(function)).data());
   }
+}
+
+void LinkCoupler::find_forces(const ChargeFunctions& on, const ChargeFunctions& of,
+                              const Isometry3d& relative, const Eigen::MatrixXf& charges, Forces& forces) {
+  constexpr auto in_block = static_cast<std::size_t>(node_block);
+  place(of, relative.inverse(Eigen::Isometry), on.boxes());
+  const auto fields = static_cast<std::size_t>(charges.cols());
+  field_charges_.resize(count_ * fields);
+  std::size_t point = 0;
+  for (std::size_t function = 0; function < of.count(); ++function) {
+    const FunctionPoints& points = of.points(levels_[function]);
+    for (const std::size_t end = point + points.first[function + 1] - points.first[function]; point < end;
+         ++point)
+      for (std::size_t field = 0; field < fields; ++field)
+        field_charges_[point * fields + field] =
+            shares_[point] * charges(index_of(function), index_of(field));
+  }
+  forces.setZero(6 * index_of(on.count()), charges.cols());
+  force_points_.clear();
+  const Eigen::Isometry3f moved = relative.cast<float>();
+  for (std::size_t function = 0; function < on.count(); ++function) {
+    const std::size_t level = level_beside(on, function, relative, of.boxes());
+    const FunctionPoints& points = on.points(level);
+    const std::size_t begin = points.first[function], end = points.first[function + 1];
+    const float limit =
+        level == finest ? limit_of(on, function, end - begin) : std::numeric_limits<float>::infinity();
+    for (std::size_t k = begin; k < end; ++k) {
+      force_points_.push_back({moved * points.at[k], index_of(function), points.shares[k], limit});
+      if (force_points_.size() == in_block)
+        add_fields(fields, forces);
+    }
+  }
+  if (!force_points_.empty())
+    add_fields(fields, forces);
+}
+
+/// Adds the forces on the points of a block, and forgets these.
+void LinkCoupler::add_fields(std::size_t fields, Forces& forces) {
+  /// Number of sources that are evaluated together: their arrays stay in the nearest cache.
+  constexpr std::size_t together = 128;
+  constexpr auto in_block = static_cast<std::size_t>(node_block);
+  const auto& kernels = best_kernels<NodeKernels>();
+  std::array<std::array<float, in_block>, 3> at{};
+  std::array<float, in_block> limits{};
+  bool is_any_limited = false;
+  for (std::size_t p = 0; p < in_block; ++p) {
+    const ForcePoint& point = force_points_[std::min(p, force_points_.size() - 1)];
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      at[axis][p] = point.at[static_cast<Index>(axis)];
+    limits[p] = point.limit;
+    is_any_limited = is_any_limited || std::isfinite(point.limit);
+  }
+  inverse_distances_.resize(std::max(inverse_distances_.size(), together * in_block));
+  for (std::vector<float>& component : gradients_)
+    component.resize(together * in_block);
+  sums_.resize(fields * in_block);
+  fields_.assign(3 * fields * in_block, 0.0F);
+  const std::array<const std::vector<float>*, 3> sources{&x_, &y_, &z_};
+  for (std::size_t begin = 0; begin < count_; begin += together) {
+    const std::size_t count = std::min(together, count_ - begin);
+    kernels.fill({x_.data() + begin, y_.data() + begin, z_.data() + begin, index_of(count)},
+                 {at[0].data(), at[1].data(), at[2].data(), node_block}, inverse_distances_.data());
+    for (std::size_t k = 0; k < count; ++k) {
+      float* const values = inverse_distances_.data() + k * in_block;
+      if (is_any_limited) {
+        // At the same place 1/r is not a number, which is not less than the limit.
+        const float limit = limits_[begin + k];
+        for (std::size_t p = 0; p < in_block; ++p)
+          values[p] =
+              values[p] < limits[p] && (values[p] < limit || !std::isfinite(limits[p])) ? values[p] : 0;
+      }
+      for (std::size_t p = 0; p < in_block; ++p)
+        values[p] *= values[p] * values[p];
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const float source = (*sources[axis])[begin + k];
+        float* const gradient = gradients_[axis].data() + k * in_block;
+        for (std::size_t p = 0; p < in_block; ++p)
+          gradient[p] = (source - at[axis][p]) * values[p];
+      }
+    }
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      kernels.combine({gradients_[axis].data(), index_of(count)},
+                      {field_charges_.data() + begin * fields, index_of(fields), index_of(fields)},
+                      sums_.data());
+      kernels.add(1, sums_.data(), fields_.data() + axis * fields * in_block, index_of(sums_.size()));
+    }
+  }
+  for (std::size_t field = 0; field < fields; ++field)
+    for (std::size_t p = 0; p < force_points_.size(); ++p) {
+      const ForcePoint& point = force_points_[p];
+      const auto component = [&](std::size_t axis) {
+        return static_cast<double>(fields_[(axis * fields + field) * in_block + p]);
+      };
+      const Vector3d force = point.share * Vector3d(component(0), component(1), component(2));
+      auto sum = forces.col(index_of(field)).segment<6>(6 * point.function);
+      sum.head<3>() += force;
+      sum.tail<3>() += point.at.cast<double>().cross(force);
+    }
+  force_points_.clear();
 }
 
 }  // namespace fringe::detail

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -7,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "correction/charge_functions.hpp"
+#include "correction/table_forces.hpp"
 
 /// Potentials between the charge functions of two groups of bodies that move against each other
 /// (model/CORRECTIONS.md, section 8, "Links that move").
@@ -38,16 +40,36 @@ class LinkCoupler {
   void couple(const ChargeFunctions& rows, const ChargeFunctions& columns, const Eigen::Isometry3d& relative,
               Eigen::MatrixXf& functions);
 
+  /// Finds the forces on unit charges of the functions of one group, in the frame of the other, in the fields
+  /// of charges on the other's functions: the derivatives of the potentials that couple() finds.
+  /// @param relative from the frame of the group on which they act to that of the other
+  /// @param charges of the other's functions (rows), for each field (column)
+  void find_forces(const ChargeFunctions& on, const ChargeFunctions& of, const Eigen::Isometry3d& relative,
+                   const Eigen::MatrixXf& charges, Forces& forces);
+
  private:
+  void add_fields(std::size_t fields, Forces& forces);
+
   void place(const ChargeFunctions& functions, const Eigen::Isometry3d& to_other,
              std::span<const Eigen::AlignedBox3d> others);
   void gather(const ChargeFunctions& functions, float* of_functions) const;
-  void limit(float row_limit, std::size_t rows);
 
   std::vector<std::size_t> levels_;  ///< of the placed functions
   std::vector<float> x_, y_, z_, shares_, limits_;
   std::size_t count_ = 0;
   std::vector<float> row_x_, row_y_, row_z_, inverse_distances_, potentials_;
+  /// Up to one block of points on which forces act, with the functions that they are parts of.
+  struct ForcePoint {
+    Eigen::Vector3f at;
+    Eigen::Index function;
+    float share;
+    float limit;  ///< largest 1/r; infinite where it is not limited, also not by the sources
+  };
+  std::vector<ForcePoint> force_points_;
+  std::vector<float> field_charges_;             ///< of every placed point for all fields
+  std::array<std::vector<float>, 3> gradients_;  ///< of 1/r, for some sources a block each
+  std::vector<float> fields_;                    ///< a block for each component and field
+  std::vector<float> sums_;
 };
 
 }  // namespace fringe::detail

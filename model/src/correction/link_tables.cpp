@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
-#include <utility>
 
 #include "correction/link_couplings.hpp"
 #include "reduced/node_kernels.hpp"
@@ -33,6 +33,9 @@ constexpr std::size_t level_at_near = 1;
 /// middle of its part of the surface.
 constexpr double most_of_part = 2;
 
+/// A charge of 1, and a limit of its potential that none exceeds.
+constexpr float unit_charge = 1, no_limit = std::numeric_limits<float>::infinity();
+
 double side_of_largest_cells(const TargetAtRest& target) {
   Eigen::AlignedBox3d box;
   for (const Eigen::AlignedBox3d& each : target.functions().boxes())
@@ -55,41 +58,69 @@ void visit_points_beside(const ChargeFunctions& functions, const Isometry3d& pos
   }
 }
 
-/// Adds the potentials of a link's given charges at points close to it, as at a joint, to the functions that
-/// these are parts of. Charges are points, too.
-void add_near(const ChargeFunctions& link, const std::vector<Vector3d>& places,
-              const std::vector<std::pair<Index, float>>& parts, MatrixXf& given) {
-  const auto& kernels = best_kernels<NodeKernels>();
+/// Returns the largest potential of a point of a link's function.
+double limit_of_part(const ChargeFunctions& link, std::size_t function) {
   const FunctionPoints& points = link.points(level_of_near);
-  const auto count = static_cast<std::ptrdiff_t>(points.at.size()), padded = whole_blocks(count);
-  const auto size = static_cast<std::size_t>(padded);
-  std::vector<float> x(size, padded_coordinate), y(x), z(x), limits(size, 1.0F), potentials(size);
-  MatrixXf charges = MatrixXf::Zero(padded, points.given.cols());
-  charges.topRows(count) = points.given;
-  for (std::size_t k = 0; k < points.at.size(); ++k)
-    x[k] = points.at[k].x(), y[k] = points.at[k].y(), z[k] = points.at[k].z();
-  for (std::size_t function = 0; function < link.count(); ++function) {
-    const std::size_t first = points.first[function], end = points.first[function + 1];
-    const double of_part = most_of_part * std::sqrt(static_cast<double>(end - first)) / link.radius(function);
-    std::fill(limits.begin() + static_cast<std::ptrdiff_t>(first),
-              limits.begin() + static_cast<std::ptrdiff_t>(end), static_cast<float>(of_part));
-  }
-  for (std::size_t k = 0; k < places.size(); ++k) {
-    const Eigen::Vector3f at = places[k].cast<float>();
-    kernels.fill({&at.x(), &at.y(), &at.z(), 1}, {x.data(), y.data(), z.data(), count}, potentials.data());
-    // At the same place the potential is not a number, which is not less than the limit.
-    for (std::size_t source = 0; source < size; ++source)
-      potentials[source] = std::min(limits[source], potentials[source]);
-    for (Index load = 0; load < given.cols(); ++load)
-      given(parts[k].first, load) +=
-          parts[k].second * kernels.dot(potentials.data(), charges.col(load).data(), padded);
-  }
+  const std::size_t count = points.first[function + 1] - points.first[function];
+  return most_of_part * std::sqrt(static_cast<double>(count)) / link.radius(function);
 }
 
 }  // namespace
 
 LinkTable::LinkTable(const ChargeFunctions& functions, double largest)
-    : functions_(functions), potentials_(functions, true), table_(potentials_, largest) {}
+    : functions_(functions), potentials_(functions, true), table_(potentials_, largest) {
+  const FunctionPoints& points = functions.points(level_of_near);
+  const Index count = index_of(points.at.size());
+  const auto padded = static_cast<std::size_t>(whole_blocks(count));
+  for (std::vector<float>* coordinates : {&near_x_, &near_y_, &near_z_})
+    coordinates->assign(padded, padded_coordinate);
+  near_limits_.assign(padded, 1.0F);
+  near_charges_.setZero(index_of(padded), points.given.cols());
+  near_charges_.topRows(count) = points.given;
+  for (std::size_t k = 0; k < points.at.size(); ++k)
+    near_x_[k] = points.at[k].x(), near_y_[k] = points.at[k].y(), near_z_[k] = points.at[k].z();
+  for (std::size_t function = 0; function < functions.count(); ++function)
+    std::fill(near_limits_.begin() + static_cast<std::ptrdiff_t>(points.first[function]),
+              near_limits_.begin() + static_cast<std::ptrdiff_t>(points.first[function + 1]),
+              static_cast<float>(limit_of_part(functions, function)));
+}
+
+/// Adds the potentials of the given charges at points close to the link to the functions that these are
+/// shares of. Charges are points, too.
+void LinkTable::add_near(NearPoints& workspace, MatrixXf& given) const {
+  const auto& kernels = best_kernels<NodeKernels>();
+  const Index padded = index_of(near_limits_.size());
+  workspace.potentials.resize(near_limits_.size());
+  for (const auto& [place, function, share] : workspace.shares) {
+    const Eigen::Vector3f at = place.cast<float>();
+    kernels.add_up_limited({&at.x(), &at.y(), &at.z(), 1}, &unit_charge, no_limit,
+                           {near_x_.data(), near_y_.data(), near_z_.data(), padded}, near_limits_.data(),
+                           workspace.potentials.data());
+    for (Index load = 0; load < given.cols(); ++load)
+      given(function, load) +=
+          share * kernels.dot(workspace.potentials.data(), near_charges_.col(load).data(), padded);
+  }
+}
+
+/// Adds the forces on a share of a function's charge close to the link: the derivatives of what add_near()
+/// finds.
+void LinkTable::add_near_force(const Vector3d& place, std::size_t function, float share,
+                               const std::vector<Index>& carried, Forces& forces) const {
+  for (std::size_t k = 0; k < near_limits_.size(); ++k) {
+    const Vector3d towards = Eigen::Vector3f(near_x_[k], near_y_[k], near_z_[k]).cast<double>() - place;
+    const double inverse_distance = 1 / towards.norm();
+    // Below the limit the potential is constant.
+    if (!(inverse_distance < near_limits_[k]))
+      continue;
+    const Vector3d gradient = share * std::pow(inverse_distance, 3) * towards, moment = place.cross(gradient);
+    for (std::size_t load = 0; load < carried.size(); ++load) {
+      const double charge = near_charges_(index_of(k), index_of(load));
+      auto force = forces.col(carried[load]).segment<6>(6 * index_of(function));
+      force.head<3>() += charge * gradient;
+      force.tail<3>() += charge * moment;
+    }
+  }
+}
 
 void LinkTable::add(const ChargeFunctions& others, const Isometry3d& pose) {
   for (std::size_t function = 0; function < others.count(); ++function)
@@ -107,7 +138,8 @@ void LinkTable::fill(std::size_t threads) {
   table_.fill(MatrixXf(static_cast<Index>(functions_.count()), 0), threads);
 }
 
-void LinkTable::write(const ChargeFunctions& others, const Isometry3d& pose, MatrixXf& given) const {
+void LinkTable::write(const ChargeFunctions& others, const Isometry3d& pose, MatrixXf& given,
+                      NearPoints& workspace) const {
   const Index count = functions_.panels().given.cols();
   given.setZero(static_cast<Index>(others.count()), count);
   if (count == 0)
@@ -121,13 +153,12 @@ void LinkTable::write(const ChargeFunctions& others, const Isometry3d& pose, Mat
     const Eigen::Map<const TableRows, 0, Eigen::OuterStride<>> values(
         table_.values(*cell), PotentialTable::nodes, count,
         Eigen::OuterStride<>(static_cast<Index>(table_.width())));
-    given.row(static_cast<Index>(current)) +=
+    given.row(static_cast<Index>(current)).noalias() +=
         Eigen::Map<const Eigen::RowVectorXf>(weights.data(), PotentialTable::nodes) * values;
     weights.fill(0);
     cell.reset();
   };
-  std::vector<Vector3d> outside;
-  std::vector<std::pair<Index, float>> parts;
+  workspace.shares.clear();
   visit_points_beside(others, pose, functions_, table_,
                       [&](const Vector3d& at, std::size_t function, float share) {
                         if (function != current || !cell || !table_.contains(*cell, at)) {
@@ -138,13 +169,28 @@ void LinkTable::write(const ChargeFunctions& others, const Isometry3d& pose, Mat
                         if (cell) {
                           table_.add_weights(*cell, at, share, weights);
                         } else {
-                          outside.push_back(at);
-                          parts.emplace_back(static_cast<Index>(function), share);
+                          workspace.shares.push_back({at, index_of(function), share});
                         }
                       });
   finish();
-  if (!outside.empty())
-    add_near(functions_, outside, parts, given);
+  add_near(workspace, given);
+}
+
+void LinkTable::find_forces(const ChargeFunctions& others, const Isometry3d& pose, Index loads,
+                            const std::vector<Index>& carried, TableForces& workspace, Forces& forces) const {
+  forces.setZero(6 * index_of(others.count()), loads);
+  if (carried.empty())
+    return;
+  MatrixXf factors = MatrixXf::Zero(index_of(table_.width()), loads);
+  for (std::size_t load = 0; load < carried.size(); ++load)
+    factors(index_of(load), carried[load]) = 1;
+  workspace.start(table_, factors);
+  visit_points_beside(others, pose, functions_, table_,
+                      [&](const Vector3d& at, std::size_t function, float share) {
+                        if (!workspace.add(at, function, share, forces))
+                          add_near_force(at, function, share, carried, forces);
+                      });
+  workspace.finish(forces);
 }
 
 LinkTables::LinkTables(const MovingMachine& machine, const TargetAtRest& target) {
@@ -154,22 +200,21 @@ LinkTables::LinkTables(const MovingMachine& machine, const TargetAtRest& target)
 }
 
 void LinkTables::extend(const MovingMachine& machine, const TargetAtRest& target,
-                        const std::vector<std::vector<Isometry3d>>& links,
-                        const std::vector<Isometry3d>& frames, std::size_t threads) {
+                        std::span<const PoseOfMachine> poses, std::size_t threads) {
   for (std::size_t link = 0; link < tables_.size(); ++link) {
     if (machine.links()[link].loads().empty())
       continue;
     tables_[link].make_room();
-    std::vector<std::optional<Isometry3d>> before(links.front().size());
-    for (std::size_t pose = 0; pose < frames.size(); ++pose) {
-      const Isometry3d to_link = links[pose][link].inverse(Eigen::Isometry);
-      tables_[link].add(target.functions(), to_link * frames[pose]);
-      for (std::size_t other = 0; other < before.size(); ++other) {
-        const Isometry3d relative = to_link * links[pose][other];
-        if (other == link || (before[other] && keep_relative_pose(*before[other], relative)))
+    before_.assign(tables_.size(), std::nullopt);
+    for (const PoseOfMachine& pose : poses) {
+      const Isometry3d to_link = pose.links[link].inverse(Eigen::Isometry);
+      tables_[link].add(target.functions(), to_link * pose.target);
+      for (std::size_t other = 0; other < before_.size(); ++other) {
+        const Isometry3d relative = to_link * pose.links[other];
+        if (other == link || (before_[other] && keep_relative_pose(*before_[other], relative)))
           continue;
         tables_[link].add(machine.links()[other].functions(), relative);
-        before[other] = relative;
+        before_[other] = relative;
       }
     }
     tables_[link].fill(threads);

@@ -5,8 +5,6 @@
 #include <stdexcept>
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 namespace fringe::detail {
 namespace {
 
@@ -24,42 +22,44 @@ constexpr double safety_of_links = 4;
 /// precision.
 constexpr float least_ridge = 1e-6F;
 
-/// Factorises a symmetric matrix in place, with so much on its diagonal that it is positive definite.
-void factorise_in_place(MatrixXf& matrix) {
-  float ridge = least_ridge;
-  while (true) {
-    MatrixXf factor = matrix;
-    factor.diagonal() *= 1 + ridge;
-    const Eigen::LLT<Eigen::Ref<MatrixXf>> factorised(factor);
-    if (factorised.info() == Eigen::Success) {
-      matrix = std::move(factor);
-      return;
-    }
+/// Fills and factorises with so much on the diagonal that a matrix is positive definite.
+template <typename Attempt>
+void with_ridge(const Attempt& is_factorised) {
+  for (float ridge = least_ridge; !is_factorised(ridge); ridge *= 10)
     if (!(ridge < 1))
       throw std::runtime_error("the matrix of the links' charges is not positive definite");
-    ridge *= 10;
-  }
+}
+
+/// Multiplies a matrix by vectors, one after the other: for several at once Eigen may allocate memory.
+void multiply(const MatrixXf& matrix, const MatrixXf& vectors, MatrixXf& products) {
+  products.resize(matrix.rows(), vectors.cols());
+  for (Index column = 0; column < vectors.cols(); ++column)
+    products.col(column).noalias() = matrix * vectors.col(column);
+}
+
+Index in_whole_blocks(Index count) {
+  return (count + PackedFactor::block - 1) / PackedFactor::block * PackedFactor::block;
 }
 
 }  // namespace
 
 double MovingFormula::nearness(const MovingMachine& machine, const TargetAtRest& target,
-                               const std::vector<Isometry3d>& links, const Isometry3d& frame) {
+                               const PoseOfMachine& pose) {
   double nearness = 0;
-  for (std::size_t link = 0; link < links.size(); ++link) {
-    const Isometry3d pose = links[link].inverse(Eigen::Isometry) * frame;
+  for (std::size_t link = 0; link < pose.links.size(); ++link) {
+    const Isometry3d to_link = pose.links[link].inverse(Eigen::Isometry) * pose.target;
     for (std::size_t function = 0; function < target.functions().count(); ++function)
       for (const PlacedBox& box : machine.used(link))
         nearness = std::max(nearness, target.functions().radius(function) /
-                                          box.distance(pose * target.functions().centre(function)));
+                                          box.distance(to_link * target.functions().centre(function)));
   }
   return nearness;
 }
 
 /// Evaluates the couplings of what has moved against each other.
 void MovingFormula::couple(const MovingMachine& machine, const LinkTables& tables, const TargetAtRest& target,
-                           const std::vector<Isometry3d>& links, const Isometry3d& frame) {
-  const std::size_t count = links.size();
+                           const PoseOfMachine& pose) {
+  const std::size_t count = pose.links.size();
   const bool is_first = between_links_.empty() && with_target_.empty();
   between_links_.resize(count * (count - 1) / 2);
   with_target_.resize(count);
@@ -68,39 +68,50 @@ void MovingFormula::couple(const MovingMachine& machine, const LinkTables& table
     const ChargeFunctions& functions = machine.links()[a].functions();
     for (std::size_t b = a + 1; b < count; ++b, ++pair) {
       LinkCoupling& coupling = between_links_[pair];
-      const Isometry3d relative = links[b].inverse(Eigen::Isometry) * links[a];
+      const Isometry3d relative = pose.links[b].inverse(Eigen::Isometry) * pose.links[a];
       if (!is_first && keep_relative_pose(coupling.relative, relative))
         continue;
       const ChargeFunctions& others = machine.links()[b].functions();
       coupling.relative = relative;
       coupler_.couple(functions, others, relative, coupling.functions);
-      tables.of(a).write(others, relative.inverse(Eigen::Isometry), coupling.given_first);
-      tables.of(b).write(functions, relative, coupling.given_second);
+      tables.of(a).write(others, relative.inverse(Eigen::Isometry), coupling.given_first, near_);
+      tables.of(b).write(functions, relative, coupling.given_second, near_);
     }
     LinkCoupling& coupling = with_target_[a];
-    const Isometry3d relative = links[a].inverse(Eigen::Isometry) * frame;
+    const Isometry3d relative = pose.links[a].inverse(Eigen::Isometry) * pose.target;
     if (!is_first && keep_relative_pose(coupling.relative, relative))
       continue;
     coupling.relative = relative;
     coupler_.couple(target.functions(), functions, relative, coupling.functions);
-    tables.of(a).write(target.functions(), relative, coupling.given_second);
+    tables.of(a).write(target.functions(), relative, coupling.given_second, near_);
   }
 }
 
-/// Puts the couplings together.
-void MovingFormula::assemble(const MovingMachine& machine, const TargetAtRest& target) {
+/// Finds what depends on no pose.
+void MovingFormula::prepare(const MovingMachine& machine, const TargetAtRest& target) {
+  if (!first_.empty())
+    return;
+  first_.push_back(0);
+  for (const MachineLink& link : machine.links()) {
+    first_.push_back(first_.back() + index_of(link.functions().count()));
+    floating_ += link.net().cols();
+  }
+  first_target_ = in_whole_blocks(first_.back());
+  energies_of_target_ = target.functions().energies().cast<float>();
+  scales_.resize(first_.back() + energies_of_target_.rows());
+  for (std::size_t k = 0; k < machine.links().size(); ++k)
+    scales_.segment(first_[k], first_[k + 1] - first_[k]) = machine.links()[k].energies().diagonal();
+  scales_.tail(energies_of_target_.rows()) = energies_of_target_.diagonal();
+  scales_ = scales_.cwiseSqrt().cwiseInverse().eval();
+  of_links_.resize(machine.links().size());
+}
+
+/// Adds up the potentials of the charges that are given on the links.
+void MovingFormula::add_given(const MovingMachine& machine) {
   const std::size_t count = machine.links().size();
   const Index loads = machine.loads();
-  if (first_.empty()) {
-    first_.push_back(0);
-    for (const MachineLink& link : machine.links())
-      first_.push_back(first_.back() + index_of(link.functions().count()));
-  }
-  matrix_.resize(first_.back(), first_.back());
-  coupling_.resize(first_.back(), index_of(target.functions().count()));
   on_machine_.setZero(first_.back(), 2 * loads);
-  on_target_.setZero(index_of(target.functions().count()), 2 * loads);
-  // Adds potentials of the charges that are given on a link.
+  on_target_.setZero(energies_of_target_.rows(), 2 * loads);
   const auto add = [&](const MachineLink& link, const MatrixXf& potentials, auto&& to) {
     const Index own = index_of(link.loads().size());
     for (Index k = 0; k < own; ++k) {
@@ -112,151 +123,309 @@ void MovingFormula::assemble(const MovingMachine& machine, const TargetAtRest& t
   std::size_t pair = 0;
   for (std::size_t a = 0; a < count; ++a) {
     const MachineLink& link = machine.links()[a];
-    const Index first = first_[a], size = first_[a + 1] - first;
-    matrix_.block(first, first, size, size) = link.energies();
-    coupling_.middleRows(first, size) = with_target_[a].functions;
     add(link, with_target_[a].given_second, on_target_);
     for (std::size_t b = a + 1; b < count; ++b, ++pair) {
       const LinkCoupling& coupling = between_links_[pair];
-      const Index other = first_[b], other_size = first_[b + 1] - other;
-      matrix_.block(other, first, other_size, size) = coupling.functions;
-      matrix_.block(first, other, size, other_size) = coupling.functions.transpose();
-      add(link, coupling.given_first, on_machine_.middleRows(other, other_size));
-      add(machine.links()[b], coupling.given_second, on_machine_.middleRows(first, size));
+      add(link, coupling.given_first, on_machine_.middleRows(first_[b], first_[b + 1] - first_[b]));
+      add(machine.links()[b], coupling.given_second,
+          on_machine_.middleRows(first_[a], first_[a + 1] - first_[a]));
     }
   }
 }
 
-/// Factorises the machine's matrix, and that of the conductors that float.
-void MovingFormula::factorise(const MovingMachine& machine) {
-  answers_.scales = matrix_.diagonal().cwiseSqrt().cwiseInverse();
-  answers_.factor = answers_.scales.asDiagonal() * matrix_ * answers_.scales.asDiagonal();
-  factorise_in_place(answers_.factor);
+/// Writes the columns of the links' functions.
+void MovingFormula::fill_machine(const MovingMachine& machine, float ridge) {
+  const std::size_t count = machine.links().size();
+  const Index loads = machine.loads(), targets = energies_of_target_.rows();
+  const auto scales = [&](std::size_t link) { return scales_.data() + first_[link]; };
+  const float* const target_scales = scales_.data() + first_.back();
+  std::size_t pair = 0;
   Index floating = 0;
-  for (const MachineLink& link : machine.links())
+  for (std::size_t a = 0; a < count; ++a) {
+    const MachineLink& link = machine.links()[a];
+    const Index first = first_[a], size = first_[a + 1] - first;
+    for (Index column = 0; column < size; ++column) {
+      factor_(first + column, first + column) = 1 + ridge;
+      const float own = scales(a)[column];
+      for (Index row = column + 1; row < size; ++row)
+        factor_(first + row, first + column) = own * scales(a)[row] * link.energies()(row, column);
+      for (Index row = 0; row < targets; ++row)
+        factor_(target_row(row), first + column) =
+            own * target_scales[row] * with_target_[a].functions(column, row);
+      for (Index load = 0; load < loads; ++load)
+        factor_(side_row(load), first + column) = own * on_machine_(first + column, load);
+      for (Index k = 0; k < link.net().cols(); ++k)
+        factor_(side_row(loads + floating + k), first + column) = own * link.net()(column, k);
+    }
     floating += link.net().cols();
-  answers_.floating.setZero(first_.back(), floating);
-  VectorXf to_ground(floating);
-  Index column = 0;
-  for (std::size_t k = 0; k < machine.links().size(); ++k) {
-    const MatrixXf& net = machine.links()[k].net();
-    if (net.cols() == 0)
-      continue;
-    answers_.floating.block(first_[k], column, net.rows(), net.cols()) = net;
-    to_ground.segment(column, net.cols()) = machine.links()[k].to_ground().cast<float>();
-    column += net.cols();
+    for (std::size_t b = a + 1; b < count; ++b, ++pair) {
+      const MatrixXf& functions = between_links_[pair].functions;
+      for (Index column = 0; column < size; ++column)
+        for (Index row = 0; row < functions.rows(); ++row)
+          factor_(first_[b] + row, first + column) =
+              scales(a)[column] * scales(b)[row] * functions(row, column);
+    }
   }
-  if (floating == 0)
-    return;
-  answers_.floating = answers_.scales.asDiagonal() * answers_.floating;
-  answers_.factor.triangularView<Eigen::Lower>().solveInPlace(answers_.floating);
-  answers_.floating_block = answers_.floating.transpose() * answers_.floating;
-  answers_.floating_block.diagonal() += to_ground;
-  factorise_in_place(answers_.floating_block);
+  for (Index k = first_.back(); k < first_target_; ++k)
+    factor_(k, k) = 1;
 }
 
-/// Finds the part of solved potentials that conductors which float take: what it adds to their own
-/// potentials.
-void MovingFormula::project(const MatrixXf& solved, MatrixXf& on_floating) const {
-  on_floating.resize(answers_.floating.cols(), solved.cols());
-  if (on_floating.rows() == 0)
-    return;
-  on_floating = answers_.floating.transpose() * solved;
-  answers_.floating_block.triangularView<Eigen::Lower>().solveInPlace(on_floating);
-}
-
-/// Returns the charges of the machine's functions by potentials that the factor has solved.
-MatrixXf MovingFormula::charges(MatrixXf solved, const MatrixXf& on_floating) const {
-  if (on_floating.rows() > 0) {
-    const MatrixXf own =
-        answers_.floating_block.transpose().triangularView<Eigen::Upper>().solve(on_floating);
-    solved -= answers_.floating * own;
+/// Writes the columns of the target's functions, with what the machine's floating conductors take.
+void MovingFormula::fill_target(const TargetAtRest& target, float ridge) {
+  const Index targets = energies_of_target_.rows(), loads = on_target_.cols() / 2;
+  const float* const scales = scales_.data() + first_.back();
+  for (Index column = 0; column < targets; ++column) {
+    for (Index row = column; row < targets; ++row) {
+      float& entry = factor_(target_row(row), target_row(column));
+      entry = row == column ? 1 + ridge : scales[column] * scales[row] * energies_of_target_(row, column);
+      if (floating_ > 0)
+        entry += static_cast<float>(on_floating_.col(row).dot(on_floating_.col(column)));
+    }
+    for (Index load = 0; load < loads; ++load) {
+      float& entry = factor_(side_row(load), target_row(column));
+      entry = scales[column] * on_target_(column, load);
+      if (floating_ > 0)
+        entry += static_cast<float>(on_floating_.col(column).dot(on_floating_.col(targets + load)));
+    }
+    for (std::size_t k = 0; k < target.floating().size(); ++k)
+      factor_(side_row(loads + floating_ + index_of(k)), target_row(column)) =
+          scales[column] * static_cast<float>(target.net()(column, target.floating()[k]));
   }
-  answers_.factor.transpose().triangularView<Eigen::Upper>().solveInPlace(solved);
-  return answers_.scales.asDiagonal() * solved;
+  for (Index k = target_row(targets); k < factor_.rows(); ++k)
+    factor_(k, k) = 1;
 }
 
-const std::vector<CompanyFormula::Change>&
-MovingFormula::solved(const MovingMachine& machine, const LinkTables& tables, const TargetAtRest& target,
-                      const std::vector<Isometry3d>& links, const Isometry3d& frame) {
-  couple(machine, tables, target, links, frame);
-  assemble(machine, target);
-  factorise(machine);
-  const Index loads = machine.loads(), functions = index_of(target.functions().count()),
+/// Factorises the matrix, first of the machine and then of the target with the machine grounded, and solves
+/// it for the right sides.
+void MovingFormula::factorise(const MovingMachine& machine, const TargetAtRest& target) {
+  const Index loads = machine.loads(), blocks_of_machine = first_target_ / PackedFactor::block,
+              blocks = blocks_of_machine + in_whole_blocks(energies_of_target_.rows()) / PackedFactor::block;
+  with_ridge([&](float ridge) {
+    factor_.resize(blocks, loads + floating_ + index_of(target.floating().size()));
+    fill_machine(machine, ridge);
+    return factor_.factorise(0, blocks_of_machine);
+  });
+  if (floating_ > 0)
+    solve_floating(machine);
+  with_ridge([&](float ridge) {
+    fill_target(target, ridge);
+    return factor_.factorise(blocks_of_machine, blocks);
+  });
+}
+
+/// Finds what the targets' functions and the loads put on the machine's conductors that float.
+void MovingFormula::solve_floating(const MovingMachine& machine) {
+  const Index targets = energies_of_target_.rows(), loads = machine.loads();
+  const auto product = [&](Index a, Index b) {
+    double sum = 0;
+    for (Index k = 0; k < first_.back(); ++k)
+      sum += static_cast<double>(factor_(a, k)) * factor_(b, k);
+    return sum;
+  };
+  floating_block_.resize(floating_, floating_);
+  on_floating_.resize(floating_, targets + loads);
+  for (Index k = 0; k < floating_; ++k) {
+    const Index own = side_row(loads + k);
+    for (Index other = 0; other < floating_; ++other)
+      floating_block_(k, other) = product(own, side_row(loads + other));
+    for (Index function = 0; function < targets; ++function)
+      on_floating_(k, function) = product(own, target_row(function));
+    for (Index load = 0; load < loads; ++load)
+      on_floating_(k, targets + load) = product(own, side_row(load));
+  }
+  Index at = 0;
+  for (const MachineLink& link : machine.links()) {
+    floating_block_.diagonal().segment(at, link.to_ground().size()) += link.to_ground();
+    at += link.to_ground().size();
+  }
+  of_floating_.compute(floating_block_);
+  of_floating_.matrixL().solveInPlace(on_floating_);
+}
+
+/// Finds the changes, with the net charges that floating targets may have.
+void MovingFormula::solve(const TargetAtRest& target) {
+  const Index targets = energies_of_target_.rows(), loads = on_target_.cols() / 2,
               floating = index_of(target.floating().size());
-  // The machine answers the target's functions and the given charges.
-  MatrixXf by_target = answers_.scales.asDiagonal() * coupling_,
-           by_given = answers_.scales.asDiagonal() * on_machine_, target_floating, given_floating;
-  answers_.factor.triangularView<Eigen::Lower>().solveInPlace(by_target);
-  answers_.factor.triangularView<Eigen::Lower>().solveInPlace(by_given);
-  project(by_target, target_floating);
-  project(by_given, given_floating);
-  const MatrixXf given = by_given.leftCols(loads), given_of_floating = given_floating.leftCols(loads);
-  MatrixXf potentials = on_target_.leftCols(loads) - by_target.transpose() * given;
-  const MatrixXf energies = target.functions().energies().cast<float>();
-  MatrixXf schur = energies;
-  schur.selfadjointView<Eigen::Lower>().rankUpdate(by_target.transpose(), -1.0F);
-  if (target_floating.rows() > 0) {
-    potentials += target_floating.transpose() * given_of_floating;
-    schur.selfadjointView<Eigen::Lower>().rankUpdate(target_floating.transpose(), 1.0F);
+  right_.resize(targets, loads);
+  own_.resize(targets, floating);
+  for (Index function = 0; function < targets; ++function) {
+    for (Index load = 0; load < loads; ++load)
+      right_(function, load) = factor_(side_row(load), target_row(function));
+    for (Index k = 0; k < floating; ++k)
+      own_(function, k) = factor_(side_row(loads + floating_ + k), target_row(function));
   }
-  const VectorXf scales = energies.diagonal().cwiseSqrt().cwiseInverse();
-  schur = (scales.asDiagonal() * schur * scales.asDiagonal()).eval();
-  factorise_in_place(schur);
-  MatrixXf right(functions, loads + floating);
-  right.leftCols(loads) = potentials;
-  for (Index k = 0; k < floating; ++k)
-    right.col(loads + k) = target.net().col(target.floating()[static_cast<std::size_t>(k)]).cast<float>();
-  right = (scales.asDiagonal() * right).eval();
-  schur.triangularView<Eigen::Lower>().solveInPlace(right);
-  MatrixXf answer = right.leftCols(loads);
+  answer_ = right_;
   if (floating > 0) {
-    const MatrixXf own = right.rightCols(floating);
-    MatrixXd block = (own.transpose() * own).cast<double>();
-    block.diagonal() += target.to_ground();
-    answer -= own * block.llt().solve((own.transpose() * answer).cast<double>().eval()).cast<float>();
+    block_.noalias() = own_.transpose() * own_;
+    block_.diagonal() += target.to_ground();
+    block_factor_.compute(block_);
+    answered_floating_.noalias() = own_.transpose() * answer_;
+    block_factor_.solveInPlace(answered_floating_);
+    answer_.noalias() -= own_ * answered_floating_;
   }
   // Without floating targets both are the same; with them the second one is the first one's projection.
-  const MatrixXd changes = (right.leftCols(loads).transpose() * answer).cast<double>();
-  schur.transpose().triangularView<Eigen::Upper>().solveInPlace(answer);
-  const MatrixXf on_target = scales.asDiagonal() * answer;
-  const MatrixXf on_machine = charges(
-      -by_target * on_target, target_floating.rows() > 0 ? MatrixXf(-target_floating * on_target)
-                                                         : MatrixXf(0, loads));  // answer the target's
-  const MatrixXf background = charges(-given, -given_of_floating);               // that answer the given ones
-  // The defect of the functions is estimated by that of their sums.
-  const MatrixXd lacking = target.coarse().defects(on_target, energies * on_target);
-  MatrixXd unanswered = MatrixXd::Zero(2 * loads, 2 * loads);
+  changes_.noalias() = right_.transpose() * answer_;
+}
+
+/// Finds the charges on the target and the machine's answers to them and to the given charges.
+void MovingFormula::find_charges() {
+  const Index machine = first_.back(), targets = energies_of_target_.rows(), loads = answer_.cols(),
+              sets = 2 * loads, blocks_of_machine = first_target_ / PackedFactor::block;
+  vectors_.assign(static_cast<std::size_t>(factor_.rows() * sets), 0.0F);
+  const auto vector = [&](Index row, Index set) -> float& {
+    return vectors_[static_cast<std::size_t>(row * sets + set)];
+  };
+  for (Index load = 0; load < loads; ++load) {
+    for (Index function = 0; function < targets; ++function)
+      vector(target_row(function), load) = static_cast<float>(answer_(function, load));
+    for (Index function = 0; function < machine; ++function)
+      vector(function, loads + load) = -factor_(side_row(load), function);
+  }
+  factor_.solve_transposed(blocks_of_machine, factor_.rows() / PackedFactor::block, vectors_, sets);
+  charges_on_target_.resize(targets, loads);
+  for (Index load = 0; load < loads; ++load)
+    for (Index function = 0; function < targets; ++function)
+      charges_on_target_(function, load) = vector(target_row(function), load);
+  if (floating_ > 0) {
+    // Conductors that float take their part of what targets and loads put on the machine.
+    taken_.setZero(floating_, sets);
+    for (Index load = 0; load < loads; ++load) {
+      for (Index function = 0; function < targets; ++function)
+        taken_.col(load) -= on_floating_.col(function) * charges_on_target_(function, load);
+      taken_.col(loads + load) = -on_floating_.col(targets + load);
+    }
+    of_floating_.matrixU().solveInPlace(taken_);
+    for (Index set = 0; set < sets; ++set)
+      for (Index k = 0; k < floating_; ++k)
+        for (Index function = 0; function < machine; ++function)
+          vector(function, set) -=
+              static_cast<float>(taken_(k, set)) * factor_(side_row(loads + k), function);
+  }
+  factor_.solve_transposed(0, blocks_of_machine, vectors_, sets);
+  answered_.resize(machine, loads);
+  background_.resize(machine, loads);
+  for (Index load = 0; load < loads; ++load)
+    for (Index function = 0; function < machine; ++function) {
+      answered_(function, load) = scales_[function] * vector(function, load);
+      background_(function, load) = scales_[function] * vector(function, loads + load);
+    }
+  charges_on_target_.array().colwise() *= scales_.tail(targets).array();
+}
+
+/// States errors by what sums of functions lack, which estimates what the functions do.
+void MovingFormula::state_errors(const MovingMachine& machine, const TargetAtRest& target, double nearness) {
+  const Index loads = machine.loads();
+  multiply(energies_of_target_, charges_on_target_, potentials_);
+  target.coarse().find_defects(charges_on_target_, potentials_, lacking_);
+  unanswered_.setZero(2 * loads, 2 * loads);
   double excess = 1;
   for (std::size_t k = 0; k < machine.links().size(); ++k) {
     const MachineLink& link = machine.links()[k];
+    OfLink& own = of_links_[k];
     const Index size = first_[k + 1] - first_[k];
-    MatrixXf own(size, 2 * loads);
-    own << on_machine.middleRows(first_[k], size), background.middleRows(first_[k], size);
-    unanswered += link.coarse().defects(own, link.energies() * own);
+    own.charges.resize(size, 2 * loads);
+    own.charges.leftCols(loads) = answered_.middleRows(first_[k], size);
+    own.charges.rightCols(loads) = background_.middleRows(first_[k], size);
+    multiply(link.energies(), own.charges, own.potentials);
+    link.coarse().find_defects(own.charges, own.potentials, own.lacking);
+    unanswered_ += own.lacking.defects;
     if (!link.loads().empty())
       excess = std::max(excess, link.excess());
   }
-  const MatrixXf shifts = (on_target.transpose() * on_target_.rightCols(loads) +
-                           on_machine.transpose() * on_machine_.rightCols(loads)) *
-                          static_cast<float>(std::sqrt(excess));
-  const double near = nearness(machine, target, links, frame);
+  shifts_.noalias() = charges_on_target_.transpose() * on_target_.rightCols(loads);
+  shifts_.noalias() += answered_.transpose() * on_machine_.rightCols(loads);
+  shifts_ *= static_cast<float>(std::sqrt(excess));
   const auto root = [](const MatrixXd& defects, Index load) {
     return std::sqrt(std::max(defects(load, load), 0.0));
   };
   solved_.clear();
   for (const MachineAtRest::OfReading& reading : machine.readings()) {
     const Index sense = reading.sense, drive = reading.drive;
-    const double value = reading.sign * changes(sense, drive);
-    const double parts =
-        root(lacking, sense) * root(lacking, drive) + root(unanswered, sense) * root(unanswered, drive) +
-        root(unanswered, sense) * root(unanswered, loads + drive) +
-        root(unanswered, drive) * root(unanswered, loads + sense) + std::abs(shifts(sense, drive)) +
-        std::abs(shifts(drive, sense)) + target.error() * std::abs(value);
-    solved_.push_back({value, std::min(safety_of_links * parts * std::sqrt(std::max(near, 1.0)),
+    const double value = reading.sign * changes_(sense, drive);
+    const double parts = root(lacking_.defects, sense) * root(lacking_.defects, drive) +
+                         root(unanswered_, sense) * root(unanswered_, drive) +
+                         root(unanswered_, sense) * root(unanswered_, loads + drive) +
+                         root(unanswered_, drive) * root(unanswered_, loads + sense) +
+                         std::abs(shifts_(sense, drive)) + std::abs(shifts_(drive, sense)) +
+                         target.error() * std::abs(value);
+    solved_.push_back({value, std::min(safety_of_links * parts * std::sqrt(std::max(nearness, 1.0)),
                                        std::max(safety_of_links * parts, std::abs(value)))});
   }
+}
+
+const std::vector<CompanyFormula::Change>& MovingFormula::solved(const MovingMachine& machine,
+                                                                 const LinkTables& tables,
+                                                                 const TargetAtRest& target,
+                                                                 const PoseOfMachine& pose) {
+  couple(machine, tables, target, pose);
+  prepare(machine, target);
+  add_given(machine);
+  factorise(machine, target);
+  solve(target);
+  find_charges();
+  state_errors(machine, target, nearness(machine, target, pose));
   return solved_;
+}
+
+std::vector<MovingFormula::GroupWrenches> MovingFormula::wrenches(const MovingMachine& machine,
+                                                                  const LinkTables& tables,
+                                                                  const TargetAtRest& target,
+                                                                  const PoseOfMachine& pose_of_machine) {
+  const std::vector<Isometry3d>& links = pose_of_machine.links;
+  const Isometry3d& frame = pose_of_machine.target;
+  const std::vector<MachineAtRest::OfReading>& readings = machine.readings();
+  const Index loads = machine.loads();
+  const auto functions_of = [&](std::size_t link) -> const ChargeFunctions& {
+    return machine.links()[link].functions();
+  };
+  // The forces on charges of some functions in the fields of what a link carries alone, in the world.
+  const auto by_given = [&](const ChargeFunctions& on, const MatrixXf& charges, const Isometry3d& pose,
+                            std::size_t link) {
+    std::vector<Wrench> found(readings.size());
+    tables.of(link).find_forces(on, pose, loads, machine.links()[link].loads(), table_forces_, forces_);
+    add_wrenches(readings, charges, forces_, found);
+    for (Wrench& wrench : found)
+      wrench = in_outer_frame(wrench, links[link]);
+    return found;
+  };
+  std::vector<GroupWrenches> result;
+  for (std::size_t a = 0; a < links.size(); ++a) {
+    const Index size = first_[a + 1] - first_[a];
+    const MatrixXf answered = answered_.middleRows(first_[a], size);
+    const MatrixXf behind = -background_.middleRows(first_[a], size);
+    {
+      const Isometry3d pose = links[a].inverse(Eigen::Isometry) * frame;
+      std::vector<Wrench> wrenches = by_given(target.functions(), charges_on_target_, pose, a);
+      coupler_.find_forces(target.functions(), functions_of(a), pose, answered + behind, forces_);
+      std::vector<Wrench> by_answers(readings.size());
+      add_wrenches(readings, charges_on_target_, forces_, by_answers);
+      for (std::size_t k = 0; k < readings.size(); ++k)
+        wrenches[k] += -1.0 * in_outer_frame(by_answers[k], links[a]);
+      result.push_back({MovingMachine::none, a, std::move(wrenches)});
+    }
+    for (std::size_t b = a + 1; b < links.size(); ++b) {
+      const Index other_size = first_[b + 1] - first_[b];
+      const MatrixXf other_answered = answered_.middleRows(first_[b], other_size);
+      const Isometry3d pose = links[b].inverse(Eigen::Isometry) * links[a];
+      std::vector<Wrench> wrenches = by_given(functions_of(a), answered, pose, b);
+      const std::vector<Wrench> opposite =
+          by_given(functions_of(b), other_answered, pose.inverse(Eigen::Isometry), a);
+      // The energy with targets less that without, as a sum of products with what answers the targets: with
+      // the difference of two nearly equal forces nothing would be left in single precision.
+      MatrixXf fields(other_size, 2 * loads);
+      fields << other_answered - background_.middleRows(first_[b], other_size), other_answered;
+      coupler_.find_forces(functions_of(a), functions_of(b), pose, fields, forces_);
+      std::vector<Wrench> by_answers(readings.size());
+      add_wrenches(readings, answered, forces_.leftCols(loads), by_answers);
+      add_wrenches(readings, behind, forces_.rightCols(loads), by_answers);
+      for (std::size_t k = 0; k < readings.size(); ++k) {
+        wrenches[k] += -1.0 * opposite[k];
+        wrenches[k] += -1.0 * in_outer_frame(by_answers[k], links[b]);
+      }
+      result.push_back({a, b, std::move(wrenches)});
+    }
+  }
+  return result;
 }
 
 }  // namespace fringe::detail

@@ -2,61 +2,102 @@
 
 #include <vector>
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "correction/company.hpp"
 #include "correction/link_couplings.hpp"
 #include "correction/link_tables.hpp"
 #include "correction/moving_machine.hpp"
+#include "correction/packed_factor.hpp"
+#include "correction/table_forces.hpp"
+#include "geometry/wrench.hpp"
 
 namespace fringe::detail {
 
 /// Evaluates what targets change in the readings of a machine whose links move, pose by pose
 /// (model/CORRECTIONS.md, section 8, "Links that move"). Couplings of links that have kept their relative
-/// pose since the last pose are kept.
+/// pose since the last pose are kept, and arrays are used again: after the first pose no memory is allocated.
 class MovingFormula {
  public:
   /// Returns the changes of all readings in m, to be multiplied by 4πε, and the errors stated.
   ///
-  /// @param tables with what is met in these poses
-  /// @param links the poses of the links' frames
-  /// @param frame the pose of the targets' frame
+  /// @param tables with what is met in this pose
   const std::vector<CompanyFormula::Change>& solved(const MovingMachine& machine, const LinkTables& tables,
-                                                    const TargetAtRest& target,
-                                                    const std::vector<Eigen::Isometry3d>& links,
-                                                    const Eigen::Isometry3d& frame);
+                                                    const TargetAtRest& target, const PoseOfMachine& pose);
+
+  /// What two groups of bodies contribute to the derivatives of all readings, as the first one moves, in the
+  /// world: in 1 and in m, to be multiplied by 4πε.
+  struct GroupWrenches {
+    std::size_t first;  ///< a link; MovingMachine::none: the targets
+    std::size_t second;
+    std::vector<Wrench> of_readings;
+  };
+
+  /// Returns the derivatives of the changes that solved() has just found in the same poses. By the
+  /// stationarity of the energy the charges do not change to first order, so that these are the forces on
+  /// them.
+  std::vector<GroupWrenches> wrenches(const MovingMachine& machine, const LinkTables& tables,
+                                      const TargetAtRest& target, const PoseOfMachine& pose);
 
   /// Returns the largest ratio, in a pose, of the radius of a function of the target to its distance from
   /// what is sensed or driven.
-  static double nearness(const MovingMachine& machine, const TargetAtRest& target,
-                         const std::vector<Eigen::Isometry3d>& links, const Eigen::Isometry3d& frame);
+  static double nearness(const MovingMachine& machine, const TargetAtRest& target, const PoseOfMachine& pose);
 
  private:
-  /// The machine's answers to potentials: its matrix of all links' functions, factorised, with functions of
-  /// unit energy.
-  struct Answers {
-    Eigen::VectorXf scales;
-    Eigen::MatrixXf factor;
-    Eigen::MatrixXf floating;        ///< unit potentials of conductors that float, solved by the factor
-    Eigen::MatrixXf floating_block;  ///< the factor of the matrix of their net charges
-  };
-
+  void prepare(const MovingMachine& machine, const TargetAtRest& target);
   void couple(const MovingMachine& machine, const LinkTables& tables, const TargetAtRest& target,
-              const std::vector<Eigen::Isometry3d>& links, const Eigen::Isometry3d& frame);
-  void assemble(const MovingMachine& machine, const TargetAtRest& target);
-  void factorise(const MovingMachine& machine);
-  void project(const Eigen::MatrixXf& solved, Eigen::MatrixXf& on_floating) const;
-  Eigen::MatrixXf charges(Eigen::MatrixXf solved, const Eigen::MatrixXf& on_floating) const;
+              const PoseOfMachine& pose);
+  void add_given(const MovingMachine& machine);
+  void fill_machine(const MovingMachine& machine, float ridge);
+  void fill_target(const TargetAtRest& target, float ridge);
+  void factorise(const MovingMachine& machine, const TargetAtRest& target);
+  void solve_floating(const MovingMachine& machine);
+  void solve(const TargetAtRest& target);
+  void find_charges();
+  void state_errors(const MovingMachine& machine, const TargetAtRest& target, double nearness);
+
+  Eigen::Index target_row(Eigen::Index function) const { return first_target_ + function; }
+  Eigen::Index side_row(Eigen::Index side) const { return factor_.rows() + side; }
 
   LinkCoupler coupler_;
+  NearPoints near_;
   std::vector<LinkCoupling>
       between_links_;  ///< of every pair of links, the first one's with all later ones first
   std::vector<LinkCoupling> with_target_;   ///< of the targets (first) with every link
   std::vector<Eigen::Index> first_;         ///< the place of each link's first function, and the end
-  Eigen::MatrixXf matrix_;                  ///< of all links' functions
-  Eigen::MatrixXf coupling_;                ///< potentials of the target's functions (columns) on the links'
   Eigen::MatrixXf on_machine_, on_target_;  ///< potentials of the given charges, and of what these lack
-  Answers answers_;
+  Eigen::MatrixXf energies_of_target_;      ///< its single-layer matrix
+  Eigen::VectorXf scales_;                  ///< of the functions of all links, and behind them the target's
+
+  /// The matrix of all functions, those of the links and the target's, each filled up to whole blocks, with
+  /// functions of unit energy. The right sides are the loads, the unit potentials of what floats in the
+  /// machine, and those of what floats among the targets.
+  PackedFactor factor_;
+  Eigen::Index first_target_ = 0;
+  Eigen::Index floating_ = 0;       ///< number of conductors of the machine that float
+  Eigen::MatrixXd floating_block_;  ///< of their net charges
+  Eigen::LLT<Eigen::MatrixXd> of_floating_;
+  Eigen::MatrixXd on_floating_;  ///< what targets (first) and loads put on these, solved by the factor
+  Eigen::MatrixXd taken_;        ///< and what these take of it
+  Eigen::MatrixXd right_, own_;  ///< of the loads and of the targets that float, solved
+  Eigen::MatrixXd answer_, block_, answered_floating_, changes_;
+  Eigen::LLT<Eigen::MatrixXd> block_factor_;
+  std::vector<float> vectors_;         ///< of the answers to the targets, then to the given charges
+  Eigen::MatrixXf charges_on_target_;  ///< for each load
+  Eigen::MatrixXf answered_;           ///< charges of the machine's functions that answer the targets'
+  Eigen::MatrixXf background_;         ///< and those that answer the given charges, as with no targets
+  Eigen::MatrixXf potentials_, shifts_;
+  Eigen::MatrixXd unanswered_;
+  CoarseCharges::Workspace lacking_;
+  /// The charges of a link and their potentials, and what their sums lack.
+  struct OfLink {
+    Eigen::MatrixXf charges, potentials;
+    CoarseCharges::Workspace lacking;
+  };
+  std::vector<OfLink> of_links_;
+  TableForces table_forces_;
+  Forces forces_;
   std::vector<CompanyFormula::Change> solved_;
 };
 

@@ -12,6 +12,12 @@
 /// "Links that move").
 namespace fringe::detail {
 
+/// The poses of the frames of a machine's links, and of that of the targets.
+struct PoseOfMachine {
+  std::vector<Eigen::Isometry3d> links;
+  Eigen::Isometry3d target;
+};
+
 /// Bodies of a machine that keep their poses to each other, prepared by themselves: what they carry for the
 /// loads with the rest of the machine absent, and functions for all that other charges displace on them.
 class MachineLink {

@@ -22,8 +22,8 @@ using Eigen::Isometry3d;
 /// Number of poses that one thread answers in turn, with the same couplings.
 constexpr std::size_t poses_together = 8;
 
-/// Tells whether parts of the machine are on links that move against each other.
-bool moves(const Scene& scene, const LinkMotion& motion) {
+/// Returns the links of all parts of the machine.
+std::vector<std::optional<std::size_t>> links_of_machine(const Scene& scene) {
   std::vector<std::optional<std::size_t>> links;
   for (const Sensor& sensor : scene.sensors)
     links.push_back(sensor.link);
@@ -31,8 +31,19 @@ bool moves(const Scene& scene, const LinkMotion& motion) {
   for (std::size_t k = 0; k < scene.objects.size(); ++k)
     if (!are_targets[k])
       links.push_back(scene.objects[k].link);
+  return links;
+}
+
+/// Tells whether parts of the machine are on links that move against each other.
+bool moves(const Scene& scene, const LinkMotion& motion) {
+  const std::vector<std::optional<std::size_t>> links = links_of_machine(scene);
   return std::ranges::any_of(
       links, [&](std::optional<std::size_t> link) { return !motion.rigid(link, links.front()); });
+}
+
+bool are_on_several_links(const Scene& scene) {
+  const std::vector<std::optional<std::size_t>> links = links_of_machine(scene);
+  return std::ranges::any_of(links, [&](std::optional<std::size_t> link) { return link != links.front(); });
 }
 
 /// Tells whether poses are the same.
@@ -105,14 +116,14 @@ bool MovingReadings::keeps_groups() const {
   return target_group_ && std::ranges::all_of(links_, keeps) && keeps(*target_group_);
 }
 
-MovingReadings::Poses MovingReadings::poses() const {
-  Poses result{{}, poses_->world_pose(target_group_->frame)};
+void MovingReadings::find_pose() {
+  pose_.target = poses_->world_pose(target_group_->frame);
+  pose_.links.clear();
   for (const Group& link : links_)
-    result.links.push_back(poses_->world_pose(link.frame));
-  return result;
+    pose_.links.push_back(poses_->world_pose(link.frame));
 }
 
-void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses, double rtol,
+void MovingReadings::prepare(const Scene& scene, std::span<const PoseOfMachine> poses, double rtol,
                              std::size_t threads) {
   if (rtol_ != rtol) {
     machine_.reset();
@@ -121,7 +132,7 @@ void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses
   }
   std::vector<std::vector<Isometry3d>> of_links;
   std::vector<Isometry3d> of_target;
-  for (const Poses& pose : poses) {
+  for (const PoseOfMachine& pose : poses) {
     of_links.push_back(pose.links);
     of_target.push_back(pose.target);
   }
@@ -137,7 +148,7 @@ void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses
   }
   const bool is_known =
       target_ && std::equal(poses.begin(), poses.end(), approach_.begin(), approach_.end(),
-                            [](const Poses& a, const Poses& b) {
+                            [](const PoseOfMachine& a, const PoseOfMachine& b) {
                               return are_same_pose(a.target, b.target) &&
                                      std::equal(a.links.begin(), a.links.end(), b.links.begin(),
                                                 b.links.end(), are_same_pose);
@@ -152,29 +163,22 @@ void MovingReadings::prepare(const Scene& scene, const std::vector<Poses>& poses
       bytes_of_bodies(target_group_->bodies) + bytes_of(target_resolution(rtol), std::optional(approach)),
       target, [&] { target = TargetAtRest(target_group_->bodies, target_resolution(rtol), approach); });
   target_ = std::move(target);
-  approach_ = poses;
+  approach_.assign(poses.begin(), poses.end());
   prepared_nearness_ = 0;
-  for (const Poses& pose : poses)
-    prepared_nearness_ =
-        std::max(prepared_nearness_, MovingFormula::nearness(*machine_, *target_, pose.links, pose.target));
+  for (const PoseOfMachine& pose : poses)
+    prepared_nearness_ = std::max(prepared_nearness_, MovingFormula::nearness(*machine_, *target_, pose));
   formula_ = MovingFormula();
 }
 
 /// Tabulates the links where targets and other links are in some poses.
-void MovingReadings::tabulate(const std::vector<Poses>& poses, std::size_t threads) {
-  std::vector<std::vector<Isometry3d>> links;
-  std::vector<Isometry3d> frames;
-  for (const Poses& pose : poses) {
-    links.push_back(pose.links);
-    frames.push_back(pose.target);
-  }
+void MovingReadings::tabulate(std::span<const PoseOfMachine> poses, std::size_t threads) {
   if (!tables_)
     tables_.emplace(*machine_, *target_);
-  tables_->extend(*machine_, *target_, links, frames, threads);
+  tables_->extend(*machine_, *target_, poses, threads);
 }
 
 /// Refuses contact between bodies of links that move against each other and may have different potentials.
-void MovingReadings::refuse_contacts(const Poses& pose) const {
+void MovingReadings::refuse_contacts(const PoseOfMachine& pose) const {
   for (std::size_t a = 0; a < links_.size(); ++a)
     for (std::size_t b = a + 1; b < links_.size(); ++b) {
       const Isometry3d relative = pose.links[b].inverse(Eigen::Isometry) * pose.links[a];
@@ -195,33 +199,34 @@ void MovingReadings::refuse_contacts(const Poses& pose) const {
     }
 }
 
-void MovingReadings::write_pose(MovingFormula& formula, const Poses& pose,
+void MovingReadings::write_pose(MovingFormula& formula, const PoseOfMachine& pose,
                                 std::vector<ReadingAnswer>& answers) const {
-  const std::vector<CompanyFormula::Change>& changes =
-      formula.solved(*machine_, *tables_, *target_, pose.links, pose.target);
-  answers.assign(changes.size(), {});
-  std::vector<TargetContacts> touching;
-  for (std::size_t link = 0; link < links_.size(); ++link)
-    touching.push_back(contacts_of(links_[link].bodies, links_[link].boxes, target_group_->bodies,
-                                   target_group_->boxes,
-                                   pose.links[link].inverse(Eigen::Isometry) * pose.target));
-  const bool is_unknown = std::ranges::any_of(touching, &TargetContacts::is_unknown);
+  const std::vector<CompanyFormula::Change>& changes = formula.solved(*machine_, *tables_, *target_, pose);
+  answers.resize(changes.size());
   for (std::size_t k = 0; k < changes.size(); ++k) {
     ReadingAnswer& answer = answers[k];
     answer.name = readings_[k].name;
     answer.answered_by = CompanyReadings::name;
-    if (is_unknown)
-      continue;
-    bool is_shorted = false;
-    for (std::size_t link = 0; link < links_.size(); ++link)
-      for (const std::size_t conductor : touching[link].grounded) {
-        const ChargedReading& reading = machine_->readings_on(link)[k];
-        is_shorted =
-            is_shorted || reading.sense[index_of(conductor)] != 0 || reading.drive[index_of(conductor)] != 0;
-      }
-    answer.change =
-        is_shorted ? Estimate{infinity, 0} : Estimate{unit_ * changes[k].value, unit_ * changes[k].error};
+    answer.value = answer.background = {};
+    answer.change = Estimate{unit_ * changes[k].value, unit_ * changes[k].error};
+    answer.derivatives.clear();
   }
+  bool is_unknown = false;
+  for (std::size_t link = 0; link < links_.size(); ++link) {
+    const TargetContacts touching =
+        contacts_of(links_[link].bodies, links_[link].boxes, target_group_->bodies, target_group_->boxes,
+                    pose.links[link].inverse(Eigen::Isometry) * pose.target);
+    is_unknown = is_unknown || touching.is_unknown;
+    for (const std::size_t conductor : touching.grounded)
+      for (std::size_t k = 0; k < answers.size(); ++k) {
+        const ChargedReading& reading = machine_->readings_on(link)[k];
+        if (reading.sense[index_of(conductor)] != 0 || reading.drive[index_of(conductor)] != 0)
+          answers[k].change = Estimate{infinity, 0};
+      }
+  }
+  if (is_unknown)
+    for (ReadingAnswer& answer : answers)
+      answer.change = {};
 }
 
 std::optional<std::vector<std::vector<ReadingAnswer>>>
@@ -250,7 +255,7 @@ MovingReadings::write_frames(const Scene& scene, std::size_t frames,
     if (!is_found)
       return std::nullopt;
   }
-  std::vector<Poses> poses;
+  std::vector<PoseOfMachine> poses;
   const auto of = [&](const Group& group, std::size_t frame) {
     return group.frame ? links[frame][*group.frame] : Isometry3d::Identity();
   };
@@ -259,7 +264,7 @@ MovingReadings::write_frames(const Scene& scene, std::size_t frames,
     for (const Group& link : links_)
       poses.back().links.push_back(of(link, frame));
   }
-  for (const Poses& each : poses)
+  for (const PoseOfMachine& each : poses)
     refuse_contacts(each);
   prepare(scene, poses, rtol, threads);
   tabulate(poses, threads);
@@ -274,31 +279,51 @@ MovingReadings::write_frames(const Scene& scene, std::size_t frames,
 }
 
 bool MovingReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers, double rtol,
-                           bool has_moved) {
+                           bool may_move) {
   motion_.update();
   if (!keeps_groups()) {
-    if (!has_moved)
+    if (!may_move || !are_on_several_links(scene))
       return false;
     // Which links will move is not known: bodies on different links are prepared by themselves.
     if (!find_groups(scene,
                      [](std::optional<std::size_t> a, std::optional<std::size_t> b) { return a == b; }))
       return false;
   }
-  const Poses pose = poses();
-  refuse_contacts(pose);
+  find_pose();
+  const std::span<const PoseOfMachine> present(&pose_, 1);
+  refuse_contacts(pose_);
   if (!target_ || rtol_ != rtol)
-    prepare(scene, {pose}, rtol, 1);
-  tabulate({pose}, 1);
-  write_pose(formula_, pose, answers);
-  const double nearness = MovingFormula::nearness(*machine_, *target_, pose.links, pose.target);
+    prepare(scene, present, rtol, 1);
+  tabulate(present, 1);
+  write_pose(formula_, pose_, answers);
+  const double nearness = MovingFormula::nearness(*machine_, *target_, pose_);
   if (is_much_nearer(nearness, prepared_nearness_) && !are_within(answers, rtol)) {
-    std::vector<Poses> approach = approach_;
-    approach.push_back(pose);
+    std::vector<PoseOfMachine> approach = approach_;
+    approach.push_back(pose_);
     prepare(scene, approach, rtol, 1);
-    tabulate({pose}, 1);
-    write_pose(formula_, pose, answers);
+    tabulate(present, 1);
+    write_pose(formula_, pose_, answers);
   }
   return true;
+}
+
+void MovingReadings::write_derivatives(std::vector<ReadingAnswer>& answers) {
+  const std::vector<MovingFormula::GroupWrenches> wrenches =
+      formula_.wrenches(*machine_, *tables_, *target_, pose_);
+  std::vector<PairWrench> pairs = unknown_pairs(target_group_->bodies);
+  for (const Group& link : links_)
+    for (const PairWrench& pair : unknown_pairs(link.bodies))
+      pairs.push_back(pair);
+  const std::size_t first = pairs.size();
+  for (const MovingFormula::GroupWrenches& of : wrenches)
+    pairs.push_back({of.first == MovingMachine::none ? target_group_->frame : links_[of.first].frame,
+                     links_[of.second].frame,
+                     {}});
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    for (std::size_t pair = 0; pair < wrenches.size(); ++pair)
+      pairs[first + pair].wrench = unit_ * wrenches[pair].of_readings[k];
+    detail::write_derivatives(*poses_, pairs, answers[k]);
+  }
 }
 
 }  // namespace fringe::detail

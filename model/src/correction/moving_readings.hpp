@@ -4,6 +4,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -38,8 +39,12 @@ class MovingReadings {
                double rtol, std::size_t threads);
 
   /// Writes the readings in the present poses. Returns false where write_frames() returns none.
-  /// @param has_moved whether links of the machine are known to have moved against each other
-  bool write(const Scene& scene, std::vector<ReadingAnswer>& answers, double rtol, bool has_moved);
+  /// @param may_move whether links of the machine have moved against each other, or are asked what happens if
+  /// they do
+  bool write(const Scene& scene, std::vector<ReadingAnswer>& answers, double rtol, bool may_move);
+
+  /// Writes the derivatives of the changes that write() has just found.
+  void write_derivatives(std::vector<ReadingAnswer>& answers);
 
  private:
   /// Bodies that keep their poses to each other, in the frame of the first one's link.
@@ -48,21 +53,17 @@ class MovingReadings {
     std::vector<Eigen::AlignedBox3d> boxes;  ///< of every body
     std::optional<std::size_t> frame;        ///< the link in whose frame they are
   };
-  /// The poses of all groups' frames.
-  struct Poses {
-    std::vector<Eigen::Isometry3d> links;
-    Eigen::Isometry3d target;
-  };
   using AreRigid = std::function<bool(std::optional<std::size_t>, std::optional<std::size_t>)>;
 
   bool find_groups(const Scene& scene, const AreRigid& are_rigid);
   Group group_of(const ChargedBodies& bodies, const std::vector<std::size_t>& members) const;
   bool keeps_groups() const;
-  Poses poses() const;
-  void prepare(const Scene& scene, const std::vector<Poses>& poses, double rtol, std::size_t threads);
-  void tabulate(const std::vector<Poses>& poses, std::size_t threads);
-  void write_pose(MovingFormula& formula, const Poses& pose, std::vector<ReadingAnswer>& answers) const;
-  void refuse_contacts(const Poses& pose) const;
+  void find_pose();
+  void prepare(const Scene& scene, std::span<const PoseOfMachine> poses, double rtol, std::size_t threads);
+  void tabulate(std::span<const PoseOfMachine> poses, std::size_t threads);
+  void write_pose(MovingFormula& formula, const PoseOfMachine& pose,
+                  std::vector<ReadingAnswer>& answers) const;
+  void refuse_contacts(const PoseOfMachine& pose) const;
 
   std::shared_ptr<LinkPoses> poses_;
   std::shared_ptr<const PreparedFiles> files_;
@@ -73,7 +74,8 @@ class MovingReadings {
   std::optional<MovingMachine> machine_;
   std::optional<LinkTables> tables_;  ///< of the machine's links
   std::optional<TargetAtRest> target_;
-  std::vector<Poses> approach_;  ///< poses that the target is prepared for
+  PoseOfMachine pose_;                   ///< the present one
+  std::vector<PoseOfMachine> approach_;  ///< poses that the target is prepared for
   double prepared_nearness_ = 0;
   MovingFormula formula_;  ///< with the couplings of the first pose, or of the last one written
   std::vector<Reading> readings_;

@@ -47,23 +47,52 @@ double chebyshev_node(std::size_t index) {
   return std::cos((2 * static_cast<double>(index) + 1) * std::numbers::pi / (2 * per_side));
 }
 
-/// Returns the values of Lagrange's polynomials of the nodes.
-std::array<float, per_side> lagrange_values(double at) {
+/// Returns the derivatives of Chebyshev's polynomials of degree 1 and more.
+std::array<double, per_side - 1> chebyshev_derivatives(double at) {
+  const std::array<double, per_side - 1> values = chebyshev_polynomials(at);
+  std::array<double, per_side - 1> derivatives{};
+  double before = 0, derivative = 1;
+  for (std::size_t k = 0; k < derivatives.size(); ++k) {
+    derivatives[k] = derivative;
+    const double next = 2 * values[k] + 2 * at * derivative - before;
+    before = derivative;
+    derivative = next;
+  }
+  return derivatives;
+}
+
+/// Returns Chebyshev's polynomials, those of degree 1 and more, at the nodes.
+const std::array<std::array<double, per_side - 1>, per_side>& chebyshev_at_nodes() {
   static const std::array<std::array<double, per_side - 1>, per_side> at_nodes = [] {
     std::array<std::array<double, per_side - 1>, per_side> values{};
     for (std::size_t k = 0; k < per_side; ++k)
       values[k] = chebyshev_polynomials(chebyshev_node(k));
     return values;
   }();
-  const std::array<double, per_side - 1> here = chebyshev_polynomials(at);
+  return at_nodes;
+}
+
+/// Returns the sums of Chebyshev's polynomials, or of their derivatives, that make Lagrange's of the nodes.
+std::array<float, per_side> lagrange(double constant, const std::array<double, per_side - 1>& polynomials) {
+  const auto& at_nodes = chebyshev_at_nodes();
   std::array<float, per_side> result{};
   for (std::size_t k = 0; k < per_side; ++k) {
-    double sum = 0.5;
-    for (std::size_t degree = 0; degree < here.size(); ++degree)
-      sum += at_nodes[k][degree] * here[degree];
+    double sum = constant;
+    for (std::size_t degree = 0; degree < polynomials.size(); ++degree)
+      sum += at_nodes[k][degree] * polynomials[degree];
     result[k] = static_cast<float>(2 * sum / per_side);
   }
   return result;
+}
+
+/// Returns the values of Lagrange's polynomials of the nodes.
+std::array<float, per_side> lagrange_values(double at) {
+  return lagrange(0.5, chebyshev_polynomials(at));
+}
+
+/// Returns the derivatives of Lagrange's polynomials of the nodes.
+std::array<float, per_side> lagrange_derivatives(double at) {
+  return lagrange(0, chebyshev_derivatives(at));
 }
 
 }  // namespace
@@ -176,6 +205,35 @@ void PotentialTable::add_weights(std::size_t cell, const Vector3d& point, float 
       for (std::size_t a = 0; a < per_side; ++a)
         weights[k++] += across * x[a];
     }
+}
+
+void PotentialTable::add_wrench_weights(std::size_t cell, const Vector3d& point, float factor,
+                                        WrenchWeights& weights) const {
+  const Vector3d at = (point - cells_[cell].centre) / cells_[cell].half;
+  const std::array<float, per_side> x = lagrange_values(at.x()), y = lagrange_values(at.y()),
+                                    z = lagrange_values(at.z()), dx = lagrange_derivatives(at.x()),
+                                    dy = lagrange_derivatives(at.y()), dz = lagrange_derivatives(at.z());
+  // Coordinates are in halves of the side, by which the gradient is divided and its moment is not.
+  const float scale = factor / static_cast<float>(cells_[cell].half);
+  const Eigen::Vector3f arm = factor * at.cast<float>();
+  std::size_t k = 0;
+  for (std::size_t c = 0; c < per_side; ++c)
+    for (std::size_t b = 0; b < per_side; ++b) {
+      const float by_x = y[b] * z[c], by_y = dy[b] * z[c], by_z = y[b] * dz[c];
+      for (std::size_t a = 0; a < per_side; ++a, ++k) {
+        const float gx = dx[a] * by_x, gy = x[a] * by_y, gz = x[a] * by_z;
+        weights[0][k] += scale * gx;
+        weights[1][k] += scale * gy;
+        weights[2][k] += scale * gz;
+        weights[3][k] += arm.y() * gz - arm.z() * gy;
+        weights[4][k] += arm.z() * gx - arm.x() * gz;
+        weights[5][k] += arm.x() * gy - arm.y() * gx;
+      }
+    }
+}
+
+double PotentialTable::least_side() const {
+  return std::ldexp(largest_, -static_cast<int>(most_cell_levels));
 }
 
 }  // namespace fringe::detail

@@ -48,6 +48,15 @@ class PotentialTable {
   /// Adds a multiple of the weights with which the values at the nodes of a cell make that at a point of it.
   void add_weights(std::size_t cell, const Eigen::Vector3d& point, float factor,
                    std::array<float, nodes>& weights) const;
+  /// Weights of the nodes for the three components of a gradient and the three of its moment.
+  using WrenchWeights = std::array<std::array<float, nodes>, 6>;
+  /// Adds a multiple of the weights with which the values at the nodes of a cell make the gradient at a point
+  /// of it, and the moment of this about the cell's centre.
+  void add_wrench_weights(std::size_t cell, const Eigen::Vector3d& point, float factor,
+                          WrenchWeights& weights) const;
+  const Eigen::Vector3d& centre(std::size_t cell) const { return cells_[cell].centre; }
+  /// Returns the side of the smallest cells that there may be, m.
+  double least_side() const;
   /// Returns the values of a cell: for every node a row of width() values.
   const float* values(std::size_t cell) const { return values_.data() + cell * nodes * width_; }
   /// Returns the number of values at a node, filled up to a whole block.

@@ -33,6 +33,16 @@ constexpr double largest_cell_size = 1;
 /// The coarsest level of the targets' points: with a few points in a cell, more cost little.
 constexpr std::size_t coarsest_target_level = 1;
 
+/// Largest number of steps of the conjugate gradients for the charges on targets.
+constexpr int most_charge_steps = 10;
+
+/// Part of the accuracy asked for by which a change may alter in their last step.
+constexpr double last_step_part = 0.1;
+
+/// Ratio of the stated error to the sum of its parts: measured in open set-ups (model/CORRECTIONS.md, section
+/// 8).
+constexpr double stated_per_parts = 2;
+
 /// Calls a function with every point of the target, the number of its function and its share.
 template <typename Visit>
 void visit_points(const MachineAtRest& machine, const TargetAtRest& target, const Isometry3d& pose,
@@ -229,6 +239,56 @@ void TabulatedFormula::find_outside(const TabulatedMachine& machine) {
     row.head(values.of_given.cols()) += outside_[k].share * values.of_given.row(index_of(k));
     row.segment(values.of_given.cols(), values.of_functions.cols()) +=
         outside_[k].share * values.of_functions.row(index_of(k));
+  }
+}
+
+const std::vector<Wrench>& TabulatedFormula::wrenches(const TabulatedMachine& machine,
+                                                      const TargetAtRest& target, const Isometry3d& pose) {
+  const Index given = machine.machine().given(), modes = machine.modes().charges.cols();
+  fields_.setZero(index_of(machine.table().width()), loads_);
+  fields_.topRows(loads_).setIdentity();
+  fields_.middleRows(given, modes) = all_moments_.middleRows(given, modes);
+  forces_.setZero(6 * seen_.rows(), loads_);
+  outside_.clear();
+  table_forces_.start(machine.table(), fields_);
+  visit_points(machine.machine(), target, pose, [&](const Vector3d& at, std::size_t function, float share) {
+    if (!table_forces_.add(at, function, share, forces_))
+      outside_.push_back({at, index_of(function), share});
+  });
+  table_forces_.finish(forces_);
+  if (!outside_.empty())
+    find_outside_forces(machine);
+  wrenches_.assign(solved_.size(), {});
+  add_wrenches(machine.machine().readings(), on_target_, forces_, wrenches_);
+  return wrenches_;
+}
+
+/// Adds the forces at the points that are in no cell, by differences of potentials.
+void TabulatedFormula::find_outside_forces(const TabulatedMachine& machine) {
+  /// Step of the differences, over the side of the least cells: the field is smooth at this distance from the
+  /// machine, and single precision leaves differences enough digits.
+  constexpr double steps_per_side = 0.05;
+  const double step = steps_per_side * machine.table().least_side();
+  const FunctionCharges answers(machine.modes().charges * fields_.middleRows(machine.machine().given(),
+                                                                             machine.modes().charges.cols()));
+  OutsidePotentials::Scratch scratch;
+  for (const Outside& point : outside_) {
+    // All six are in one block, so that they see the same points of the machine.
+    std::array<Vector3d, 6> around;
+    for (std::size_t k = 0; k < around.size(); ++k)
+      around[k] = point.at + (k % 2 == 0 ? step : -step) * Vector3d::Unit(index_of(k / 2));
+    machine.potentials().evaluate(around, true, &answers, scratch);
+    for (Index load = 0; load < loads_; ++load) {
+      const std::size_t block = static_cast<std::size_t>(load) * OutsidePotentials::block;
+      const auto potential = [&](std::size_t k) {
+        return static_cast<double>(scratch.of_given[block + k]) + scratch.of_charges[block + k];
+      };
+      const Vector3d force =
+          point.share / (2 * step) *
+          Vector3d(potential(0) - potential(1), potential(2) - potential(3), potential(4) - potential(5));
+      forces_.col(load).segment<3>(6 * point.function) += force;
+      forces_.col(load).segment<3>(6 * point.function + 3) += point.at.cross(force);
+    }
   }
 }
 

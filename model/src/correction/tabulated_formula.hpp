@@ -13,6 +13,7 @@
 #include "correction/company.hpp"
 #include "correction/outside_potentials.hpp"
 #include "correction/potential_table.hpp"
+#include "correction/table_forces.hpp"
 
 namespace fringe::detail {
 
@@ -47,9 +48,10 @@ class TabulatedMachine {
   std::size_t places_ = 0;  ///< number of cells for which the modes were chosen
 };
 
-/// Evaluates what targets change as CompanyFormula::solved() does, with the potentials of a tabulated
-/// machine. After the first pose of a machine and targets it allocates no memory, but for points that lie in
-/// no cell.
+/// Evaluates what targets change to an accuracy: conjugate gradients for the target's matrix with the machine
+/// grounded, preconditioned by that of the target alone, for all loads at once, with the potentials of a
+/// tabulated machine (model/CORRECTIONS.md, section 8). After the first pose of a machine and targets it
+/// allocates no memory, but for points that lie in no cell.
 class TabulatedFormula {
  public:
   /// Returns the changes with all charges that the target's functions can carry, within `rtol` of these, in
@@ -57,6 +59,12 @@ class TabulatedFormula {
   const std::vector<CompanyFormula::Change>& solved(const TabulatedMachine& machine,
                                                     const TargetAtRest& target, const Eigen::Isometry3d& pose,
                                                     double rtol);
+
+  /// Returns the derivatives of the changes that solved() has just found, as the target moves: in 1 and in m,
+  /// in the frame of the machine, to be multiplied by 4πε. By the stationarity of the energy the charges do
+  /// not change to first order, so that these are the forces on them.
+  const std::vector<Wrench>& wrenches(const TabulatedMachine& machine, const TargetAtRest& target,
+                                      const Eigen::Isometry3d& pose);
 
  private:
   using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -72,6 +80,7 @@ class TabulatedFormula {
                        const Eigen::Isometry3d& pose);
   void prepare(const TabulatedMachine& machine, const TargetAtRest& target);
   void find_outside(const TabulatedMachine& machine);
+  void find_outside_forces(const TabulatedMachine& machine);
   void start(const TabulatedMachine& machine, const TargetAtRest& target);
   void add_direction(const TabulatedMachine& machine);
   void extend_form(Eigen::Index before);
@@ -108,6 +117,11 @@ class TabulatedFormula {
   CoarseCharges::Workspace lacking_;
   std::vector<double> before_;
   std::vector<CompanyFormula::Change> solved_;
+
+  TableForces table_forces_;
+  Eigen::MatrixXf fields_;  ///< of the loads (columns) and the answers to them, by what is tabulated
+  Forces forces_;
+  std::vector<Wrench> wrenches_;
 };
 
 }  // namespace fringe::detail

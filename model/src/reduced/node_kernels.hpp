@@ -91,6 +91,15 @@ struct NodeKernels {
   /// beyond the columns they are so large that 1/distance is negligible.
   void (*fill)(const NodePoints& rows, const NodePoints& columns, float* matrix);
 
+  /// Computes the potentials at the columns, given as in fill(), of charges at the rows.
+  void (*add_up)(const NodePoints& rows, const float* row_charges, const NodePoints& columns,
+                 float* column_potentials);
+
+  /// Computes the same with 1/distance limited, for every pair to the smaller one of a limit of all rows and
+  /// that of the column. Points may coincide.
+  void (*add_up_limited)(const NodePoints& rows, const float* row_charges, float row_limit,
+                         const NodePoints& columns, const float* column_limits, float* column_potentials);
+
   /// Computes the potentials at the rows of charges on the columns, and the other way round.
   void (*apply)(const NodeMatrix& matrix, const float* row_charges, const float* column_charges,
                 float* row_potentials, float* column_potentials);

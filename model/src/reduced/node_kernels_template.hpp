@@ -61,6 +61,22 @@ class NodeKernelsFor {
     }
   }
 
+  static void add_up(const NodePoints& rows, const float* row_charges, const NodePoints& columns,
+                     float* column_potentials) {
+    add_up_by(rows, row_charges, columns, column_potentials,
+              [](Vector square, Count) { return Lanes::inverse_square_root(square); });
+  }
+
+  static void add_up_limited(const NodePoints& rows, const float* row_charges, float row_limit,
+                             const NodePoints& columns, const float* column_limits,
+                             float* column_potentials) {
+    const Vector of_rows(row_limit), least(least_square);
+    add_up_by(rows, row_charges, columns, column_potentials, [&](Vector square, Count k) {
+      return min(min(of_rows, Vector::load_unaligned(column_limits + k)),
+                 Lanes::inverse_square_root(max(square, least)));
+    });
+  }
+
   static void apply(const NodeMatrix& matrix, const float* row_charges, const float* column_charges,
                     float* row_potentials, float* column_potentials) {
     const Count padded = whole_blocks(matrix.columns);
@@ -162,13 +178,32 @@ class NodeKernelsFor {
     combine_from<most_sets>(rows, factors, 0, sums);
   }
 
-  static constexpr NodeKernels kernels{&ellipses, &lay,      &fill, &apply, &spread,
-                                       &gather,   &multiply, &dot,  &add,   &combine};
+  static constexpr NodeKernels kernels{&ellipses, &lay,      &fill, &add_up, &add_up_limited, &apply, &spread,
+                                       &gather,   &multiply, &dot,  &add,    &combine};
 
  private:
   using Vector = typename Lanes::Vector;
 
   static constexpr Count parts = node_block / Lanes::width;
+
+  /// Square of a distance in m² below which points coincide: its inverse root is still a number.
+  static constexpr float least_square = 1e-30F;
+
+  template <class InverseDistance>
+  static void add_up_by(const NodePoints& rows, const float* row_charges, const NodePoints& columns,
+                        float* column_potentials, const InverseDistance& inverse_distance) {
+    for (Count k = 0; k < whole_blocks(columns.count); k += Lanes::width) {
+      const Vector x = Vector::load_unaligned(columns.x + k), y = Vector::load_unaligned(columns.y + k),
+                   z = Vector::load_unaligned(columns.z + k);
+      Vector sum(0);
+      for (Count row = 0; row < rows.count; ++row) {
+        const Vector dx = x - Vector(rows.x[row]), dy = y - Vector(rows.y[row]), dz = z - Vector(rows.z[row]);
+        const Vector square = fma(dx, dx, fma(dy, dy, dz * dz));
+        sum = fma(Vector(row_charges[row]), inverse_distance(square, k), sum);
+      }
+      sum.store_unaligned(column_potentials + k);
+    }
+  }
 
   /// Number of rows that share the loads of the columns' charges and potentials.
   static constexpr Count together = 4;

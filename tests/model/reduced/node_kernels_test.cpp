@@ -2,6 +2,7 @@
 
 #include "reduced/node_kernels.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 #include <string>
@@ -53,6 +54,40 @@ class NodeKernelsTest : public testing::TestWithParam<InstructionSet> {
  protected:
   const NodeKernels& kernels_ = kernels<NodeKernels>(GetParam());
 };
+
+TEST_P(NodeKernelsTest, AddUpPotentialsAlsoLimitedOnes) {
+  constexpr int rows = 5, columns = 37;
+  const auto x = random_numbers(rows, 1), y = random_numbers(rows, 2), z = random_numbers(rows, 3),
+             charges = random_numbers(rows, 4);
+  auto u = random_numbers(columns, 5), v = random_numbers(columns, 6), w = random_numbers(columns, 7);
+  // A point that coincides with one of the others.
+  u[3] = x[1], v[3] = y[1], w[3] = z[1];
+  auto limits = room(columns), found = room(columns);
+  for (std::size_t k = 0; k < limits.size(); ++k)
+    limits[k] = k % 2 == 0 ? 1.0F : 4.0F;
+  constexpr float row_limit = 2;
+  const NodePoints of_rows{x.data(), y.data(), z.data(), rows},
+      of_columns{u.data(), v.data(), w.data(), columns};
+  const auto expected = [&](std::size_t k, bool is_limited) {
+    double sum = 0;
+    for (std::size_t i = 0; i < rows; ++i) {
+      const double inverse =
+          1 / std::hypot(static_cast<double>(x[i]) - u[k], static_cast<double>(y[i]) - v[k],
+                         static_cast<double>(z[i]) - w[k]);
+      sum += charges[i] * (is_limited ? std::min(inverse, std::min<double>(row_limit, limits[k])) : inverse);
+    }
+    return sum;
+  };
+  kernels_.add_up_limited(of_rows, charges.data(), row_limit, of_columns, limits.data(), found.data());
+  for (std::size_t k = 0; k < columns; ++k)
+    EXPECT_NEAR(found[k], expected(k, true), 5 * row_limit * rounding) << k;
+  kernels_.add_up(of_rows, charges.data(), of_columns, found.data());
+  for (std::size_t k = 0; k < columns; ++k) {
+    if (k == 3)
+      continue;
+    EXPECT_NEAR(found[k], expected(k, false), rounding * 100) << k;
+  }
+}
 
 TEST_P(NodeKernelsTest, FillWithInverseDistancesAndApplyThemBothWays) {
   constexpr int rows = 23, columns = 37;

@@ -129,6 +129,53 @@ TEST(MovingMachine, HasTheSameBitsForAnyNumberOfThreads) {
     }
 }
 
+/// Expects the derivatives by a link's pose to be central differences of the changes.
+void expect_differences(LiveScene& live, const std::string& link, std::size_t number) {
+  EvaluationOptions options = to_accuracy;
+  options.derivatives = true;
+  const std::vector<ReadingAnswer> found = live.evaluate(options).readings;
+  const Eigen::Isometry3d pose = live.scene().links[number].pose;
+  // Longer steps than the jumps between cells of the tables and between levels of points need; shorter than
+  // those in which the changes curve.
+  constexpr double step = 5e-4, arm = 0.1;
+  std::vector<PoseDerivatives> differences(found.size(), PoseDerivatives::Zero());
+  for (int coordinate = 0; coordinate < 6; ++coordinate) {
+    const Eigen::Vector3d axis = Eigen::Vector3d::Unit(coordinate % 3);
+    const double amount = coordinate < 3 ? step : step / arm;
+    for (const double sign : {1.0, -1.0}) {
+      Eigen::Isometry3d moved = pose;
+      // The world's axes are those of the links' parents here.
+      if (coordinate < 3)
+        moved.pretranslate(sign * amount * axis);
+      else
+        moved.linear() = Eigen::AngleAxisd(sign * amount, axis) * pose.linear();
+      live.set_pose(link, moved);
+      const std::vector<ReadingAnswer>& there = live.evaluate(to_accuracy).readings;
+      for (std::size_t k = 0; k < found.size(); ++k)
+        differences[k][coordinate] += sign * there[k].change.value.value() / (2 * amount);
+    }
+  }
+  live.set_pose(link, pose);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const LinkDerivatives& by_link = found[k].derivatives[number];
+    EXPECT_EQ(by_link.link, link);
+    PoseDerivatives scaled = by_link.change - differences[k];
+    scaled.tail<3>() /= arm;
+    PoseDerivatives size = differences[k];
+    size.tail<3>() /= arm;
+    EXPECT_LT(scaled.norm(), 0.02 * size.norm()) << link << ' ' << found[k].name;
+  }
+}
+
+TEST(MovingMachine, KnowsDerivativesByThePosesOfAllLinks) {
+  Scene scene = arm();
+  // The foot's link is that of the world, and the arms overlap as they do in all poses.
+  LiveScene live(scene);
+  live.set_poses(motion(scene)[3].poses);
+  expect_differences(live, "hand", 3);
+  expect_differences(live, "upper arm", 1);
+}
+
 TEST(MovingMachine, KnowsConductorsThatFloat) {
   Scene scene = arm();
   scene.objects.push_back(part_of("shield", 2, Cuboid{0.002, 0.05, 0.05}, at(0.07, 0.04, 0.12)));
