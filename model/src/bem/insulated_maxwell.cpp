@@ -131,17 +131,11 @@ std::vector<ReadingAnswer> reading_answers(const Solved& all, const Solved& back
     const double value = form(all.values), alone = form(background.values);
     const double change = form(all.fine) - form(all.coarse);
     const double change_alone = form(background.fine) - form(background.coarse);
-    // A layer that only one of both solutions resolves does not cancel in their difference.
-    const auto least = [&](const Solved& one) {
-      return std::sqrt(least_error(sense, one) * least_error(drive, one));
-    };
-    const double least_change = std::abs(least(all) - least(background));
     const double other = absolute_form(all.asymmetry), other_alone = absolute_form(background.asymmetry);
-    answers.push_back(
-        {reading.name, estimate_of(value, change, part, undivided, other),
-         estimate_of(alone, change_alone, part, undivided, other_alone),
-         estimate_of(value - alone, std::max(std::abs(change - change_alone), least_change), part, undivided,
-                     other + other_alone, error_of_change_per_extrapolated_change)});
+    answers.push_back({reading.name, estimate_of(value, change, part, undivided, other),
+                       estimate_of(alone, change_alone, part, undivided, other_alone),
+                       estimate_of(value - alone, change - change_alone, part, undivided, other + other_alone,
+                                   error_of_change_per_extrapolated_change)});
   }
   return answers;
 }
@@ -152,11 +146,9 @@ void write_delta_self(const Solved& all, const Solved& alone, double undivided, 
   answer.delta_self_errors.resize(sensors);
   for (Index k = 0; k < sensors; ++k) {
     const double between_spaces = all.fine(k, k) - alone.fine(k, k) - (all.coarse(k, k) - alone.coarse(k, k));
-    const double least_change = error_per_missed_energy * std::abs(all.missed[k] - alone.missed[k]);
-    const Estimate change =
-        estimate_of(all.values(k, k) - alone.values(k, k), std::max(std::abs(between_spaces), least_change),
-                    missing_part(VectorXd::Unit(all.fine.rows(), k), all), undivided, 0,
-                    error_of_change_per_extrapolated_change);
+    const Estimate change = estimate_of(all.values(k, k) - alone.values(k, k), between_spaces,
+                                        missing_part(VectorXd::Unit(all.fine.rows(), k), all), undivided, 0,
+                                        error_of_change_per_extrapolated_change);
     answer.delta_self[k] = *change.value;
     answer.delta_self_errors[k] = *change.error;
   }
