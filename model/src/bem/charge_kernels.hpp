@@ -51,6 +51,11 @@ struct ChargeKernels {
   /// v0.y, … v2.z, in whole face_blocks.
   void (*triangle_potentials)(const double* const (&components)[9], std::size_t count, double* potentials);
 
+  /// Computes the solid angles of triangles at points, over 4π: positive where the triangle's normal, by the
+  /// order of its corners, points away from the point, and zero in the triangle's plane. `components` as
+  /// above.
+  void (*solid_angles)(const double* const (&components)[9], std::size_t count, double* angles);
+
   /// Adds to each column of a matrix a linear combination of another's columns: sums(·, n) += Σ_k columns(·,
   /// k)·factors[n + k·stride]. Columns follow each other in whole face_blocks of rows.
   void (*add_combinations)(const double* columns, std::ptrdiff_t rows, std::ptrdiff_t count,

@@ -44,6 +44,15 @@ class ChargeKernelsFor {
     }
   }
 
+  static void solid_angles(const double* const (&components)[9], std::size_t count, double* angles) {
+    for (std::size_t i = 0; i < count; i += static_cast<std::size_t>(width)) {
+      Vector v[9];
+      for (int k = 0; k < 9; ++k)
+        v[k] = Vector::load_unaligned(components[k] + i);
+      solid_angle({{v[0], v[1], v[2]}, {v[3], v[4], v[5]}, {v[6], v[7], v[8]}}).store_unaligned(angles + i);
+    }
+  }
+
   static void add_combinations(const double* columns, Count rows, Count count, const double* factors,
                                Count stride, double* sums, Count sum_count) {
     constexpr Count few = 4;
@@ -56,7 +65,8 @@ class ChargeKernelsFor {
     }
   }
 
-  static constexpr ChargeKernels kernels{&face_potentials, &triangle_potentials, &add_combinations};
+  static constexpr ChargeKernels kernels{&face_potentials, &triangle_potentials, &solid_angles,
+                                         &add_combinations};
 
  private:
   using Vector = typename Lanes::Vector;
@@ -118,6 +128,16 @@ class ChargeKernelsFor {
     const Vector angle = Vector(2) * Lanes::atan2(height * twice_area, ra * rb * rc + dot(a, b) * rc +
                                                                            dot(b, c) * ra + dot(c, a) * rb);
     return Vector(2) * inverse * (moments - height * angle);
+  }
+
+  /// Returns a triangle's solid angle over 4π (van Oosterom and Strackee 1983).
+  static Vector solid_angle(const VirtualLanes<Vector>& triangle) {
+    const auto& [a, b, c] = triangle;
+    const Vector ra = sqrt(squared_norm(a)), rb = sqrt(squared_norm(b)), rc = sqrt(squared_norm(c));
+    const Vector volume = dot(a, cross(b, c));
+    const Vector angle =
+        Lanes::atan2(volume, ra * rb * rc + dot(a, b) * rc + dot(b, c) * ra + dot(c, a) * rb);
+    return select(abs(volume) > Vector(0), angle * Vector(1 / (2 * std::numbers::pi)), Vector(0));
   }
 
   /// Least squared distance from a side's line, relative to the side's squared length. Nearer, the side's

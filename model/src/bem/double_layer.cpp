@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <vector>
 
 #include <Eigen/Geometry>
 
+#include "bem/panel_pair.hpp"
 #include "bem/panel_quadrature.hpp"
 #include "numeric/parallel.hpp"
 #include "numeric/triangle_rules.hpp"
@@ -67,27 +69,21 @@ double far_element(const std::vector<Vector3d>& target, const Dipoles& source) {
   return sum;
 }
 
-double near_element(const Panel& target, const Panel& source, double tolerance) {
-  double sum = 0;
-  for_each_point(
-      target.corners, tolerance,
-      [&](const Vector3d& point) { return outline_distance(source.corners, point); },
-      [&](const Vector3d& point, double weight) { sum += weight * solid_angle_part(source.corners, point); });
-  return sum;
+void add_near_element(const Panel& target, const Panel& source, double tolerance, PotentialSums& angles,
+                      double& sum) {
+  const double safe = 2 * source.radius;
+  const auto distance = [&](const Vector3d& point) {
+    const double centres = (point - source.centre).norm();
+    return centres > safe ? centres - source.radius : outline_distance(source.corners, point);
+  };
+  const auto lay = [&](const Vector3d& point, double weight) {
+    angles.add(source.corners, point, weight, sum);
+  };
+  // By reference, because a copy of the lambda would copy what it captures for every pair.
+  for_each_point(target.corners, tolerance, std::ref(distance), std::ref(lay));
 }
 
 }  // namespace
-
-double solid_angle_part(const Triangle& triangle, const Vector3d& point) {
-  // A. Van Oosterom and J. Strackee, IEEE Transactions on Biomedical Engineering 30, 1983, 125.
-  const Vector3d a = triangle[0] - point, b = triangle[1] - point, c = triangle[2] - point;
-  const double la = a.norm(), lb = b.norm(), lc = c.norm();
-  const double height = a.dot(b.cross(c));
-  if (height == 0)
-    return 0;
-  const double denominator = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
-  return std::atan2(height, denominator) / (2 * std::numbers::pi);
-}
 
 MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bool>& is_source,
                              double tolerance, const KnownElements& known, std::size_t threads) {
@@ -104,6 +100,7 @@ MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bo
   parallel_for(panels.size(), threads, [&](std::size_t row) {
     const Panel& target = panels[row];
     double* const column = transposed.data() + static_cast<Index>(row) * size;
+    PotentialSums angles = PotentialSums::of_solid_angles();
     for (std::size_t k = 0; k < panels.size(); ++k) {
       if (!is_source[k])
         continue;
@@ -114,8 +111,9 @@ MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bo
       else if ((target.centre - source.centre).squaredNorm() > reach * reach)
         column[k] = far_element(dipoles[row].points, dipoles[k]);
       else if (!lies_in_plane(target, source, normals[k]))
-        column[k] = near_element(target, source, tolerance);
+        add_near_element(target, source, tolerance, angles, column[k]);
     }
+    angles.flush();
   });
   return transposed.transpose();
 }

@@ -13,13 +13,10 @@
 /// 13).
 namespace fringe::detail {
 
-/// Returns the solid angle of a triangle seen from a point, over 4π: positive where the triangle's normal, by
-/// the order of its corners, points away from the point, and zero in the triangle's plane.
-double solid_angle_part(const Triangle& triangle, const Eigen::Vector3d& point);
-
 /// Computes the mean over each panel (rows) of the solid angle of each panel that is a source (columns; zero
-/// elsewhere), over 4π. The jump across a source counts with the mean of both sides. `tolerance` is the
-/// absolute error aimed at. Threads: 0 means as many as this process may run at once.
+/// elsewhere), over 4π, positive where the source's normal points away from the target. The jump across a
+/// source counts with the mean of both sides. `tolerance` is the absolute error aimed at. Threads: 0 means as
+/// many as this process may run at once.
 Eigen::MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bool>& is_source,
                                     double tolerance, const KnownElements& known, std::size_t threads);
 

@@ -415,8 +415,9 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
     result.body_charges.row(unknowns.body[at]) += found.fine.row(k);
   }
   result.extrapolated = result.matrix.fine + still_missing * (result.matrix.fine - result.matrix.coarse);
-  result.error_indicators = largest_energies(missed_energies(mesh_, unknowns, single_layer_, found.details),
-                                             result.matrix.fine.diagonal());
+  const MatrixXd energies = missed_energies(mesh_, unknowns, single_layer_, found.details);
+  result.error_indicators = largest_energies(energies, result.matrix.fine.diagonal());
+  result.missed_energies = energies.colwise().sum();
   return result;
 }
 

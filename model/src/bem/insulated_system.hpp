@@ -19,6 +19,7 @@ struct InsulatedSolution {
   Eigen::MatrixXd panels;
   Eigen::MatrixXd body_charges;      ///< on each body of a conductor, in the whole space
   Eigen::VectorXd error_indicators;  ///< of the groups of panels, relative to each conductor's own entry
+  Eigen::VectorXd missed_energies;   ///< the sums over all groups, for each conductor at unit potential
 };
 
 /// Answers of bodies with grounded conductors to potentials of charges elsewhere (columns); zeros where a

@@ -177,6 +177,12 @@ void add_near(const Panel& a, const Panel& b, double tolerance, PotentialSums& s
 
 }  // namespace
 
+PotentialSums::PotentialSums() : PotentialSums(best_kernels<ChargeKernels>().triangle_potentials) {}
+
+PotentialSums PotentialSums::of_solid_angles() {
+  return PotentialSums(best_kernels<ChargeKernels>().solid_angles);
+}
+
 void PotentialSums::add(const Triangle& source, const Vector3d& point, double weight, double& sum) {
   if (size_ == capacity)
     flush();
@@ -193,7 +199,7 @@ void PotentialSums::flush() {
   for (std::size_t k = 0; k < 9; ++k)
     components[k] = components_[k].data();
   std::array<double, capacity> potentials{};
-  best_kernels<ChargeKernels>().triangle_potentials(components, size_, potentials.data());
+  kernel_(components, size_, potentials.data());
   for (std::size_t k = 0; k < size_; ++k)
     *sums_[k] += weights_[k] * potentials[k];
   size_ = 0;

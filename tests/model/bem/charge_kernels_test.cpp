@@ -98,6 +98,33 @@ TEST_P(ChargeKernelsTest, ComputeThePotentialOfATriangleAnywhere) {
   }
 }
 
+TEST_P(ChargeKernelsTest, SeeAClosedSurfaceUnderTheWholeSolidAngleFromInsideOnly) {
+  const std::array<Vector3d, 4> corners{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0),
+                                        Vector3d(0, 0, 1e-3)};
+  const std::array<std::array<std::size_t, 3>, 4> faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+  const std::vector<Vector3d> points{{0.3, 0.3, 1e-4}, {0.1, 0.1, 5e-4}, {0.3, 0.3, 1e-2}, {0.2, 0.3, -1e-4},
+                                     {2, 1, 0},        {-1, 3, 0.5},     {0.9, 0.9, 1e-4}, {0, 0, -3}};
+  std::vector<double> sums(points.size(), 0.0), angles(points.size());
+  for (const auto& face : faces) {
+    std::array<std::vector<double>, 9> components;
+    const double* columns[9];
+    for (std::size_t k = 0; k < 9; ++k) {
+      for (const Vector3d& point : points)
+        components[k].push_back((corners[face[k / 3]] - point)[static_cast<Index>(k % 3)]);
+      columns[k] = components[k].data();
+    }
+    kernels_.solid_angles(columns, points.size(), angles.data());
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      sums[k] += angles[k];
+      if (points[k].z() == 0 && face[2] == 1) {
+        EXPECT_EQ(angles[k], 0) << "in the plane of the face, point " << k;
+      }
+    }
+  }
+  for (std::size_t k = 0; k < points.size(); ++k)
+    EXPECT_NEAR(sums[k], k < 2 ? 1 : 0, 1e-12) << "point " << k;
+}
+
 TEST_P(ChargeKernelsTest, AddCombinationsOfColumns) {
   const MatrixXd columns = MatrixXd::Random(24, 5), factors = MatrixXd::Random(7, 5);
   MatrixXd sums = MatrixXd::Ones(24, 7);

@@ -65,6 +65,18 @@ TEST(Insulators, ACoatedBallHasTheCapacitanceOfTwoInSeries) {
   EXPECT_NEAR(of_round_surfaces(scene, 16, 24), exact, 1e-3 * exact);
 }
 
+TEST(Insulators, AWetFilmOfAFiveHundredthOfABallHasTheCapacitanceOfTwoInSeries) {
+  constexpr double radius = 0.01, outer = 0.01002;
+  const auto scene = [](int segments) {
+    Scene result;
+    result.objects = {object("film", Sphere{outer, segments}, at(0, 0, 0), Dielectric{80}),
+                      object("ball", Sphere{radius, segments}, at(0, 0, 0))};
+    return result;
+  };
+  const double exact = 1 / ((1 / radius - 1 / outer) / 80 + 1 / outer);
+  EXPECT_NEAR(of_round_surfaces(scene, 16, 24), exact, 1e-3 * exact);
+}
+
 /// Returns a square sensor of 10 cm below a grounded box, with other bodies.
 Scene below_a_box(const std::vector<Object>& others) {
   Scene scene;
@@ -140,6 +152,16 @@ TEST(Insulators, AGuardedCondenserFilledInLayersHasTheCapacitanceOfTheirSeries) 
   const MaxwellMatrix found = maxwell(guarded_condenser(0.002, 4), options);
   const double exact = 2 * vacuum_permittivity * 0.02 * 0.02 / (0.002 / 4 + 0.003);
   EXPECT_NEAR(found.charges(0, 0), exact, 1e-4 * exact);
+}
+
+TEST(Insulators, AFilmAroundASensorThatIsTooThinForItsPanelsStatesSo) {
+  // As much permittivity times thickness as a layer that panels resolve.
+  BoundaryElementOptions options = loose();
+  options.most_unknowns = 1000;
+  const MaxwellMatrix film = maxwell(below_a_box({dielectric_box({-7, -7, 0}, {7, 7, 0.01}, 80)}), options);
+  const MaxwellMatrix layer = maxwell(below_a_box({dielectric_box({-7, -7, 0}, {7, 7, 0.2}, 4)}), options);
+  EXPECT_FALSE(film.reached);
+  EXPECT_LE(std::abs(film.values(0, 0) - layer.values(0, 0)), film.errors(0, 0));
 }
 
 TEST(Insulators, OneInsideAConductorIsRefused) {
