@@ -25,14 +25,9 @@ using Eigen::RowVectorXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Errors of the potentials that skeletons may have: for small changes, for changes and for entries.
-constexpr std::array<double, 3> skeleton_accuracies{4e-5, 3e-4, 1.5e-3};
-
-/// Largest number of functions that a skeleton has. Levels of more are for nearer bodies.
-constexpr Index skeleton_functions = 36;
-
-/// A skeleton has at most so many nodes.
-constexpr std::size_t most_skeleton_nodes = 800;
+/// A skeleton has at most so many nodes, which are chosen among so many.
+constexpr Index most_skeleton_nodes = 600;
+constexpr std::size_t most_candidates = 2000;
 
 /// Returns the points on all panels.
 std::vector<Vector3d> points_of(const PanelClusters& panels, int fineness) {
@@ -167,9 +162,9 @@ constexpr Index told_every = 4;
 double error_of(const ChargeSkeleton& skeleton, const Seen& seen) {
   constexpr double safety = 2;
   const auto charges = Eigen::Map<const MatrixXf>(skeleton.nodes.charges.data(), skeleton.nodes.places(),
-                                                  static_cast<Index>(skeleton.functions));
+                                                  seen.functions.cols());
   const MatrixXd found = (seen.points.potentials(skeleton.nodes.panels, 0) * charges).cast<double>();
-  const MatrixXd wanted = seen.functions.leftCols(found.cols());
+  const MatrixXd& wanted = seen.functions;
   double squares = 0;
   Index count = 0;
   for (Index row = told_every - 1; row < wanted.rows(); row += told_every, ++count)
@@ -178,71 +173,112 @@ double error_of(const ChargeSkeleton& skeleton, const Seen& seen) {
                    : std::numeric_limits<double>::infinity();
 }
 
-/// Finds charges on as few of the first points as have an error of at most each of `skeleton_accuracies` at a
-/// distance; omits those that take too many.
-std::vector<ChargeSkeleton> fitted_skeletons(double distance, const std::vector<Vector3d>& points,
-                                             const Seen& seen, Index functions) {
+/// Chooses points for charges one by one, each the one that lets the charges come nearest to the functions'
+/// potentials (orthogonal matching pursuit). Stops at a root mean square error, relative to the potentials,
+/// or at so many points. Columns of `seen_charges`: the potentials of a unit charge in each point.
+std::vector<Index> chosen_points(const MatrixXd& seen_charges, const MatrixXd& wanted, double error,
+                                 Index most) {
+  /// Squared distance of a charge's potentials from the span of the chosen ones, relative to their own
+  /// square, below which single precision does not tell them apart.
+  constexpr double least_new = 1e-12;
+  const Index rows = seen_charges.rows();
+  MatrixXd basis(rows, most);
+  Eigen::VectorXd squares = seen_charges.colwise().squaredNorm();
+  const Eigen::VectorXd first_squares = squares;
+  MatrixXd products = seen_charges.transpose() * wanted;
+  double left = wanted.squaredNorm();
+  std::vector<Index> chosen;
+  while (index_of(chosen.size()) < most && left > error * error * static_cast<double>(rows)) {
+    check_interruption();
+    Index next = 0;
+    const double gain = (squares.array() > least_new * first_squares.array())
+                            .select(products.rowwise().squaredNorm().array() / squares.array(), 0)
+                            .maxCoeff(&next);
+    if (!(gain > 0))
+      break;
+    const auto before = basis.leftCols(index_of(chosen.size()));
+    Eigen::VectorXd direction = seen_charges.col(next);
+    for (int pass = 0; pass < 2; ++pass)
+      direction -= before * (before.transpose() * direction);
+    direction.normalize();
+    const Eigen::VectorXd along = seen_charges.transpose() * direction;
+    const Eigen::RowVectorXd part = direction.transpose() * wanted;
+    squares -= along.cwiseAbs2();
+    squares[next] = 0;
+    products -= along * part;
+    left -= part.squaredNorm();
+    basis.col(index_of(chosen.size())) = direction;
+    chosen.push_back(next);
+  }
+  return chosen;
+}
+
+/// Finds charges in as few points as have an error of at most `accuracy`.
+std::optional<ChargeSkeleton> fitted_skeleton(const std::vector<Vector3d>& candidates, const Seen& seen,
+                                              double accuracy) {
   std::vector<Index> fitted;
   for (Index row = 0; row < seen.functions.rows(); ++row)
     if (row % told_every != told_every - 1)
       fitted.push_back(row);
-  const Index rows = index_of(fitted.size());
-  const MatrixXd wanted = seen.functions(fitted, Eigen::seqN(0, functions));
+  const Index rows = index_of(fitted.size()), functions = seen.functions.cols();
+  const MatrixXd wanted = seen.functions(fitted, Eigen::all);
   const VectorXd scale = wanted.rowwise().norm().cwiseInverse();
+  const MatrixXd seen_charges =
+      scale.asDiagonal() *
+      seen.points.potentials(one_cluster(candidates), 0)(fitted, Eigen::seqN(0, index_of(candidates.size())))
+          .cast<double>();
+  /// Parts of the accuracy to which the sampled values are fitted, at most and at least: between them the
+  /// error is larger.
+  constexpr double fitted_part = 0.26, first_part = 0.45;
   // More points would let the charges fit the sampled values, and not the potential between the samples.
-  const Index most = std::min(index_of(points.size()), rows / 2);
-  const std::vector<Vector3d> first(points.begin(), points.begin() + most);
+  const Index most = std::min({index_of(candidates.size()), rows / 2, most_skeleton_nodes});
+  const std::vector<Index> chosen =
+      chosen_points(seen_charges, scale.asDiagonal() * wanted, fitted_part * accuracy, most);
+  if (chosen.empty())
+    return std::nullopt;
   /// Rounding of single precision, some times of it: the charges are such that both, the errors that they
   /// leave and their own rounding, are small.
   constexpr double rounding = 5e-6;
-  MatrixXd equations = MatrixXd::Zero(rows + most, most),
-           right_sides = MatrixXd::Zero(rows + most, functions);
-  equations.topRows(rows) =
-      scale.asDiagonal() *
-      seen.points.potentials(one_cluster(first), 0)(fitted, Eigen::seqN(0, most)).cast<double>();
-  for (Index k = 0; k < most; ++k)
+  const Index all = index_of(chosen.size());
+  MatrixXd equations = MatrixXd::Zero(rows + all, all), right_sides = MatrixXd::Zero(rows + all, functions);
+  equations.topRows(rows) = seen_charges(Eigen::all, chosen);
+  for (Index k = 0; k < all; ++k)
     equations(rows + k, k) = rounding * equations.col(k).norm();
   right_sides.topRows(rows) = scale.asDiagonal() * wanted;
   const Eigen::HouseholderQR<MatrixXd> factors(equations);
   const MatrixXd parts = factors.householderQ().adjoint() * right_sides;
-  /// Step between the numbers of nodes that are tried.
-  constexpr Index step = node_block;
-  std::vector<ChargeSkeleton> found;
-  std::size_t wanted_next = skeleton_accuracies.size();
+  std::vector<Vector3d> points;
+  for (const Index k : chosen)
+    points.push_back(candidates[static_cast<std::size_t>(k)]);
   double left = parts.squaredNorm();
-  for (Index count = 0; count + step <= most && wanted_next > 0;) {
-    left -= parts.middleRows(count, step).squaredNorm();
-    count += step;
-    // Between the points that are fitted the error is larger.
-    const double accuracy = skeleton_accuracies[wanted_next - 1];
-    if (std::sqrt(std::max(left, 0.0) / static_cast<double>(rows)) > accuracy / 3)
+  for (Index count = 0; count < all;) {
+    const Index next = std::min(count + node_block, all);
+    left -= parts.middleRows(count, next - count).squaredNorm();
+    count = next;
+    if (std::sqrt(std::max(left, 0.0) / static_cast<double>(rows)) > first_part * accuracy)
       continue;
-    MatrixXf charges = MatrixXf::Zero(count, functions + 1);
-    charges.leftCols(functions) = factors.matrixQR()
-                                      .topLeftCorner(count, count)
-                                      .triangularView<Eigen::Upper>()
-                                      .solve(parts.topRows(count))
-                                      .cast<float>();
-    ChargeSkeleton skeleton{distance, functions, {}, 0};
-    skeleton.nodes.panels = one_cluster({first.begin(), first.begin() + count});
+    ChargeSkeleton skeleton{{one_cluster({points.begin(), points.begin() + count}), {}}, 0};
+    MatrixXf charges = MatrixXf::Zero(skeleton.nodes.places(), functions + 1);
+    charges.topLeftCorner(count, functions) = factors.matrixQR()
+                                                  .topLeftCorner(count, count)
+                                                  .triangularView<Eigen::Upper>()
+                                                  .solve(parts.topRows(count))
+                                                  .cast<float>();
     skeleton.nodes.charges.assign(charges.data(), charges.data() + charges.size());
     skeleton.error = error_of(skeleton, seen);
-    if (skeleton.error > accuracy)
-      continue;
-    while (wanted_next > 0 && skeleton.error <= skeleton_accuracies[wanted_next - 1])
-      --wanted_next;
-    found.push_back(std::move(skeleton));
+    if (skeleton.error <= accuracy)
+      return skeleton;
   }
-  return found;
+  return std::nullopt;
 }
 
 }  // namespace
 
-std::vector<ChargeSkeleton> charge_skeletons(const ChargedPanels& body, std::ptrdiff_t functions,
-                                             std::span<const TriangleSurface> surfaces, double distance) {
-  const std::vector<Vector3d> nodes = spread_out(points_of(body.panels, 0), 0, most_skeleton_nodes);
-  return fitted_skeletons(distance, nodes, seen_at(body, functions, surfaces, distance),
-                          std::min(skeleton_functions, static_cast<Index>(functions)));
+std::optional<ChargeSkeleton> charge_skeleton(const ChargedPanels& body, std::ptrdiff_t functions,
+                                              std::span<const TriangleSurface> surfaces, double distance,
+                                              double accuracy) {
+  const std::vector<Vector3d> candidates = spread_out(points_of(body.panels, 0), 0, most_candidates);
+  return fitted_skeleton(candidates, seen_at(body, functions, surfaces, distance), accuracy);
 }
 
 }  // namespace fringe::detail

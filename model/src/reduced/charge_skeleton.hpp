@@ -1,8 +1,9 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <span>
-#include <vector>
 
 #include "bem/bodies.hpp"
 #include "reduced/panel_clusters.hpp"
@@ -11,20 +12,22 @@
 namespace fringe::detail {
 
 /// Distances from a body's panels, in its unit, for which there are skeletons.
-constexpr std::array<double, 6> skeleton_distances{0.26, 0.36, 0.5, 0.75, 1.1, 1.8};
+constexpr std::array<double, 8> skeleton_distances{0.195, 0.25, 0.32, 0.42, 0.55, 0.75, 1.1, 1.8};
+
+/// Errors of the potentials that skeletons may have.
+constexpr std::array<double, 7> skeleton_accuracies{4e-5, 1.5e-4, 6e-4, 1.2e-3, 2.5e-3, 5e-3, 1e-2};
 
 /// Charges in points of a body's surface, one cluster, whose potentials beyond a distance are those of all
 /// panels' charges.
 struct ChargeSkeleton {
-  double distance;           ///< from the panels, in the body's unit
-  std::ptrdiff_t functions;  ///< number of the first functions whose charges it has
   ChargedPanels nodes;
   double error;  ///< of the potentials there and beyond, relative to those of charges of unit energy
 };
 
-/// Finds the skeletons of a body of several functions for one of `skeleton_distances`, those of fewest nodes
-/// first; none if too many nodes would be needed.
-std::vector<ChargeSkeleton> charge_skeletons(const ChargedPanels& body, std::ptrdiff_t functions,
-                                             std::span<const TriangleSurface> surfaces, double distance);
+/// Finds few charges in the place of those of a body's first functions for points that are at least
+/// `distance` away, in its unit, to an accuracy; none if too many would be needed.
+std::optional<ChargeSkeleton> charge_skeleton(const ChargedPanels& body, std::ptrdiff_t functions,
+                                              std::span<const TriangleSurface> surfaces, double distance,
+                                              double accuracy);
 
 }  // namespace fringe::detail

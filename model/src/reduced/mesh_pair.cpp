@@ -61,6 +61,24 @@ double coarsest_ratio(QuadratureDigits digits) {
 /// that was measured with three bodies above a plate at a twentieth of their size.
 constexpr double error_per_square = 0.004;
 
+/// Error that skeletons may have, averaged over the other body, relative to that of the panels' nodes. A
+/// change, whose error is up to five times as large, then still has the quadratures' share.
+constexpr double skeleton_errors = 4;
+
+/// Returns the part of a skeleton's error that is left in the interaction with a body at a distance. The
+/// error of the potential changes its sign within about the distance, so that it averages out over a larger
+/// body.
+double averaged_part(double gap, const PlacedBody& other) {
+  /// With it the error of a change was stated at least twice as large as it was, before a hand at 0.2 to 2.4
+  /// half sides of a covered sensor.
+  constexpr double part_per_distance = 0.25;
+  std::array<double, 3> half_sides{};
+  Eigen::Map<Vector3d>(half_sides.data()) = other.scale * other.shape->half_sides();
+  // Of a strip only the narrow side counts, of a plate the shorter one.
+  std::sort(half_sides.begin(), half_sides.end());
+  return std::min(1.0, part_per_distance * gap / half_sides[1]);
+}
+
 /// Distances from the other body, in its largest half sides, that separate the bands of clusters.
 constexpr std::array<double, 2> band_ends{0.35, 1.0};
 
@@ -110,18 +128,18 @@ void MeshPair::place(const PlacedBody& a, int functions_a, const PlacedBody& b, 
   used_ = 0;
   coarsest_ = 0;
   is_cut_short_ = false;
-  // A skeleton may have somewhat more of an error than the panels' nodes, and much more of a body so near
-  // that changes are a large part of entries. More digits are asked for where that is too much.
-  constexpr double near = 0.6, of_far_bodies = 2, of_near_bodies = 12;
-  const double allowed = (gap < near * first.scale ? of_near_bodies : of_far_bodies) *
-                         (error_left(digits.inner) + error_per_square * std::pow(coarsest_ratio(digits), 2));
-  relative_error_ = allowed;
+  const double allowed = skeleton_errors *
+                         (error_left(digits.inner) + error_per_square * std::pow(coarsest_ratio(digits), 2)),
+               part = averaged_part(gap, second);
+  relative_error_ = allowed / part;
   if (const ChargedPanels* const skeleton = mesh.skeleton(gap / first.scale, functions, relative_error_)) {
+    relative_error_ *= part;
     outer_.set(mesh, *skeleton, functions, 1 / first.scale);
     next_band().outer.push_back({skeleton->panels.clusters.data(), 0});
     if (inner_has_faces_
             ? place_skeleton_beside_faces(other, a_is_outer_ ? functions_b : functions_a, of_faces, digits)
-            : place_skeletons(other, functions_b, gap / second.scale, allowed))
+            : place_skeletons(other, functions_b, gap / second.scale, allowed / averaged_part(gap, first),
+                              averaged_part(gap, first)))
       return;
     used_ = 0;
   }
@@ -173,8 +191,9 @@ bool MeshPair::place_skeleton_beside_faces(const PlacedBody& faces, int function
 }
 
 /// Lays a skeleton of the other body, which is at least `distance` away in its own unit, beside that in the
-/// first band. Returns false if it has none of this error.
-bool MeshPair::place_skeletons(const PlacedBody& other, int functions, double distance, double error) {
+/// first band; `part` of its error counts. Returns false if it has none of this error.
+bool MeshPair::place_skeletons(const PlacedBody& other, int functions, double distance, double error,
+                               double part) {
   const PreparedMesh& mesh = *other.shape->mesh();
   const ChargedPanels* const skeleton = mesh.skeleton(distance, functions, error);
   if (skeleton == nullptr)
@@ -183,7 +202,7 @@ bool MeshPair::place_skeletons(const PlacedBody& other, int functions, double di
   inner_parts_.assign(1, {skeleton->panels.clusters.data(), 0});
   lay_inner(other);
   fill(bands_.front(), inner_points());
-  relative_error_ += error;
+  relative_error_ += part * error;
   return true;
 }
 

@@ -60,7 +60,7 @@ class MeshPair {
 
   bool place_skeleton_beside_faces(const PlacedBody& faces, int functions, const BodySmoothness& smooth,
                                    QuadratureDigits digits);
-  bool place_skeletons(const PlacedBody& other, int functions, double distance, double error);
+  bool place_skeletons(const PlacedBody& other, int functions, double distance, double error, double part);
   void place_beside_faces(const PlacedBody& faces, int functions, QuadratureDigits digits);
   void place_beside_mesh(const PlacedBody& other, QuadratureDigits digits);
   void lay_inner(const PlacedBody& other);

@@ -202,15 +202,19 @@ const ChargedPanels* PreparedMesh::skeleton(double distance, std::ptrdiff_t func
       skeleton_distances.begin());
   if (beyond == 0)
     return nullptr;
-  auto& skeletons = skeletons_[beyond - 1];
-  if (!skeletons)
-    skeletons = charge_skeletons(charged_, missing_.rows(), surfaces_, skeleton_distances[beyond - 1]);
-  for (const ChargeSkeleton& skeleton : *skeletons)
-    if (skeleton.functions >= functions && skeleton.error <= error) {
-      error = skeleton.error;
-      return &skeleton.nodes;
-    }
-  return nullptr;
+  const auto coarser = static_cast<std::size_t>(
+      std::upper_bound(skeleton_accuracies.begin(), skeleton_accuracies.end(), error) -
+      skeleton_accuracies.begin());
+  if (coarser == 0)
+    return nullptr;
+  const double of = skeleton_distances[beyond - 1], to = skeleton_accuracies[coarser - 1];
+  const auto [at, is_new] = skeletons_.try_emplace({functions, of, to});
+  if (is_new)
+    at->second = charge_skeleton(charged_, functions, surfaces_, of, to);
+  if (!at->second)
+    return nullptr;
+  error = at->second->error;
+  return &at->second->nodes;
 }
 
 Vector3d PreparedMesh::point(std::ptrdiff_t place) const {

@@ -1,9 +1,10 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include <Eigen/Core>
@@ -66,8 +67,8 @@ class PreparedMesh {
   bool is_closed_;
   BoxNumbers box_;
   ChargedPanels charged_;
-  /// Those of each distance, once they are known.
-  mutable std::array<std::optional<std::vector<ChargeSkeleton>>, skeleton_distances.size()> skeletons_;
+  /// Those that were asked for, by the number of functions, the distance and the accuracy.
+  mutable std::map<std::tuple<std::ptrdiff_t, double, double>, std::optional<ChargeSkeleton>> skeletons_;
   double root_ = 0;          ///< square root of the capacitance
   Eigen::MatrixXd missing_;  ///< energies that coarser panels miss
   Eigen::MatrixXd net_;      ///< net charges of the functions (columns) on each surface, if there are several

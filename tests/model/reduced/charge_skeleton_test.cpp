@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -59,11 +60,15 @@ TEST(ChargeSkeleton, HasFewNodesAndThePotentialsOfThePanelsBeyondItsDistance) {
   std::vector<Triangle> triangles;
   const ChargedPanels body = charged_square(triangles);
   const std::vector<TriangleSurface> surfaces{{triangles}};
-  const std::vector<ChargeSkeleton> skeletons = charge_skeletons(body, 3, surfaces, 0.75);
-  ASSERT_FALSE(skeletons.empty());
-  EXPECT_LT(skeletons.front().nodes.places(), 100);
-  for (const ChargeSkeleton& skeleton : skeletons) {
-    const double away = skeleton.distance;
+  constexpr double away = 0.75;
+  std::ptrdiff_t fewer = 0;
+  for (const double accuracy : {2.5e-3, 1.5e-4}) {
+    const std::optional<ChargeSkeleton> skeleton = charge_skeleton(body, 3, surfaces, away, accuracy);
+    ASSERT_TRUE(skeleton.has_value());
+    EXPECT_LE(skeleton->error, accuracy);
+    EXPECT_LE(fewer, skeleton->nodes.places());
+    fewer = skeleton->nodes.places();
+    EXPECT_LT(fewer, 100);
     for (const Vector3d& point :
          {Vector3d(0.1, 0.2, away), Vector3d(0.9, -0.7, -away), Vector3d(1 + away, 0.3, 0),
           Vector3d(1 + away, 1 + away, 0), Vector3d(0.5, 0.5, 3 + away)}) {
@@ -73,9 +78,9 @@ TEST(ChargeSkeleton, HasFewNodesAndThePotentialsOfThePanelsBeyondItsDistance) {
       for (std::size_t function = 0; function < 3; ++function) {
         const double wanted = potential(body, function, PanelClusters::finest, point);
         square += wanted * wanted;
-        error += std::pow(potential(skeleton.nodes, function, 0, point) - wanted, 2);
+        error += std::pow(potential(skeleton->nodes, function, 0, point) - wanted, 2);
       }
-      EXPECT_LT(std::sqrt(error / square), 4e-3) << skeleton.distance << " " << skeleton.nodes.places();
+      EXPECT_LT(std::sqrt(error / square), 3 * accuracy) << fewer;
     }
   }
 }
