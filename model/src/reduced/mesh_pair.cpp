@@ -91,7 +91,8 @@ void MeshSide::set(const PreparedMesh& mesh, const ChargedPanels& nodes, std::pt
   functions_ = functions;
   factor_ = static_cast<float>(factor);
   charges.resize(static_cast<std::size_t>(nodes.places()));
-  potentials.resize(static_cast<std::size_t>(nodes.places()));
+  // While charges are spread they are sums of functions, which may be more than a skeleton's nodes.
+  potentials.resize(static_cast<std::size_t>(std::max(nodes.places(), whole_blocks(functions))));
   unused_.assign(static_cast<std::size_t>(nodes.places()), 0.0F);
   coefficients_.assign(static_cast<std::size_t>(whole_blocks(functions)), 0.0F);
 }
