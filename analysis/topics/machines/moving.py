@@ -21,7 +21,14 @@ from scipy.spatial.transform import Rotation, Slerp
 from analysis.pipeline import model_stage
 from analysis.results.store import read_json, write_json
 from analysis.topics.machines import hand_before_arm
-from analysis.topics.machines.panel_truths import COARSE, FINE, Machine, Targets
+from analysis.topics.machines.panel_truths import (
+    COARSE,
+    ERROR_PER_ENERGY,
+    FINE,
+    FINEST,
+    Machine,
+    Targets,
+)
 from geometries.common.arguments import positive_integer
 from geometries.scene import motion, reader
 from geometries.scene.poses import AxisRotation, Pose, Vector3
@@ -174,24 +181,29 @@ def chosen(count: int, poses: int) -> list[int]:
 
 
 def solve(machine: Moving, poses: list[int], file: Path = FILE) -> None:
-    """Solves the poses that have no stored truth on finer and on coarser panels; each is stored at once with its values on the finer ones and the differences."""
+    """Solves the poses that have no stored truth on finer and on coarser panels. Each is stored at once: its values on the finer ones, and as their errors the differences and what the machine's
+    charges may be off."""
     records = read_json(file) or {}
     known = records.setdefault(machine.name, {})
     missing = [pose for pose in poses if str(pose) not in known]
     if not missing:
         return
+    rests = machine.name == HAND
+    resolutions = (FINEST, FINE) if rests else (FINE, COARSE)
     live = model_stage.model_module().Scene.loads(canonical(machine.scene))
-    targets = [Targets(machine.scene, resolution) for resolution in (FINE, COARSE)]
-    at_rest: list[Machine] = []
-    names = [link.name for link in machine.scene.links]
+    targets = [Targets(machine.scene, resolution) for resolution in resolutions]
+    solved: list[Machine] = []
     for pose in missing:
-        for link, matrix in zip(names, machine.poses[pose], strict=True):
-            live.set_pose(link, matrix)
-        if not at_rest or machine.name != HAND:
-            at_rest = [Machine(live, own, resolution) for own, resolution in zip(targets, (FINE, COARSE))]
+        for link, matrix in zip(machine.scene.links, machine.poses[pose], strict=True):
+            live.set_pose(link.name, matrix)
+        if not (rests and solved):
+            solved = [Machine(live, own, resolution) for own, resolution in zip(targets, resolutions)]
         there = _in_world(machine, pose, targets[0].link)
-        fine, coarse = (one.changes(own, there) for one, own in zip(at_rest, targets))
-        known[str(pose)] = {name: [fine[name], abs(fine[name] - coarse[name])] for name in fine}
+        fine, coarse = (one.changes(own, there) for one, own in zip(solved, targets))
+        share = ERROR_PER_ENERGY * solved[0].error
+        known[str(pose)] = {
+            name: [value, abs(value - coarse[name]) + share * abs(value)] for name, value in fine.items()
+        }
         write_json(file, records)
         print(f"{machine.name}, pose {pose}: solved", flush=True)
 

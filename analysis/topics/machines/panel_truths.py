@@ -38,6 +38,12 @@ class Resolution:
 
 COARSE = Resolution(8e-3, 12_500, 600, 1500)
 FINE = Resolution(4e-3, 25_000, 1000, 3000)
+FINEST = Resolution(4e-3, 50_000, 1000, 3000)
+"""For a machine that does not move, which is solved once."""
+
+ERROR_PER_ENERGY = 0.4
+"""Error of a change, relative, over the stated error of the energies of the machine's charges. Twice the panels, 50,000, altered the changes before an arm of 5,000 overlapping triangles by 1.1 % rms
+and 2.4 % at most, where 5.1 % were stated."""
 
 
 class Targets:
@@ -97,6 +103,8 @@ class Machine:
         self._potentials = alone.machine_potentials(
             rtol=resolution.rtol, most_panels=resolution.machine_panels, functions=resolution.functions
         )
+        self.error: float = self._potentials.error
+        """Largest stated error of the energies of what is sensed or driven, relative."""
         self._names = tuple(alone.roles()["readings"])
         self._modes: Array = linalg.cholesky(self._potentials.answers, lower=True)
 

@@ -38,7 +38,7 @@ CompanyResolution machine_resolution(std::optional<double> rtol, std::size_t thr
 }  // namespace
 
 CompanyResolution target_resolution(std::optional<double> rtol) {
-  return rtol ? CompanyResolution{*rtol, 6000, 256} : TargetAtRest::usual;
+  return rtol ? CompanyResolution{*rtol, 6000, 384} : TargetAtRest::usual;
 }
 
 bool is_much_nearer(double nearness, double prepared) {
