@@ -247,7 +247,7 @@ def row(machine: Moving, rtol: float, poses: int = POSES_OF_HAND, file: Path = F
             print(
                 f"  {pose:>4} {name:20} {1e15 * change:10.3f} fF: error {100 * errors[-1]:.2f} %, stated {100 * stated[-1]:.2f} %, truth ± {100 * sure[-1]:.2f} %"
             )
-    speed = f"| {machine.name} | {1e3 * seconds / poses:.0f} | {first_seconds - seconds:.0f} |"
+    speed = f"| {machine.name} | {1e3 * seconds / poses:.2g} | {first_seconds - seconds:.0f} |"
     if not errors:
         return speed
     of = np.array(errors)

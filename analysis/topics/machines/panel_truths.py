@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from analysis.coverage.machine import FACTOR
 from analysis.pipeline.model_stage import model_module
+from analysis.results.units import VACUUM_PERMITTIVITY
 from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical
 
@@ -60,6 +60,7 @@ class Targets:
         alone = model_module().Scene.loads(canonical(Scene(medium=scene.medium, objects=at_origin)))
         panels = alone.surface_charges(rtol=1e-4, most_panels=resolution.target_panels)["panels"]
         self.names = tuple(each.name for each in bodies)
+        self.permittivity = scene.medium.relative_permittivity
         self.nodes: Array = np.einsum("ij,njk->nik", _NODES, panels)
         self._own: Array = model_module().single_layer(panels, 1e-5)
         self._factor = linalg.cho_factor(self._own)
@@ -103,6 +104,7 @@ class Machine:
         self._potentials = alone.machine_potentials(
             rtol=resolution.rtol, most_panels=resolution.machine_panels, functions=resolution.functions
         )
+        self._factor = 4 * np.pi * VACUUM_PERMITTIVITY * targets.permittivity
         self.error: float = self._potentials.error
         """Largest stated error of the energies of what is sensed or driven, relative."""
         self._names = tuple(alone.roles()["readings"])
@@ -117,6 +119,6 @@ class Machine:
         )
         charges = targets.charges(loads, parts @ self._modes)
         return {
-            name: float(FACTOR * sign * (loads[:, sense] @ charges[:, drive]))
+            name: float(self._factor * sign * (loads[:, sense] @ charges[:, drive]))
             for name, (sense, drive, sign) in zip(self._names, self._potentials.readings, strict=True)
         }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <numbers>
+
 #include "bem/charge_kernels.hpp"
 #include "integral/batch/kernels_template.hpp"
 

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 using Eigen::VectorXf;
 
 /// Ratio of the stated error to the sum of its parts: measured (model/CORRECTIONS.md, section 8).
-constexpr double safety_of_links = 4;
+constexpr double safety_of_links = 2;
 
 /// Part of the diagonal that is added, growing until the matrix is positive definite: rounding of single
 /// precision.

@@ -248,6 +248,7 @@ std::optional<ChargeSkeleton> fitted_skeleton(const std::vector<Vector3d>& candi
   const Eigen::HouseholderQR<MatrixXd> factors(equations);
   const MatrixXd parts = factors.householderQ().adjoint() * right_sides;
   std::vector<Vector3d> points;
+  points.reserve(chosen.size());
   for (const Index k : chosen)
     points.push_back(candidates[static_cast<std::size_t>(k)]);
   double left = parts.squaredNorm();
