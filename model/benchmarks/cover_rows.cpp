@@ -35,7 +35,8 @@ Scene bare_scene() {
       {"sensor", {}, 2.5, 5e-12, {{{-side / 2, -side / 2, 0}, {side, 0, 0}, {0, side, 0}}}});
   scene.objects.push_back({"hand", 0, Cuboid{0.12, 0.18, hand_thickness},
                            Isometry3d(Translation3d(0, 0, hand_thickness / 2)), Grounded{}, true});
-  // With and without a cover, the same is asked for: the change by the hand.
+  // The hand is a target in both scenes, so that the accuracy of its change is asked for with and without a
+  // cover.
   scene.objects.back().target = true;
   return scene;
 }

@@ -209,7 +209,7 @@ void measure_meshes(int count) {
   }
 }
 
-/// What is asked for on the command line.
+/// The options and scene files of the command line.
 struct Request {
   std::vector<std::string> files;
   std::optional<int> meshes;

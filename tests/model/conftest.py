@@ -46,3 +46,17 @@ def shown_on_a_terminal() -> Callable[..., str]:
         return shown
 
     return run
+
+
+@pytest.fixture(scope="session")
+def sensor_before_a_housing() -> str:
+    """A scene whose grounded box nearly takes up the charge of the sensor before it, as seen from afar."""
+    return """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "housing"
+shape = { type = "cuboid", size = [0.2, 0.2, 0.1] }
+translation = [0, 0, -0.06]
+"""

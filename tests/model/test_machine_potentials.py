@@ -69,19 +69,10 @@ def test_a_cube_is_a_charge_of_its_capacity_from_afar() -> None:
     np.testing.assert_allclose(machine.at(points)[0][:, 0], expected, rtol=2e-3)
 
 
-def test_close_to_a_surface_the_potential_is_the_sum_over_its_panels() -> None:
+def test_close_to_a_surface_the_potential_is_the_sum_over_its_panels(sensor_before_a_housing: str) -> None:
     """Above a grounded housing the charges' potentials nearly cancel."""
-    text = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "housing"
-shape = { type = "cuboid", size = [0.2, 0.2, 0.1] }
-translation = [0, 0, -0.06]
-"""
     options = {"rtol": 0.01, "most_panels": 4000}
-    scene = fringe.Scene.loads(text)
+    scene = fringe.Scene.loads(sensor_before_a_housing)
     machine, charges = scene.machine_potentials(**options), scene.surface_charges(**options)
     assert machine.panels == len(charges["panels"])
     chance = np.random.default_rng(1)

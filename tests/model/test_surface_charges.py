@@ -18,16 +18,6 @@ shape = { type = "cube", size = 0.05 }
 translation = [0.3, 0, 0]
 """
 
-SENSOR_BEFORE_A_HOUSING = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "housing"
-shape = { type = "cuboid", size = [0.2, 0.2, 0.1] }
-translation = [0, 0, -0.06]
-"""
-
 
 def test_the_potential_is_that_of_the_conductors_on_them_and_of_their_charge_far_away() -> None:
     fringe = model_module()
@@ -40,11 +30,13 @@ def test_the_potential_is_that_of_the_conductors_on_them_and_of_their_charge_far
     assert potentials[2] == pytest.approx(charges.sum() / 50, rel=1e-3)
 
 
-def test_the_charges_have_the_potentials_asked_for_far_more_exactly_than_their_energies_need() -> None:
+def test_the_charges_have_the_potentials_asked_for_far_more_exactly_than_their_energies_need(
+    sensor_before_a_housing: str,
+) -> None:
     """The energies' error is the square of the charges', which decide about potentials far away."""
     fringe = model_module()
     rtol = 0.01
-    found = fringe.Scene.loads(SENSOR_BEFORE_A_HOUSING).surface_charges(rtol=rtol)
+    found = fringe.Scene.loads(sensor_before_a_housing).surface_charges(rtol=rtol)
     potentials = fringe.single_layer(found["panels"], 1e-6) @ found["charges"][:, 0]
     errors = potentials - (np.array(found["conductor_of"]) == found["conductors"].index("front"))
     assert np.sqrt((errors**2).mean()) < 0.02 * rtol

@@ -26,8 +26,8 @@ class MovingFormula {
   const std::vector<CompanyFormula::Change>& solved(const MovingMachine& machine, const LinkTables& tables,
                                                     const TargetAtRest& target, const PoseOfMachine& pose);
 
-  /// What two groups of bodies contribute to the derivatives of all readings, as the first one moves, in the
-  /// world: in 1 and in m, to be multiplied by 4πε.
+  /// The contribution of two groups of bodies to the derivatives of all readings, as the first one moves, in
+  /// the world: in 1 and in m, to be multiplied by 4πε.
   struct GroupWrenches {
     std::size_t first;  ///< a link; MovingMachine::none: the targets
     std::size_t second;

@@ -69,12 +69,12 @@ constexpr double skeleton_errors = 4;
 /// error of the potential changes its sign within about the distance, so that it averages out over a larger
 /// body.
 double averaged_part(double gap, const PlacedBody& other) {
-  /// With it the error of a change was stated at least twice as large as it was, before a hand at 0.2 to 2.4
+  /// This part makes the stated error of a change at least twice the true one before a hand at 0.2 to 2.4
   /// half sides of a covered sensor.
   constexpr double part_per_distance = 0.25;
   std::array<double, 3> half_sides{};
   Eigen::Map<Vector3d>(half_sides.data()) = other.scale * other.shape->half_sides();
-  // Of a strip only the narrow side counts, of a plate the shorter one.
+  // The error averages out along the shorter side of a plate, the middle one of the three.
   std::sort(half_sides.begin(), half_sides.end());
   return std::min(1.0, part_per_distance * gap / half_sides[1]);
 }
