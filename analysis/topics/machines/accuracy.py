@@ -14,6 +14,7 @@ import numpy as np
 from analysis.pipeline import model_stage
 from analysis.topics.machines import truths
 from analysis.topics.machines.set_ups import FAMILIES, READING, all_set_ups
+from geometries.common.arguments import positive_integer, positive_number
 from geometries.scene.writer import canonical
 
 
@@ -71,8 +72,8 @@ def row(name: str, answers: list[_Answer]) -> str:
 def main() -> None:
     """Prints each set-up and the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rtol", type=float, default=1e-2)
-    parser.add_argument("--every", type=int, default=1)
+    parser.add_argument("--rtol", type=positive_number, default=1e-2)
+    parser.add_argument("--every", type=positive_integer, default=1)
     parser.add_argument("--first", type=int, default=0)
     asked = parser.parse_args()
     answers = measured(asked.rtol, asked.every, asked.first)

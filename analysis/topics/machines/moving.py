@@ -29,7 +29,7 @@ from analysis.topics.machines.panel_truths import (
     Machine,
     Targets,
 )
-from geometries.common.arguments import positive_integer
+from geometries.common.arguments import positive_integer, positive_number
 from geometries.scene import motion, reader
 from geometries.scene.poses import AxisRotation, Pose, Vector3
 from geometries.scene.scene import Link, Object, Plate, Scene, Sensor
@@ -278,8 +278,10 @@ def write(machine: Moving, folder: Path) -> Path:
 def main() -> None:
     """Prints the table."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--rtol", type=float, default=1e-2)
-    parser.add_argument("--solve", type=int, default=0, help="poses of each machine that get a truth")
+    parser.add_argument("--rtol", type=positive_number, default=1e-2)
+    parser.add_argument(
+        "--solve", type=positive_integer, default=0, help="poses of each machine that get a truth"
+    )
     parser.add_argument(
         "--poses", type=positive_integer, default=POSES_OF_HAND, help="only the first poses of the motions"
     )
