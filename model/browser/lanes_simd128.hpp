@@ -80,6 +80,12 @@ struct LanesSimd128 {
   static constexpr bool fused = false;
 
   static unsigned bits(Mask mask) { return (mask.value[0] != 0 ? 1U : 0U) | (mask.value[1] != 0 ? 2U : 0U); }
+  /// Loads the coordinates of points that follow one another in memory.
+  static void deinterleave(const double* points, Vector& x, Vector& y, Vector& z) {
+    x = Vector::Raw{points[0], points[3]};
+    y = Vector::Raw{points[1], points[4]};
+    z = Vector::Raw{points[2], points[5]};
+  }
   static Vector log(Vector x) { return Vector::Raw{std::log(x.value[0]), std::log(x.value[1])}; }
   static Vector atan2(Vector y, Vector x) {
     return Vector::Raw{std::atan2(y.value[0], x.value[0]), std::atan2(y.value[1], x.value[1])};

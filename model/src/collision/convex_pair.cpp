@@ -1,6 +1,7 @@
 #include "collision/convex_pair.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -14,10 +15,10 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Checks both sets before anything is computed from them.
-const Vector3d& checked_origin(Vertices a, Vertices b) {
-  check_vertices(a, 'A');
-  check_vertices(b, 'B');
+/// Returns the origin that both hulls of a query are taken relative to.
+const Vector3d& origin_of(Vertices a) {
+  if (a.empty())
+    check_vertices(a, 'A');
   return a.front();
 }
 
@@ -55,24 +56,22 @@ ConvexPair convex_pair(const ConvexShape& a, const Isometry3d& pose_a, const Con
           offset.lpNorm<1>() + a.data().support.bounding_radius + b.data().support.bounding_radius};
 }
 
-PassingHull::PassingHull(Vertices vertices, const Vector3d& origin) : vertices_(vertices), origin_(origin) {
+PassingHull::PassingHull(Vertices vertices, const Vector3d& origin, char name)
+    : vertices_(vertices), origin_(origin) {
+  if (vertices.empty())
+    check_vertices(vertices, name);
   constexpr std::size_t block = VertexBlocks::size;
   const std::size_t count = (vertices.size() + block - 1) / block * block;
   double* coordinates = few_coordinates_.data();
   if (count > SupportShape::few_vertices) {
-    many_coordinates_.resize(3 * count);
-    coordinates = many_coordinates_.data();
+    many_coordinates_.reset(new double[3 * count]);
+    coordinates = many_coordinates_.get();
   }
-  for (std::size_t i = 0; i < count; ++i) {
-    const Vector3d point = vertices[std::min(i, vertices.size() - 1)] - origin;
-    double* const place = coordinates + i / block * 3 * block + i % block;
-    place[0] = point.x(), place[block] = point.y(), place[2 * block] = point.z();
-  }
-  const double largest =
-      Eigen::Map<const Eigen::ArrayXd>(coordinates, static_cast<Eigen::Index>(3 * count)).abs().maxCoeff();
-  // Any point of the hull: the midpoint of two vertices that are not neighbours in most lists.
-  const Vector3d centre = (vertices.front() - origin) / 2 + (vertices[vertices.size() / 2] - origin) / 2;
-  std::copy(centre.begin(), centre.end(), shape_.centre);
+  const double largest = best_kernels<GjkFilter>().arrange(vertices.data()->data(), vertices.size(),
+                                                           origin.data(), coordinates, shape_.centre);
+  // Also infinite if differences of finite vertices are.
+  if (!std::isfinite(largest))
+    check_vertices(vertices, name);
   constexpr double root_of_3 = 1.7320508075688774;
   shape_.bounding_radius = root_of_3 * (1 + 0x1p-50) * largest;
   shape_.vertices = {coordinates, static_cast<std::uint32_t>(count),
@@ -84,8 +83,6 @@ PlacedConvex PassingHull::placed() const {
   return {&shape_, vertices_, &identity, origin_, Vector3d::Zero()};
 }
 
-PassingHulls::PassingHulls(Vertices a, Vertices b)
-    : a_(a, checked_origin(a, b)),
-      b_(b, a.front()), pair_{a_.placed(), b_.placed(), a_.bounding_radius() + b_.bounding_radius()} {}
+PassingHulls::PassingHulls(Vertices a, Vertices b) : a_(a, origin_of(a), 'A'), b_(b, a.front(), 'B') {}
 
 }  // namespace fringe::detail

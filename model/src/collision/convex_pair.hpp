@@ -1,8 +1,8 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
-#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -82,21 +82,22 @@ struct ConvexPair {
 ConvexPair convex_pair(const ConvexShape& a, const Eigen::Isometry3d& pose_a, const ConvexShape& b,
                        const Eigen::Isometry3d& pose_b);
 
-/// A hull for one query, from vertices that must outlive it.
+/// A hull for one query, from vertices that must outlive it. Throws InputError as check_vertices does.
 class PassingHull {
  public:
-  PassingHull(Vertices vertices, const Eigen::Vector3d& origin);
+  PassingHull(Vertices vertices, const Eigen::Vector3d& origin, char name);
   PassingHull(const PassingHull&) = delete;
   PassingHull& operator=(const PassingHull&) = delete;
 
   PlacedConvex placed() const;
+  GivenHull given() const { return {&shape_, vertices_.data()->data()}; }
   double bounding_radius() const { return shape_.bounding_radius; }
 
  private:
   Vertices vertices_;
   Eigen::Vector3d origin_;
   std::array<double, 3 * SupportShape::few_vertices> few_coordinates_;
-  std::vector<double> many_coordinates_;
+  std::unique_ptr<double[]> many_coordinates_;
   SupportShape shape_{};
 };
 
@@ -105,11 +106,12 @@ class PassingHulls {
  public:
   PassingHulls(Vertices a, Vertices b);
 
-  const ConvexPair& pair() const { return pair_; }
+  ConvexPair pair() const { return {a_.placed(), b_.placed(), a_.bounding_radius() + b_.bounding_radius()}; }
+  const PassingHull& a() const { return a_; }
+  const PassingHull& b() const { return b_; }
 
  private:
   PassingHull a_, b_;
-  ConvexPair pair_;
 };
 
 }  // namespace fringe::detail

@@ -1,13 +1,11 @@
 #include "fringe/gjk.hpp"
 
-#include <bit>
 #include <optional>
 
 #include "collision/convex_pair.hpp"
 #include "collision/convex_shape_data.hpp"
 #include "collision/gjk_iteration.hpp"
 #include "collision/minkowski_difference.hpp"
-#include "collision/precise_difference.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
 #include "simd/dispatch.hpp"
@@ -23,9 +21,9 @@ using detail::DistanceEnd;
 using detail::Dyadic;
 using detail::GjkFilterAnswer;
 using detail::Goal;
+using detail::HullDistance;
 using detail::NearestFace;
 using detail::Verdict;
-using detail::Vertices;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
@@ -95,35 +93,6 @@ DistanceAnswer approach(const ConvexPair& pair) {
 GjkDistance rounded_distance(const ConvexPair& pair, const DistanceAnswer& found, const Simplex& reached) {
   const auto [on_a, on_b] = witnesses(pair, reached, found.weights);
   return {found.length, found.lower_bound, Vector3d(found.direction), on_a, on_b, false};
-}
-
-/// Finds the distance from a simplex in which vertices beyond its plane take the place of others. Vertices of
-/// a flat face of more than three lie beyond it by their rounding, which the search cannot see.
-std::optional<GjkDistance> exchanged_distance(Simplex simplex, std::optional<PointPair> beyond, double extent,
-                                              Vertices a, Vertices b) {
-  constexpr int most_rounds = 3;
-  for (int round = 0; round < most_rounds && beyond; ++round) {
-    Simplex next = simplex;
-    std::optional<PointPair> beyond_next;
-    // Without one of the points, then without two of them.
-    for (std::size_t kept = simplex.size; kept-- > 0 && !beyond_next;)
-      for (unsigned members = 0; members < (1U << simplex.size) && !beyond_next; ++members) {
-        if (static_cast<std::size_t>(std::popcount(members)) != kept)
-          continue;
-        Simplex tried{{*beyond}, 1};
-        for (std::size_t i = 0; i < simplex.size; ++i)
-          if ((members >> i & 1U) != 0)
-            tried.pairs[tried.size++] = simplex.pairs[i];
-        detail::PreciseSimplex precise(tried, extent);
-        if (std::optional<GjkDistance> distance = precise.distance(a, b))
-          return distance;
-        next = tried;
-        beyond_next = precise.beyond();
-      }
-    simplex = next;
-    beyond = beyond_next;
-  }
-  return std::nullopt;
 }
 
 /// Solves the distance of two polytopes in exact arithmetic.
@@ -207,23 +176,16 @@ GjkAnswer gjk_intersects(std::span<const Vector3d> a, std::span<const Vector3d> 
 
 GjkDistance gjk_distance(std::span<const Vector3d> a, std::span<const Vector3d> b) {
   const detail::PassingHulls hulls(a, b);
-  const ConvexPair& pair = hulls.pair();
-  const DistanceAnswer found = approach(pair);
-  const Simplex reached = reached_simplex(pair, found);
-  if (found.size > 0) {
-    detail::PreciseSimplex precise(reached, pair.extent);
-    if (found.end == DistanceEnd::intersecting) {
-      if (const std::optional<Vector3d> point = precise.common_point())
-        return {0, 0, Vector3d::Zero(), *point, *point, true};
-    } else {
-      std::optional<GjkDistance> distance = precise.distance(a, b);
-      if (!distance)
-        distance = exchanged_distance(reached, precise.beyond(), pair.extent, a, b);
-      if (distance)
-        return *distance;
-    }
-  }
-  return solve_exactly(pair, reached);
+  HullDistance found;
+  detail::best_kernels<detail::GjkFilter>().hull_distance(hulls.a().given(), hulls.b().given(), found);
+  if (found.is_certain)
+    return {found.distance,       found.lower_bound,    Vector3d(found.direction),
+            Vector3d(found.on_a), Vector3d(found.on_b), true};
+  Simplex reached;
+  for (int i = 0; i < found.simplex.size; ++i)
+    reached.pairs[reached.size++] = {a[found.simplex.a[i]], b[found.simplex.b[i]]};
+  const ConvexPair pair = hulls.pair();
+  return solve_exactly(pair, reached.size == 0 ? pair.start() : reached);
 }
 
 bool intersect(const ConvexShape& a, const Isometry3d& pose_a, const ConvexShape& b,

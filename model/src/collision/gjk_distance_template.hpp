@@ -12,7 +12,25 @@ template <class Lanes>
 class GjkDistanceFor : SupportFor<Lanes> {
  public:
   static void approach(const PlacedShape& a, const PlacedShape& b, DistanceAnswer& answer) {
-    Support::with_supports(*a.shape, *b.shape, [&]<class A, class B>() { search<A, B>(a, b, answer); });
+    Support::with_supports(*a.shape, *b.shape, [&]<class A, class B>() {
+      const Vec offset = Support::offset_of(a, b);
+      search(A(a, offset), B(b, {0, 0, 0}), Support::extent_of(a, b, offset),
+             Support::offset_of_centres(a, b, offset), answer);
+    });
+  }
+
+  /// The same for hulls whose vertices are relative to a common origin.
+  static void approach_in_place(const SupportShape& a, const SupportShape& b, DistanceAnswer& answer) {
+    const double extent = a.bounding_radius + b.bounding_radius;
+    const Vec start{a.centre[0] - b.centre[0], a.centre[1] - b.centre[1], a.centre[2] - b.centre[2]};
+    const auto run = [&]<class Kind>(Kind of_a, Kind of_b) { search(of_a, of_b, extent, start, answer); };
+    const std::uint32_t count = a.vertices.count < b.vertices.count ? b.vertices.count : a.vertices.count;
+    if (count == VertexBlocks::size)
+      run(InPlace<VertexBlocks::size>{a}, InPlace<VertexBlocks::size>{b});
+    else if (count <= SupportShape::few_vertices)
+      run(InPlace<SupportShape::few_vertices>{a}, InPlace<SupportShape::few_vertices>{b});
+    else
+      run(ManyInPlace{a}, ManyInPlace{b});
   }
 
  private:
@@ -25,9 +43,12 @@ class GjkDistanceFor : SupportFor<Lanes> {
   using Support::sum_of_magnitudes;
   using typename Support::Curved;
   using typename Support::Local;
+  using typename Support::ManyInPlace;
   using typename Support::SupportPoint;
   using typename Support::Vec;
   using Turned = typename Support::template Turned<Curved>;
+  template <std::uint32_t most_vertices>
+  using InPlace = typename Support::template InPlace<most_vertices>;
 
   /// A point of the Minkowski difference, and the iteration that found it.
   struct Point {
@@ -64,21 +85,19 @@ class GjkDistanceFor : SupportFor<Lanes> {
     Local a, b;
   };
 
-  /// Finds the nearest point by the iteration of Gilbert, Johnson and Keerthi, with bounds of the distance.
+  /// Finds the nearest point by the iteration of Gilbert, Johnson and Keerthi, from a point of the Minkowski
+  /// difference on, with bounds of the distance.
   ///
   /// gnu::flatten is needed because the search is instantiated so often that the compiler would otherwise not
   /// inline even the dot products.
   template <class A, class B>
-  [[gnu::flatten]] static void search(const PlacedShape& a, const PlacedShape& b, DistanceAnswer& answer) {
+  [[gnu::flatten]] static void search(const A& moved_a, const B& moved_b, double extent, const Vec& start,
+                                      DistanceAnswer& answer) {
     constexpr bool is_curved = std::is_same_v<A, Turned> || std::is_same_v<B, Turned>;
-    const Vec offset = Support::offset_of(a, b);
-    const double extent = Support::extent_of(a, b, offset);
     answer.end = DistanceEnd::open;
     answer.size = 0;
     if (!(extent < 0x1p170 && extent > 0x1p-170))
       return;
-    const A moved_a(a, offset);
-    const B moved_b(b, {0, 0, 0});
     // Bounds the error of a support value along a unit vector; indices in products add to it.
     constexpr bool has_indices = A::has_indices_in_products || B::has_indices_in_products;
     const double error = (has_indices ? 0x1p-46 : 0x1p-47) * extent;
@@ -89,7 +108,7 @@ class GjkDistanceFor : SupportFor<Lanes> {
     constexpr int most_rounds = 100;
     Source sources[most_rounds];
     Face face{};
-    Vec v = Support::offset_of_centres(a, b, offset);
+    Vec v = start;
     if (!(dot(v, v) > least_square))
       v = {extent, 0, 0};
     double bound = 0;  // lower one, before rounding; for round shapes the best of all rounds

@@ -93,6 +93,32 @@ struct DistanceAnswer {
   int size;  ///< number of pairs; 0 if there was no search
 };
 
+/// A hull for one query: its vertices as given, three numbers each, and relative to an origin common to both
+/// hulls of the query in the shape's blocks.
+struct GivenHull {
+  const SupportShape* shape;
+  const double* vertices;
+};
+
+/// A simplex of the Minkowski difference of two such hulls, by the indices of its vertices.
+struct CornerSimplex {
+  std::uint32_t a[4];
+  std::uint32_t b[4];
+  int size;  ///< 0 if there was no search
+};
+
+/// The distance of two such hulls, as GjkDistance has it if it is certain, and the simplex that the search
+/// has reached.
+struct HullDistance {
+  bool is_certain;
+  double distance;
+  double lower_bound;
+  double direction[3];
+  double on_a[3];
+  double on_b[3];
+  CornerSimplex simplex;
+};
+
 /// An oriented box as plain numbers, laid out as OrientedBox is.
 struct BoxNumbers {
   double centre[3];
@@ -114,6 +140,14 @@ struct GjkFilter {
   /// Tries to complete an open search of two polytopes in twice the precision; otherwise leaves the answer as
   /// it is.
   void (*refine)(const PlacedShape& a, const PlacedShape& b, DistanceAnswer& answer);
+
+  /// Copies vertices, three numbers each, into blocks that have room for them, relative to an origin, and
+  /// computes a point of their hull. Returns the largest magnitude of a coordinate, NaN if one is not finite.
+  double (*arrange)(const double* vertices, std::size_t count, const double* origin, double* blocks,
+                    double* centre);
+
+  /// Computes the distance of hulls that are not prepared.
+  void (*hull_distance)(const GivenHull& a, const GivenHull& b, HullDistance& found);
 
   /// Computes the support point of a shape along a direction, both in the shape's own frame, and returns its
   /// index in a hull.

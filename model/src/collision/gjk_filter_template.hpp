@@ -3,6 +3,7 @@
 #include "collision/box_gap_template.hpp"
 #include "collision/gjk_distance_template.hpp"
 #include "collision/gjk_filter.hpp"
+#include "collision/hull_distance_template.hpp"
 #include "collision/precise_distance_template.hpp"
 #include "collision/support_template.hpp"
 
@@ -25,6 +26,8 @@ class GjkFilterFor : SupportFor<Lanes> {
                                      &prove,
                                      &GjkDistanceFor<Lanes>::approach,
                                      &PreciseDistanceFor<Lanes>::refine,
+                                     &HullDistanceFor<Lanes>::arrange,
+                                     &HullDistanceFor<Lanes>::distance,
                                      &SupportFor<Lanes>::support,
                                      &BoxGapFor<Lanes>::box_gap};
 

@@ -280,22 +280,62 @@ struct SupportFor {
     }
   };
 
+  /// Finds a support point among few vertices. With one block of vertices the loops disappear.
+  template <std::uint32_t most_vertices>
+  struct Few {
+    static std::uint32_t count(const SupportShape& shape) {
+      return most_vertices == VertexBlocks::size ? most_vertices : shape.vertices.count;
+    }
+
+    static std::uint32_t farthest(const SupportShape& shape, const double* blocks, const Vec& d) {
+      // The last five bits of each product are replaced by the index of its vertex, so that the largest
+      // product carries it.
+      constexpr std::size_t size = VertexBlocks::size;
+      const V x(d.x), y(d.y), z(d.z);
+      V best = Lanes::tagged(products(blocks, 0, x, y, z), 0);
+      for (std::size_t first = 0; first < count(shape); first += size)
+        for (std::size_t lane = 0; lane < size; lane += width)
+          best = max(best, Lanes::tagged(products(blocks + first * 3, lane, x, y, z),
+                                         static_cast<std::uint32_t>(first + lane)));
+      return Lanes::tag(Lanes::largest(best)) % most_vertices;
+    }
+  };
+
+  /// The support mapping of a hull in its place, whose vertices are relative to the common origin.
+  template <std::uint32_t most_vertices>
+  struct InPlace {
+    static constexpr bool has_indices_in_products = true;
+    const SupportShape& shape;
+
+    SupportPoint farthest(const Vec& d) const {
+      const std::uint32_t i = Few<most_vertices>::farthest(shape, shape.vertices.coordinates, d);
+      const Vec point = vertex(shape.vertices, i);
+      return {point, {point, i < shape.vertices.last ? i : shape.vertices.last}};
+    }
+  };
+
+  /// The same for hulls of any number of vertices.
+  struct ManyInPlace {
+    static constexpr bool has_indices_in_products = false;
+    const SupportShape& shape;
+
+    SupportPoint farthest(const Vec& d) const {
+      const Local local = hull_support(shape, d);
+      return {local.at, local};
+    }
+  };
+
   /// The support mapping of a moved hull with at most this many vertices, all of which are moved in advance.
-  /// With one block of vertices the loops disappear.
   template <std::uint32_t most_vertices>
   struct Moved {
     static constexpr bool has_indices_in_products = true;
     const SupportShape& shape;
     double blocks[3 * most_vertices];
 
-    std::uint32_t count() const {
-      return most_vertices == VertexBlocks::size ? most_vertices : shape.vertices.count;
-    }
-
     Moved(const PlacedShape& placed, const Vec& to) : shape(*placed.shape) {
       constexpr std::size_t size = VertexBlocks::size;
       const double* const pose = placed.pose;
-      const std::size_t end = std::size_t{3} * count();
+      const std::size_t end = std::size_t{3} * Few<most_vertices>::count(shape);
       for (std::size_t block = 0; block < end; block += 3 * size)
         for (std::size_t lane = 0; lane < size; lane += width) {
           const double* const from = shape.vertices.coordinates + block + lane;
@@ -311,16 +351,8 @@ struct SupportFor {
     }
 
     SupportPoint farthest(const Vec& d) const {
-      // The last five bits of each product are replaced by the index of its vertex, so that the largest
-      // product carries it.
       constexpr std::size_t size = VertexBlocks::size;
-      const V x(d.x), y(d.y), z(d.z);
-      V best = Lanes::tagged(products(blocks, 0, x, y, z), 0);
-      for (std::size_t first = 0; first < count(); first += size)
-        for (std::size_t lane = 0; lane < size; lane += width)
-          best = max(best, Lanes::tagged(products(blocks + first * 3, lane, x, y, z),
-                                         static_cast<std::uint32_t>(first + lane)));
-      const std::uint32_t i = Lanes::tag(Lanes::largest(best)) % most_vertices;
+      const std::uint32_t i = Few<most_vertices>::farthest(shape, blocks, d);
       const double* const point = blocks + i / size * (3 * size) + i % size;
       return {{point[0], point[size], point[2 * size]},
               {vertex(shape.vertices, i), i < shape.vertices.last ? i : shape.vertices.last}};

@@ -20,6 +20,14 @@ struct LanesAvx2 {
   }
 
   static unsigned bits(const Mask& mask) { return static_cast<unsigned>(_mm256_movemask_pd(mask)); }
+  /// Loads the coordinates of points that follow one another in memory.
+  static void deinterleave(const double* points, Vector& x, Vector& y, Vector& z) {
+    const __m256d first = _mm256_loadu_pd(points), second = _mm256_loadu_pd(points + 4),
+                  third = _mm256_loadu_pd(points + 8);
+    x = _mm256_permute4x64_pd(_mm256_blend_pd(_mm256_blend_pd(first, second, 0b0100), third, 0b0010), 0x6C);
+    y = _mm256_permute4x64_pd(_mm256_blend_pd(_mm256_blend_pd(second, first, 0b0010), third, 0b0100), 0xB1);
+    z = _mm256_permute4x64_pd(_mm256_blend_pd(_mm256_blend_pd(third, second, 0b0010), first, 0b0100), 0xC6);
+  }
   static Vector log(const Vector& x) { return Sleef_logd4_u10avx2(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d4_u10avx2(y, x); }
   /// Replaces the last five bits of each lane by `first` (at most 31) plus the lane's number.

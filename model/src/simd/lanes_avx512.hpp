@@ -45,6 +45,21 @@ struct LanesAvx512 {
   }
 
   static unsigned bits(const Mask& mask) { return mask.data; }
+  /// Loads the coordinates of points that follow one another in memory.
+  static void deinterleave(const double* points, Vector& x, Vector& y, Vector& z) {
+    const __m512d first = _mm512_loadu_pd(points), second = _mm512_loadu_pd(points + 8),
+                  third = _mm512_loadu_pd(points + 16);
+    // Numbers from 8 on name lanes of the second argument.
+    const auto chosen = [](const __m512d& a, const __m512d& b, const __m512i& lanes) {
+      return _mm512_permutex2var_pd(a, lanes, b);
+    };
+    x = chosen(chosen(first, second, _mm512_setr_epi64(0, 3, 6, 9, 12, 15, 0, 0)), third,
+               _mm512_setr_epi64(0, 1, 2, 3, 4, 5, 10, 13));
+    y = chosen(chosen(first, second, _mm512_setr_epi64(1, 4, 7, 10, 13, 0, 0, 0)), third,
+               _mm512_setr_epi64(0, 1, 2, 3, 4, 8, 11, 14));
+    z = chosen(chosen(first, second, _mm512_setr_epi64(2, 5, 8, 11, 14, 0, 0, 0)), third,
+               _mm512_setr_epi64(0, 1, 2, 3, 4, 9, 12, 15));
+  }
   static Vector log(const Vector& x) { return Sleef_logd8_u10avx512f(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d8_u10avx512f(y, x); }
 

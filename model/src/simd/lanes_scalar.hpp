@@ -64,6 +64,10 @@ struct LanesScalar {
   static constexpr bool fused = false;
 
   static unsigned bits(Mask mask) { return mask.value ? 1U : 0U; }
+  /// Loads the coordinates of points that follow one another in memory.
+  static void deinterleave(const double* points, Vector& x, Vector& y, Vector& z) {
+    x = points[0], y = points[1], z = points[2];
+  }
   static Vector log(Vector x) { return std::log(x.value); }
   static Vector atan2(Vector y, Vector x) { return std::atan2(y.value, x.value); }
   /// Replaces the last five bits by the number, at most 31.

@@ -15,6 +15,14 @@ struct LanesSse2 {
   static constexpr bool fused = false;
 
   static unsigned bits(const Mask& mask) { return static_cast<unsigned>(_mm_movemask_pd(mask)); }
+  /// Loads the coordinates of points that follow one another in memory.
+  static void deinterleave(const double* points, Vector& x, Vector& y, Vector& z) {
+    const __m128d first = _mm_loadu_pd(points), second = _mm_loadu_pd(points + 2),
+                  third = _mm_loadu_pd(points + 4);
+    x = _mm_shuffle_pd(first, second, 0b10);
+    y = _mm_shuffle_pd(first, third, 0b01);
+    z = _mm_shuffle_pd(second, third, 0b10);
+  }
   static Vector log(const Vector& x) { return Sleef_logd2_u10sse2(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d2_u10sse2(y, x); }
   /// Replaces the last five bits of each lane by `first` (at most 31) plus the lane's number.

@@ -2,13 +2,18 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include <boost/multiprecision/cpp_bin_float.hpp>
 #include <gtest/gtest.h>
 
+#include "collision/convex_pair.hpp"
+#include "collision/gjk_filter.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "shape_pairs.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 namespace {
@@ -152,6 +157,29 @@ TEST_P(GjkDistanceOnClass, HasWitnessesInTheHullsAtThatDistance) {
   }
 }
 
+/// Which answers are certain, and their last digits, may depend on the instruction set, no more.
+TEST_P(GjkDistanceOnClass, IsAsAccurateWithEveryInstructionSet) {
+  constexpr double three_units = 3 * std::numeric_limits<double>::epsilon();
+  Random random(5);
+  for (const detail::InstructionSet set : detail::available_instruction_sets())
+    for (int i = 0; i < draws(200); ++i) {
+      const auto [a, b] = GetParam().make(random);
+      const detail::PassingHulls hulls(a, b);
+      detail::HullDistance found;
+      detail::kernels<detail::GjkFilter>(set).hull_distance(hulls.a().given(), hulls.b().given(), found);
+      if (!found.is_certain)
+        continue;
+      const Vector3d on_a(found.on_a), on_b(found.on_b);
+      const double expected = gjk_distance(a, b).distance;
+      ASSERT_NEAR(found.distance, expected, three_units * expected) << name_of(set) << ", pair " << i;
+      const double rounding =
+          2 * std::numeric_limits<double>::epsilon() * std::max(largest_coordinate(a), largest_coordinate(b));
+      ASSERT_LE(gjk_distance(a, Points{on_a}).distance, rounding) << name_of(set) << ", pair " << i;
+      ASSERT_LE(gjk_distance(b, Points{on_b}).distance, rounding) << name_of(set) << ", pair " << i;
+      ASSERT_NEAR((on_a - on_b).norm(), expected, 4 * rounding) << name_of(set) << ", pair " << i;
+    }
+}
+
 INSTANTIATE_TEST_SUITE_P(Pairs, GjkDistanceOnClass,
                          testing::ValuesIn(test::pair_classes().begin(), test::pair_classes().end()),
                          [](const auto& instance) { return instance.param.name; });
@@ -198,9 +226,58 @@ TEST(GjkDistance, OfTurnedCuboidsIsAsAccurate) {
   }
 }
 
+/// Blocks hold eight vertices, so that lists of all lengths up to some blocks are filled up differently.
+TEST(GjkDistance, ArrangesVerticesInBlocksWithEveryInstructionSet) {
+  constexpr std::size_t block = detail::VertexBlocks::size, most_vertices = 20;
+  Random random(7);
+  const Vector3d origin = random.in_box({-1, -1, -1}, {1, 1, 1});
+  Points points;
+  for (std::size_t count = 1; count <= most_vertices; ++count) {
+    points.push_back(random.in_box({-1, -1, -1}, {1, 1, 1}));
+    const std::size_t filled = (count + block - 1) / block * block;
+    for (const detail::InstructionSet set : detail::available_instruction_sets()) {
+      const detail::GjkFilter& filter = detail::kernels<detail::GjkFilter>(set);
+      std::vector<double> blocks(3 * filled);
+      Vector3d centre, mean = Vector3d::Zero();
+      const double largest =
+          filter.arrange(points.data()->data(), count, origin.data(), blocks.data(), centre.data());
+      double expected_largest = 0;
+      for (std::size_t i = 0; i < filled; ++i) {
+        const Vector3d expected = points[std::min(i, count - 1)] - origin;
+        expected_largest = std::max(expected_largest, expected.cwiseAbs().maxCoeff());
+        mean += expected / static_cast<double>(filled);
+        for (std::size_t k = 0; k < 3; ++k)
+          ASSERT_EQ(blocks[i / block * 3 * block + k * block + i % block],
+                    expected[static_cast<Eigen::Index>(k)])
+              << name_of(set) << ", " << count << " vertices";
+      }
+      EXPECT_EQ(largest, expected_largest) << name_of(set) << ", " << count << " vertices";
+      EXPECT_LE((centre - mean).norm(), 1e-15) << name_of(set) << ", " << count << " vertices";
+      for (const float spoilt : {NAN, INFINITY}) {
+        Points others = points;
+        others[test::below(random, count)][1] = spoilt;
+        EXPECT_FALSE(std::isfinite(
+            filter.arrange(others.data()->data(), count, origin.data(), blocks.data(), centre.data())))
+            << name_of(set) << ", " << count << " vertices";
+      }
+    }
+  }
+}
+
 TEST(GjkDistance, RefusesEmptySetsAndVerticesThatAreNotFinite) {
-  EXPECT_THROW(gjk_distance({}, Points{{0, 0, 0}}), InputError);
-  EXPECT_THROW(gjk_distance(Points{{0, 0, NAN}}, Points{{0, 0, 0}}), InputError);
+  const Points point{{0, 0, 0}};
+  const auto message_of = [](const Points& a, const Points& b) -> std::string {
+    try {
+      gjk_distance(a, b);
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message_of({}, point), "A has no vertices");
+  EXPECT_EQ(message_of(point, {}), "B has no vertices");
+  EXPECT_EQ(message_of({{0, 0, NAN}}, point), "vertex 0 of A is not finite");
+  EXPECT_EQ(message_of(point, {{0, 0, 0}, {0, INFINITY, 0}}), "vertex 1 of B is not finite");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -12,9 +13,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "collision/convex_pair.hpp"
 #include "collision/convex_shape_data.hpp"
 #include "collision/gjk_filter.hpp"
+#include "collision/gjk_iteration.hpp"
 #include "collision/linear_programme.hpp"
+#include "collision/minkowski_difference.hpp"
 #include "collision/shape_pairs.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/gjk.hpp"
@@ -94,6 +98,26 @@ void count_hulls(const ShapePair& pair, bool truth, Tally& tally) {
   }
 }
 
+/// Counts wrong distances of hulls of vertices, by the whole query and by what twice the precision is certain
+/// of with every instruction set.
+void count_hull_distances(const ShapePair& pair, Tally& tally) {
+  const detail::PassingHulls hulls(pair.a, pair.b);
+  const detail::ConvexPair placed = hulls.pair();
+  const detail::PolytopeDifference difference(placed, detail::Goal::distance);
+  const double truth = difference.distance(detail::gjk<detail::Dyadic>(difference, placed.start())).distance;
+  const auto count = [&](double distance) {
+    constexpr double three_units = 3 * std::numeric_limits<double>::epsilon();
+    tally.wrong += std::abs(distance - truth) <= three_units * truth ? 0U : 1U;
+  };
+  count(gjk_distance(pair.a, pair.b).distance);
+  for (const detail::InstructionSet set : detail::available_instruction_sets()) {
+    detail::HullDistance found;
+    detail::kernels<detail::GjkFilter>(set).hull_distance(hulls.a().given(), hulls.b().given(), found);
+    if (found.is_certain)
+      count(found.distance);
+  }
+}
+
 /// Counts failures for posed hulls. Their vertices are not representable in doubles, so linear programming
 /// cannot check the answer, but its certificate can.
 void count_moved_hulls(const ShapePair& pair, Random& random, Tally& tally) {
@@ -115,10 +139,13 @@ Tally run(const PairClass& pair_class, std::size_t pairs, std::uint64_t seed) {
     tally.wrong += answer.intersects != truth ? 1U : 0U;
     tally.unproven += proves(answer, pair.a, pair.b) ? 0U : 1U;
     count_hulls(pair, truth, tally);
-    // One pair in ten is tested with rotations, because rational arithmetic is slow for them.
-    constexpr std::size_t share_of_moved = 10;
-    if (tally.pairs % share_of_moved == 0)
+    // One pair in ten is tested with rotations and by its exact distance, because rational and exact
+    // arithmetic are slow.
+    constexpr std::size_t share_of_slow = 10;
+    if (tally.pairs % share_of_slow == 0) {
       count_moved_hulls(pair, random, tally);
+      count_hull_distances(pair, tally);
+    }
     const std::optional<bool> thesis = thesis_gjk_intersects(pair.a, pair.b, 200);
     tally.thesis_endless += thesis ? 0U : 1U;
     tally.thesis_wrong += thesis && *thesis != truth ? 1U : 0U;
