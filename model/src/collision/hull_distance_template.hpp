@@ -331,7 +331,7 @@ class HullDistanceFor : SupportFor<Lanes> {
     static Vec scaled(double factor, const Vec& a) { return {factor * a.x, factor * a.y, factor * a.z}; }
 
     /// Tests whether vertices of A, or of B with the sign −1, are nearer to the other hull than the corner by
-    /// more than half a unit in the last place of the distance, and finds the nearest.
+    /// as much as the last place of the distance or of a witness could show, and finds the nearest.
     bool is_beyond(const GivenHull& hull, const Four& corner, std::uint32_t index, double sign, const Vec& n,
                    double square, std::uint32_t& nearest) const {
       constexpr std::size_t size = VertexBlocks::size;
@@ -339,6 +339,8 @@ class HullDistanceFor : SupportFor<Lanes> {
       const Vec d = scaled(sign, n), at_corner = Support::vertex(vertices, index);
       const double certain = 0x1p-48 * extent_ * Support::sum_of_magnitudes(d);
       const V x(d.x), y(d.y), z(d.z), limit(dot(at_corner, d) + certain);
+      const double for_distance = 0x1p-58 * square, for_witness = 0x1p-76 * extent_ * extent_;
+      const double tolerance = for_distance < for_witness ? for_distance : for_witness;
       bool found = false;
       double least = 0;
       nearest = index;
@@ -359,7 +361,7 @@ class HullDistanceFor : SupportFor<Lanes> {
               least = product;
               nearest = i;
             }
-            found = found || !(product >= -0x1p-58 * square);
+            found = found || !(product >= -tolerance);
           }
         }
       return found;
