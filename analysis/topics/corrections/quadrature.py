@@ -25,12 +25,12 @@ def adaptive_integral(triangles: Array, function: Callable[[Array], Array]) -> f
     parts = triangles
     allowed = _TOLERANCE * np.sqrt(areas(parts))
     for _ in range(_FIRST_LEVEL):
-        parts, allowed = _quarters(parts), np.repeat(allowed / 2, 4)
+        parts, allowed = quarters(parts), np.repeat(allowed / 2, 4)
     values = _rule(parts, function)
     total = 0.0
     for level in range(_FIRST_LEVEL, _MOST_LEVELS + 1):
-        quarters = _quarters(parts)
-        of_quarters = _rule(quarters, function).reshape(-1, 4)
+        divided = quarters(parts)
+        of_quarters = _rule(divided, function).reshape(-1, 4)
         sums = of_quarters.sum(axis=1)
         done = np.abs(sums - values) <= allowed
         if level == _MOST_LEVELS:
@@ -38,7 +38,7 @@ def adaptive_integral(triangles: Array, function: Callable[[Array], Array]) -> f
         total += float(sums[done].sum())
         if done.all():
             break
-        parts = quarters.reshape(-1, 4, 3, 3)[~done].reshape(-1, 3, 3)
+        parts = divided.reshape(-1, 4, 3, 3)[~done].reshape(-1, 3, 3)
         values = of_quarters[~done].ravel()
         allowed = np.repeat(allowed[~done] / 2, 4)
     return total
@@ -50,7 +50,8 @@ def _rule(parts: Array, function: Callable[[Array], Array]) -> Array:
     return np.asarray(areas(parts) / 3 * function(points.reshape(-1, 3)).reshape(-1, 3).sum(axis=1))
 
 
-def _quarters(parts: Array) -> Array:
+def quarters(parts: Array) -> Array:
+    """Returns the four parts of each triangle (n, 3, 3) between its corners and the middles of its sides, (4n, 3, 3)."""
     a, b, c = parts[:, 0], parts[:, 1], parts[:, 2]
     ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
     four = [np.stack(corners, axis=1) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (bc, ca, ab))]

@@ -191,15 +191,15 @@ def solve(machine: Moving, poses: list[int], file: Path = FILE) -> None:
     rests = machine.name == HAND
     resolutions = (FINEST, FINE) if rests else (FINE, COARSE)
     live = model_stage.model_module().Scene.loads(canonical(machine.scene))
-    targets = [Targets(machine.scene, resolution) for resolution in resolutions]
+    targets = Targets(machine.scene)
     solved: list[Machine] = []
     for pose in missing:
         for link, matrix in zip(machine.scene.links, machine.poses[pose], strict=True):
             live.set_pose(link.name, matrix)
         if not (rests and solved):
-            solved = [Machine(live, own, resolution) for own, resolution in zip(targets, resolutions)]
-        there = _in_world(machine, pose, targets[0].link)
-        fine, coarse = (one.changes(own, there) for one, own in zip(solved, targets))
+            solved = [Machine(live, targets, resolution) for resolution in resolutions]
+        there = _in_world(machine, pose, targets.link)
+        fine, coarse = (one.changes(targets, there) for one in solved)
         share = ERROR_PER_ENERGY * solved[0].error
         known[str(pose)] = {
             name: [value, abs(value - coarse[name]) + share * abs(value)] for name, value in fine.items()

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 
 #include "correction/link_couplings.hpp"
@@ -32,9 +31,6 @@ constexpr std::size_t level_at_near = 1;
 /// Largest potential of one of n points of a function, times the function's radius over √n: about that in the
 /// middle of its part of the surface.
 constexpr double most_of_part = 2;
-
-/// A charge of 1, and a limit of its potential that none exceeds.
-constexpr float unit_charge = 1, no_limit = std::numeric_limits<float>::infinity();
 
 double side_of_largest_cells(const TargetAtRest& target) {
   Eigen::AlignedBox3d box;
@@ -88,17 +84,40 @@ LinkTable::LinkTable(const ChargeFunctions& functions, double largest)
 /// Adds the potentials of the given charges at points close to the link to the functions that these are
 /// shares of. Charges are points, too.
 void LinkTable::add_near(NearPoints& workspace, MatrixXf& given) const {
+  /// Number of charges that are evaluated together: their distances stay in the nearest cache.
+  constexpr std::size_t together = 128;
+  constexpr auto in_block = static_cast<std::size_t>(node_block);
   const auto& kernels = best_kernels<NodeKernels>();
-  const Index padded = index_of(near_limits_.size());
-  workspace.potentials.resize(near_limits_.size());
-  for (const auto& [place, function, share] : workspace.shares) {
-    const Eigen::Vector3f at = place.cast<float>();
-    kernels.add_up_limited({&at.x(), &at.y(), &at.z(), 1}, &unit_charge, no_limit,
-                           {near_x_.data(), near_y_.data(), near_z_.data(), padded}, near_limits_.data(),
-                           workspace.potentials.data());
-    for (Index load = 0; load < given.cols(); ++load)
-      given(function, load) +=
-          share * kernels.dot(workspace.potentials.data(), near_charges_.col(load).data(), padded);
+  const std::vector<NearPoints::Share>& shares = workspace.shares;
+  const Index loads = given.cols();
+  const auto size = static_cast<std::size_t>(loads) * in_block;
+  workspace.potentials.resize(together * in_block);
+  workspace.of_chunk.resize(size);
+  std::array<std::array<float, in_block>, 3> at{};
+  for (std::size_t first = 0; first < shares.size(); first += in_block) {
+    for (std::size_t p = 0; p < in_block; ++p)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        at[axis][p] = static_cast<float>(shares[std::min(first + p, shares.size() - 1)].at[index_of(axis)]);
+    workspace.of_loads.assign(size, 0.0F);
+    for (std::size_t begin = 0; begin < near_limits_.size(); begin += together) {
+      const std::size_t count = std::min(together, near_limits_.size() - begin);
+      float* const values = workspace.potentials.data();
+      kernels.fill({near_x_.data() + begin, near_y_.data() + begin, near_z_.data() + begin, index_of(count)},
+                   {at[0].data(), at[1].data(), at[2].data(), node_block}, values);
+      for (std::size_t k = 0; k < count; ++k) {
+        // At the same place 1/r is not a number, which is not less than the limit.
+        const float limit = near_limits_[begin + k];
+        for (std::size_t p = k * in_block; p < (k + 1) * in_block; ++p)
+          values[p] = values[p] < limit ? values[p] : limit;
+      }
+      kernels.combine({values, index_of(count)}, {near_charges_.row(index_of(begin)).data(), loads, loads},
+                      workspace.of_chunk.data());
+      kernels.add(1, workspace.of_chunk.data(), workspace.of_loads.data(), index_of(size));
+    }
+    for (std::size_t p = 0; p < std::min(in_block, shares.size() - first); ++p)
+      for (Index load = 0; load < loads; ++load)
+        given(shares[first + p].function, load) +=
+            shares[first + p].share * workspace.of_loads[static_cast<std::size_t>(load) * in_block + p];
   }
 }
 

@@ -23,7 +23,8 @@ struct NearPoints {
     float share;
   };
   std::vector<Share> shares;
-  std::vector<float> potentials;
+  std::vector<float> potentials;          ///< of unit charges
+  std::vector<float> of_chunk, of_loads;  ///< of the given charges, a block of places for each load
 };
 
 /// The potentials of what a link carries for the loads, tabulated in its frame. On the far side of a housing
@@ -63,7 +64,7 @@ class LinkTable {
   // The link's points for places that are in no cell, in whole blocks.
   std::vector<float> near_x_, near_y_, near_z_;
   std::vector<float> near_limits_;  ///< largest potentials of unit charges
-  Eigen::MatrixXf near_charges_;
+  Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> near_charges_;
 };
 
 /// The tables of all links of a machine.

@@ -33,10 +33,15 @@ double size_of(const AlignedBox3d& part, const std::vector<PlacedBox>& used, con
   return std::max(relative_size(part, used), approach.relative_size(part));
 }
 
+/// Returns the step between the poses in which distances are taken.
+std::size_t stride_of(std::size_t poses) {
+  return (poses + most_poses - 1) / most_poses;
+}
+
 /// Returns how finely a link is prepared.
 CompanyResolution resolution_of(bool is_used, double rtol, std::size_t threads) {
   return is_used ? CompanyResolution{rtol / 2, 20000, 300, 1600, threads}
-                 : CompanyResolution{rtol, 6000, 200, 600, threads};
+                 : CompanyResolution{rtol, 6000, 300, 600, threads};
 }
 
 /// Returns readings by the potentials of some of the conductors.
@@ -87,6 +92,19 @@ MatrixXd given_charges(const ConductorsAtRest& conductors, const MatrixXd& loads
   return given;
 }
 
+/// Returns how near targets come to a body, in its own frame.
+/// @param targets boxes in the frame of the targets
+/// @param of_targets the poses of this frame
+/// @param frames the poses of the body's frame
+Approach approach_of(const std::vector<AlignedBox3d>& targets, const std::vector<Isometry3d>& of_targets,
+                     const std::vector<Isometry3d>& frames) {
+  Approach result{{}, {Isometry3d::Identity()}};
+  for (std::size_t pose = 0; pose < frames.size(); pose += stride_of(frames.size()))
+    for (const AlignedBox3d& box : targets)
+      result.boxes.push_back({of_targets[pose].inverse(Eigen::Isometry) * frames[pose], box});
+  return result;
+}
+
 std::vector<Index> carried_by(const MatrixXd& loads) {
   std::vector<Index> carried;
   for (Index load = 0; load < loads.cols(); ++load)
@@ -98,7 +116,8 @@ std::vector<Index> carried_by(const MatrixXd& loads) {
 }  // namespace
 
 MachineLink::MachineLink(ChargedBodies bodies, const std::vector<ChargedReading>& readings,
-                         const MatrixXd& loads, const Approach& approach, const CompanyResolution& resolution)
+                         const MatrixXd& loads, const Approach& approach, const Approach& to_targets,
+                         const CompanyResolution& resolution)
     : MachineLink(
           [&] {
             ask(bodies, readings);
@@ -108,16 +127,17 @@ MachineLink::MachineLink(ChargedBodies bodies, const std::vector<ChargedReading>
                 resolution.threads,
                 [&, used](const AlignedBox3d& box) { return size_of(box, used, approach); });
           }(),
-          readings, loads, approach, resolution) {}
+          readings, loads, approach, to_targets, resolution) {}
 
 MachineLink::MachineLink(const ConductorsAtRest& conductors, const std::vector<ChargedReading>& readings,
-                         const MatrixXd& loads, const Approach& approach, const CompanyResolution& resolution)
+                         const MatrixXd& loads, const Approach& approach, const Approach& to_targets,
+                         const CompanyResolution& resolution)
     : loads_(carried_by(loads)), excess_(conductors.error() / resolution.rtol), functions_([&] {
         const std::vector<PlacedBox> used = boxes_of_used(conductors.bodies(), readings);
         const MatrixXd given = given_charges(conductors, loads, loads_);
         const auto importance = [&](const ChargeFunctions::Part& part) {
           const double size = size_of(part.box, used, approach);
-          return size > fine_enough ? size : 0;
+          return size > fine_enough ? size * to_targets.relative_size(part.box) : 0;
         };
         ChargeFunctions functions(conductors, given, importance, resolution.functions);
         // Where fewer are fine enough, the sums of neighbours have to be half as many as these.
@@ -131,8 +151,10 @@ MachineLink::MachineLink(const ConductorsAtRest& conductors, const std::vector<C
       energies_(functions_.energies().cast<float>()) {}
 
 MovingMachine::MovingMachine(std::vector<ChargedBodies> links, const std::vector<Reading>& readings,
-                             const std::vector<std::vector<Isometry3d>>& poses, double rtol,
-                             std::size_t threads, const PreparedFiles* files) {
+                             const std::vector<std::vector<Isometry3d>>& poses,
+                             const std::vector<AlignedBox3d>& targets,
+                             const std::vector<Isometry3d>& of_targets, double rtol, std::size_t threads,
+                             const PreparedFiles* files) {
   std::vector<std::string> names;
   for (const ChargedBodies& bodies : links)
     for (const std::string& name : drivable_conductors(bodies))
@@ -158,15 +180,17 @@ MovingMachine::MovingMachine(std::vector<ChargedBodies> links, const std::vector
     frames.reserve(poses.size());
     for (const std::vector<Isometry3d>& pose : poses)
       frames.push_back(pose[k]);
-    const Approach nearness = approach(frames, poses, k);
+    const Approach nearness = approach(frames, poses, k),
+                   to_targets = approach_of(targets, of_targets, frames);
     const CompanyResolution resolution = resolution_of(!used_[k].empty(), rtol, 1);
     MachineLink link;
     const ProgressPart part("link " + std::to_string(k + 1) + " of " + std::to_string(links.size()));
     read_or_prepare(files, "link",
                     bytes_of_bodies(links[k]) + bytes_of_readings(charged_[k]) +
-                        bytes_of(potentials, nearness, resolution),
-                    link,
-                    [&] { link = MachineLink(links[k], charged_[k], potentials, nearness, resolution); });
+                        bytes_of(potentials, nearness, to_targets, resolution),
+                    link, [&] {
+                      link = MachineLink(links[k], charged_[k], potentials, nearness, to_targets, resolution);
+                    });
     made[k] = std::move(link);
   });
   for (std::optional<MachineLink>& link : made)
@@ -177,8 +201,7 @@ Approach MovingMachine::approach(const std::vector<Isometry3d>& frames,
                                  const std::vector<std::vector<Isometry3d>>& poses,
                                  std::size_t skipped) const {
   Approach result{{}, {Isometry3d::Identity()}};
-  const std::size_t stride = (poses.size() + most_poses - 1) / most_poses;
-  for (std::size_t pose = 0; pose < poses.size(); pose += stride)
+  for (std::size_t pose = 0; pose < poses.size(); pose += stride_of(poses.size()))
     for (std::size_t link = 0; link < used_.size(); ++link)
       if (link != skipped)
         for (const PlacedBox& box : used_[link])

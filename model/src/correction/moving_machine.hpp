@@ -28,8 +28,9 @@ class MachineLink {
   /// @param readings by the potentials of the bodies' conductors
   /// @param loads potentials of these conductors (rows) for all loads of the machine (columns)
   /// @param approach how near the others come to what is sensed or driven, in the frame of these bodies
+  /// @param to_targets how near the targets come, in the same frame
   MachineLink(ChargedBodies bodies, const std::vector<ChargedReading>& readings, const Eigen::MatrixXd& loads,
-              const Approach& approach, const CompanyResolution& resolution);
+              const Approach& approach, const Approach& to_targets, const CompanyResolution& resolution);
 
   const ChargeFunctions& functions() const { return functions_; }
   const CoarseCharges& coarse() const { return coarse_; }
@@ -54,7 +55,8 @@ class MachineLink {
 
  private:
   MachineLink(const ConductorsAtRest& conductors, const std::vector<ChargedReading>& readings,
-              const Eigen::MatrixXd& loads, const Approach& approach, const CompanyResolution& resolution);
+              const Eigen::MatrixXd& loads, const Approach& approach, const Approach& to_targets,
+              const CompanyResolution& resolution);
 
   std::vector<Eigen::Index> loads_;
   double excess_ = 0;
@@ -71,10 +73,14 @@ class MovingMachine {
   /// Prepares the links' bodies, joined, each in its own frame. No conductor that floats has bodies on two of
   /// them.
   /// @param poses the poses of the links' frames, for each of some poses of the motion
+  /// @param targets boxes around the targets, in a frame of their own
+  /// @param of_targets the poses of that frame
   /// @param files that keep the links; may be null
   /// @throws InputError for a reading of what is neither a sensor nor an electrode.
   MovingMachine(std::vector<ChargedBodies> links, const std::vector<Reading>& readings,
-                const std::vector<std::vector<Eigen::Isometry3d>>& poses, double rtol, std::size_t threads,
+                const std::vector<std::vector<Eigen::Isometry3d>>& poses,
+                const std::vector<Eigen::AlignedBox3d>& targets,
+                const std::vector<Eigen::Isometry3d>& of_targets, double rtol, std::size_t threads,
                 const PreparedFiles* files = nullptr);
 
   const std::vector<MachineLink>& links() const { return links_; }

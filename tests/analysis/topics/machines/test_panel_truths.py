@@ -24,30 +24,31 @@ SCENE = Scene(
     objects=(Object("housing", Cuboid((0.3, 0.2, 0.05)), pose=Pose((0.05, 0, -0.03))), HAND),
 )
 
+RESOLUTION = Resolution(5e-3, 4000, 500, 0.7, 4000)
+
 
 def test_changes_are_those_of_boundary_elements() -> None:
-    resolution = Resolution(5e-3, 4000, 300, 800)
     live = model_module().Scene.loads(canonical(SCENE))
-    targets = Targets(SCENE, resolution)
+    targets = Targets(SCENE)
     pose = np.eye(4)
     pose[:3, 3] = SCENE.links[0].pose.translation
-    found = Machine(live, targets, resolution).changes(targets, pose)
+    found = Machine(live, targets, RESOLUTION).changes(targets, pose)
     for name, reading in live.readings(method="boundary-elements", rtol=1e-2).items():
         assert found[name] == pytest.approx(reading.change, rel=6e-3)
 
 
 def test_targets_that_float_or_move_against_each_other_are_refused() -> None:
-    resolution = Resolution(5e-3, 6000, 400, 100)
     floating = replace(SCENE, objects=(replace(HAND, potential="floating"),))
     apart = replace(SCENE, objects=(HAND, replace(HAND, name="arm", link=None)))
     for scene in (floating, apart, replace(SCENE, objects=())):
         with pytest.raises(ValueError, match="grounded and on one link"):
-            Targets(scene, resolution)
+            Targets(scene)
 
 
 def test_a_target_that_reaches_into_the_machine_is_refused() -> None:
-    """There the machine takes up more than the energy of the target's charges."""
-    targets = Targets(SCENE, Resolution(2e-2, 2000, 100, 200))
-    on_all = np.ones((len(targets), 1))
-    with pytest.raises(ArithmeticError, match="reach into the machine"):
-        targets.charges(on_all, 10 * on_all)
+    """There charges of panels that coincide have no energy."""
+    live = model_module().Scene.loads(canonical(SCENE))
+    targets = Targets(SCENE)
+    targets.panels = Machine(live, targets, RESOLUTION)._panels
+    with pytest.raises(ArithmeticError, match="touch or overlap"):
+        Machine(live, targets, RESOLUTION).changes(targets, np.eye(4))
