@@ -167,6 +167,14 @@ class Divider {
   std::vector<AlignedBox3d> boxes_;
 };
 
+const std::string& body_name(const InsulatedBodies& bodies, std::size_t body) {
+  const std::size_t conductors = bodies.conductors.bodies.size(), insulators = bodies.insulators.size();
+  if (body < conductors)
+    return bodies.conductors.bodies[body].name;
+  return body < conductors + insulators ? bodies.insulators[body - conductors].name
+                                        : bodies.films[body - conductors - insulators].name;
+}
+
 }  // namespace
 
 std::vector<std::vector<Triangle>> divided_surfaces(const InsulatedBodies& bodies) {
@@ -178,6 +186,8 @@ std::vector<std::vector<Triangle>> divided_surfaces(const InsulatedBodies& bodie
   const std::size_t conductors = surfaces.size();
   for (const Insulator& insulator : bodies.insulators)
     surfaces.emplace_back(insulator.surface);
+  for (const ThinFilm& film : bodies.films)
+    surfaces.emplace_back(film.sheet);
   std::vector<AlignedBox3d> boxes;
   boxes.reserve(surfaces.size());
   for (const auto& surface : surfaces)
@@ -213,9 +223,7 @@ std::vector<std::vector<Triangle>> divided_surfaces(const InsulatedBodies& bodie
         throw InputError(fmt::format(
             "{} and what it overlaps have too many triangles that cross: boundary elements divide them into "
             "at most {} parts",
-            body < conductors ? bodies.conductors.bodies[body].name
-                              : bodies.insulators[body - conductors].name,
-            most_parts));
+            body_name(bodies, body), most_parts));
     }
   }
   return result;

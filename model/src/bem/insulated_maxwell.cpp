@@ -49,6 +49,12 @@ constexpr double error_of_change_per_extrapolated_change = 1.4;
 /// panels, the potential's steps stiffen both spaces alike, and only the energy shows it.
 constexpr double error_per_missed_energy = 0.5;
 
+/// Part of the effects of the thickness of thin films by which these may be wrong.
+constexpr double error_of_film_effects = 0.5;
+
+/// Part of the errors of a value and its background by films in which they differ.
+constexpr double unlike_film_effects = 0.1;
+
 /// Factor by which a refinement aims below the allowed error.
 constexpr double excess_margin = 1.25;
 
@@ -63,15 +69,18 @@ struct Solved {
   MatrixXd fine;
   MatrixXd coarse;
   MatrixXd asymmetry;
+  MatrixXd films;   ///< effects of the thickness of thin films
   VectorXd missed;  ///< energy that varies within groups, for each conductor at unit potential
 };
 
 Solved solved(const InsulatedSolution& solution, const ChargedBodies& bodies) {
   const MatrixXd asymmetry = (solution.matrix.fine - solution.matrix.fine.transpose()).cwiseAbs() / 2;
   const MatrixXd values = without_floating(symmetric(solution.extrapolated), bodies);
-  return {values, without_floating(symmetric(solution.matrix.fine), bodies),
+  return {values,
+          without_floating(symmetric(solution.matrix.fine), bodies),
           without_floating(symmetric(solution.matrix.coarse), bodies),
           asymmetry.topLeftCorner(values.rows(), values.cols()),
+          without_floating(symmetric(solution.extrapolated + solution.film_effects), bodies) - values,
           solution.missed_energies.head(values.rows())};
 }
 
@@ -89,13 +98,19 @@ MatrixXd charges_of(const Solved& one, const InsulatedSolution& solution, const 
   return charges;
 }
 
+/// Returns the errors of all entries by the thickness of thin films.
+MatrixXd film_errors_of(const Solved& one) {
+  const VectorXd roots = one.films.diagonal().cwiseAbs().cwiseSqrt();
+  return error_of_film_effects * roots * roots.transpose();
+}
+
 /// Returns the errors of all entries.
 MatrixXd errors_of(const Solved& one, double undivided) {
   const VectorXd part = error_per_missed_energy * one.missed.cwiseQuotient(one.fine.diagonal());
   const MatrixXd least = part.replicate(1, part.size()).cwiseMax(part.transpose().replicate(part.size(), 1));
   return (error_per_extrapolated_change * changes(one.fine, one.coarse))
              .cwiseMax(least.cwiseProduct(one.values.cwiseAbs())) +
-         one.asymmetry + undivided * one.values.cwiseAbs();
+         one.asymmetry + film_errors_of(one) + undivided * one.values.cwiseAbs();
 }
 
 /// Estimates a quantity and its error. `change` is that from the coarse to the whole space.
@@ -119,11 +134,33 @@ double missing_part(const VectorXd& potentials, const Solved& one) {
   return fine > 0 ? std::max(std::abs(1 - coarse / fine), least_error(potentials.head(kept), one) / fine) : 0;
 }
 
+/// Returns the errors of readings by the thickness of thin films.
+ReadingEffects film_errors_of_readings(const Solved& all, const Solved& background,
+                                       const ChargedBodies& bodies) {
+  const Index count = index_of(bodies.readings.size()), kept = all.fine.rows();
+  ReadingEffects result{VectorXd(count), VectorXd(count), VectorXd(count)};
+  for (Index k = 0; k < count; ++k) {
+    const ChargedReading& reading = bodies.readings[static_cast<std::size_t>(k)];
+    const VectorXd sense = reading.sense.head(kept), drive = reading.drive.head(kept);
+    // The effects may have either sign off the diagonal.
+    const auto error = [&](const MatrixXd& films) {
+      return error_of_film_effects * std::sqrt(std::abs(sense.dot(films * sense) * drive.dot(films * drive)));
+    };
+    result.value[k] = error(all.films);
+    result.background[k] = error(background.films);
+    // Errors in the same places, as far as the charges are alike.
+    result.change[k] = error_of_film_effects * std::abs(sense.dot((all.films - background.films) * drive)) +
+                       unlike_film_effects * (result.value[k] + result.background[k]);
+  }
+  return result;
+}
+
 std::vector<ReadingAnswer> reading_answers(const Solved& all, const Solved& background, double undivided,
-                                           const ChargedBodies& bodies) {
+                                           const ReadingEffects& films, const ChargedBodies& bodies) {
   std::vector<ReadingAnswer> answers;
   const Index kept = all.fine.rows();
   for (const ChargedReading& reading : bodies.readings) {
+    const Index at = index_of(answers.size());
     const VectorXd sense = reading.sense.head(kept), drive = reading.drive.head(kept);
     const auto form = [&](const MatrixXd& matrix) { return sense.dot(matrix * drive); };
     const auto absolute_form = [&](const MatrixXd& matrix) { return sense.cwiseAbs().dot(matrix * drive); };
@@ -132,10 +169,11 @@ std::vector<ReadingAnswer> reading_answers(const Solved& all, const Solved& back
     const double change = form(all.fine) - form(all.coarse);
     const double change_alone = form(background.fine) - form(background.coarse);
     const double other = absolute_form(all.asymmetry), other_alone = absolute_form(background.asymmetry);
-    answers.push_back({reading.name, estimate_of(value, change, part, undivided, other),
-                       estimate_of(alone, change_alone, part, undivided, other_alone),
-                       estimate_of(value - alone, change - change_alone, part, undivided, other + other_alone,
-                                   error_of_change_per_extrapolated_change)});
+    answers.push_back(
+        {reading.name, estimate_of(value, change, part, undivided, other + films.value[at]),
+         estimate_of(alone, change_alone, part, undivided, other_alone + films.background[at]),
+         estimate_of(value - alone, change - change_alone, part, undivided,
+                     other + other_alone + films.change[at], error_of_change_per_extrapolated_change)});
   }
   return answers;
 }
@@ -147,7 +185,8 @@ void write_delta_self(const Solved& all, const Solved& alone, double undivided, 
   for (Index k = 0; k < sensors; ++k) {
     const double between_spaces = all.fine(k, k) - alone.fine(k, k) - (all.coarse(k, k) - alone.coarse(k, k));
     const Estimate change = estimate_of(all.values(k, k) - alone.values(k, k), between_spaces,
-                                        missing_part(VectorXd::Unit(all.fine.rows(), k), all), undivided, 0,
+                                        missing_part(VectorXd::Unit(all.fine.rows(), k), all), undivided,
+                                        error_of_film_effects * std::abs(all.films(k, k)),
                                         error_of_change_per_extrapolated_change);
     answer.delta_self[k] = *change.value;
     answer.delta_self_errors[k] = *change.error;
@@ -162,9 +201,7 @@ bool is_in_vain(double excess, std::size_t panels, std::size_t most) {
   return panels >= many && excess * static_cast<double>(panels) > static_cast<double>(most);
 }
 
-}  // namespace
-
-MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryElementOptions& options) {
+MaxwellMatrix refined_answer(const InsulatedBodies& bodies, const BoundaryElementOptions& options) {
   const ChargedBodies& conductors = bodies.conductors;
   const std::size_t most = std::min(most_panels, options.most_unknowns);
   const bool has_readings = !conductors.readings.empty();
@@ -202,9 +239,14 @@ MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryEle
     answer.charges = charges_of(all, solution, conductors);
     answer.unknowns = system.panels();
     write_delta_self(all, alone, undivided, answer);
-    answer.readings =
-        has_readings ? reading_answers(all, background, undivided, conductors) : readings_of_sensors(answer);
-    const double excess = largest_error(answer, conductors) / options.rtol;
+    GeometryErrors films{film_errors_of(all), {}};
+    if (has_readings) {
+      films.readings = film_errors_of_readings(all, background, conductors);
+      answer.readings = reading_answers(all, background, undivided, films.readings, conductors);
+    } else {
+      answer.readings = readings_of_sensors(answer);
+    }
+    const double excess = excess_error(answer, conductors, films, options.rtol);
     if (excess <= 1 || system.panels() >= most || is_in_vain(excess, system.panels(), most))
       break;
     if (options.before_refinement)
@@ -215,6 +257,24 @@ MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryEle
     if (marked.empty())
       break;
     system.refine(marked, solution.panels);
+  }
+  return answer;
+}
+
+}  // namespace
+
+MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryElementOptions& options) {
+  const InsulatedBodies with_films = with_thin_films(bodies);
+  MaxwellMatrix answer = refined_answer(with_films, options);
+  if (with_films.films.empty() || largest_error(answer, bodies.conductors) <= options.rtol)
+    return answer;
+  // Sheets are too coarse, perhaps, for what panels on both faces resolve.
+  try {
+    MaxwellMatrix other = refined_answer(bodies, options);
+    if (largest_error(other, bodies.conductors) < largest_error(answer, bodies.conductors))
+      return other;
+  } catch (const Interrupted&) {
+    return answer;
   }
   return answer;
 }

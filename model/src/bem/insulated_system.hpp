@@ -19,6 +19,7 @@ struct InsulatedSolution {
   Eigen::MatrixXd panels;
   Eigen::MatrixXd body_charges;      ///< on each body of a conductor, in the whole space
   Eigen::VectorXd error_indicators;  ///< of the groups of panels, relative to each conductor's own entry
+  Eigen::MatrixXd film_effects;      ///< of the thickness of thin films, each counted as positive
   Eigen::VectorXd missed_energies;   ///< the sums over all groups, for each conductor at unit potential
 };
 
@@ -67,8 +68,9 @@ class InsulatedSystem {
   void refine(const std::vector<bool>& marked, const Eigen::MatrixXd& panels);
 
  private:
-  /// Tells for every panel, in any of the sets, if the permittivities on both sides of it differ.
-  std::vector<bool> have_jump() const;
+  /// Tells for every panel, in any of the sets, if the permittivities on both sides of it differ or a thin
+  /// film lies on it.
+  std::vector<bool> have_flux() const;
 
   const InsulatedBodies& bodies_;
   std::vector<Surroundings> surroundings_;  ///< of all sets

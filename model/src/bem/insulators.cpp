@@ -55,22 +55,38 @@ void refuse_conductors_inside(const Insulator& cover, const ChargedBodies& condu
     refuse_contact(shrunk, body, "a cover must not be thicker than the gap before it");
 }
 
+/// Least cosine of the angle between a part and the surface it lies on.
+constexpr double parallel_faces = 1 - 1e-6;
+
+/// Returns true if a point lies on a triangle.
+bool lies_on(const Vector3d& point, const Triangle& triangle, double tolerance) {
+  const Vector3d own = unit_normal(triangle);
+  if (std::abs(own.dot(point - triangle[0])) > tolerance)
+    return false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vector3d side = triangle[(k + 1) % 3] - triangle[k];
+    if (side.cross(point - triangle[k]).dot(own) < -tolerance * side.norm())
+      return false;
+  }
+  return true;
+}
+
 /// Returns true if a point lies on one of the triangles that are parallel to a plane through the point.
 bool lies_on(const Vector3d& point, const Vector3d& normal, std::span<const Triangle> surface,
              double tolerance) {
-  /// Least cosine of the angle between a part and the surface it lies on.
-  constexpr double parallel = 1 - 1e-6;
   return std::any_of(surface.begin(), surface.end(), [&](const Triangle& triangle) {
-    const Vector3d own = unit_normal(triangle);
-    if (std::abs(own.dot(normal)) < parallel || std::abs(own.dot(point - triangle[0])) > tolerance)
-      return false;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vector3d side = triangle[(k + 1) % 3] - triangle[k];
-      if (side.cross(point - triangle[k]).dot(own) < -tolerance * side.norm())
-        return false;
-    }
-    return true;
+    return std::abs(unit_normal(triangle).dot(normal)) >= parallel_faces &&
+           lies_on(point, triangle, tolerance);
   });
+}
+
+Vector3d part_centre(const Triangle& part) {
+  return (part[0] + part[1] + part[2]) / 3;
+}
+
+/// Distance below which a point lies on a surface.
+double distance_of_touching(const AlignedBox3d& own, const AlignedBox3d& other) {
+  return 2 * touching_surfaces * std::max(own.diagonal().norm(), other.diagonal().norm());
 }
 
 }  // namespace
@@ -163,7 +179,7 @@ InsulatedBodies insulated_bodies(const Scene& scene) {
 
 Presence everything(const InsulatedBodies& bodies) {
   return {std::vector<bool>(bodies.conductors.bodies.size(), true),
-          std::vector<bool>(bodies.insulators.size(), true)};
+          std::vector<bool>(bodies.insulators.size(), true), std::vector<bool>(bodies.films.size(), true)};
 }
 
 Presence without_targets(const InsulatedBodies& bodies) {
@@ -172,6 +188,8 @@ Presence without_targets(const InsulatedBodies& bodies) {
     result.conductors.push_back(!body.is_target);
   for (const Insulator& insulator : bodies.insulators)
     result.insulators.push_back(!insulator.is_target);
+  for (const ThinFilm& film : bodies.films)
+    result.films.push_back(!film.is_target);
   return result;
 }
 
@@ -180,6 +198,7 @@ Presence sensors_alone(const InsulatedBodies& bodies) {
   for (const ChargedBody& body : bodies.conductors.bodies)
     result.conductors.push_back(bodies.conductors.role(body) == Role::sensor);
   result.insulators.assign(bodies.insulators.size(), false);
+  result.films.assign(bodies.films.size(), false);
   return result;
 }
 
@@ -231,12 +250,59 @@ bool Surroundings::is_inside_conductor(std::size_t insulator) const {
   });
 }
 
+bool Surroundings::lies_on_conductor(const Triangle& part, const AlignedBox3d& own) const {
+  const Vector3d centre = part_centre(part), normal = unit_normal(part);
+  for (std::size_t k = 0; k < bodies_.conductors.bodies.size(); ++k) {
+    if (!presence_.conductors[k])
+      continue;
+    const auto triangles = triangles_of(bodies_.conductors.bodies[k].surface);
+    const AlignedBox3d box = axis_aligned_box(triangles);
+    const double tolerance = distance_of_touching(own, box);
+    if (box.exteriorDistance(centre) <= tolerance && lies_on(centre, normal, triangles, tolerance))
+      return true;
+  }
+  return false;
+}
+
+std::optional<std::size_t> Surroundings::conductor_at(const Vector3d& point, const AlignedBox3d& own) const {
+  for (std::size_t k = 0; k < bodies_.conductors.bodies.size(); ++k) {
+    if (!presence_.conductors[k])
+      continue;
+    const auto triangles = triangles_of(bodies_.conductors.bodies[k].surface);
+    const AlignedBox3d box = axis_aligned_box(triangles);
+    const double tolerance = distance_of_touching(own, box);
+    if (box.exteriorDistance(point) <= tolerance &&
+        std::any_of(triangles.begin(), triangles.end(),
+                    [&](const Triangle& triangle) { return lies_on(point, triangle, tolerance); }))
+      return k;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::pair<std::size_t, bool>> Surroundings::film_on(const Triangle& part) const {
+  const Vector3d centre = part_centre(part), normal = unit_normal(part);
+  for (std::size_t k = 0; k < bodies_.films.size(); ++k) {
+    const ThinFilm& film = bodies_.films[k];
+    const double tolerance = distance_of_touching(film.box, film.box);
+    if (presence_.films[k] && film.box.exteriorDistance(centre) <= tolerance &&
+        lies_on(centre, normal, film.sheet, tolerance))
+      return std::pair(k, normal.dot(unit_normal(film.sheet.front())) > 0);
+  }
+  return std::nullopt;
+}
+
 PartState Surroundings::state(const Triangle& part, std::size_t body) const {
   const std::size_t conductors = bodies_.conductors.bodies.size();
+  const std::size_t solids = conductors + bodies_.insulators.size();
+  if (body >= solids) {
+    const bool is_there =
+        presence_.films[body - solids] && !lies_on_conductor(part, bodies_.films[body - solids].box);
+    return {is_there ? PartKind::film : PartKind::absent, {1, 1}};
+  }
   const bool is_conductor = body < conductors;
   if (!(is_conductor ? presence_.conductors[body] : presence_.insulators[body - conductors]))
     return {};
-  const Vector3d centre = (part[0] + part[1] + part[2]) / 3, normal = unit_normal(part);
+  const Vector3d centre = part_centre(part), normal = unit_normal(part);
   const double size = std::sqrt(twice_area(part));
   const Vector3d away = beside_part * size * normal;
   const Ratios ratios{ratio_at(centre - away), ratio_at(centre + away)};
@@ -245,19 +311,15 @@ PartState Surroundings::state(const Triangle& part, std::size_t body) const {
   if (ratios.behind == ratios.before)
     return {};
   const Insulator& own = bodies_.insulators[body - conductors];
-  const double own_size = own.box.diagonal().norm();
-  const auto is_on = [&](std::span<const Triangle> surface, const AlignedBox3d& box) {
-    const double tolerance = 2 * touching_surfaces * std::max(own_size, box.diagonal().norm());
-    return box.exteriorDistance(centre) <= tolerance && lies_on(centre, normal, surface, tolerance);
-  };
-  for (std::size_t k = 0; k < conductors; ++k) {
-    const auto triangles = triangles_of(bodies_.conductors.bodies[k].surface);
-    if (presence_.conductors[k] && is_on(triangles, axis_aligned_box(triangles)))
+  if (lies_on_conductor(part, own.box))
+    return {};
+  for (std::size_t k = 0; k + conductors < body; ++k) {
+    const Insulator& earlier = bodies_.insulators[k];
+    const double tolerance = distance_of_touching(own.box, earlier.box);
+    if (presence_.insulators[k] && earlier.box.exteriorDistance(centre) <= tolerance &&
+        lies_on(centre, normal, earlier.surface, tolerance))
       return {};
   }
-  for (std::size_t k = 0; k + conductors < body; ++k)
-    if (presence_.insulators[k] && is_on(bodies_.insulators[k].surface, bodies_.insulators[k].box))
-      return {};
   return {PartKind::interface, ratios};
 }
 

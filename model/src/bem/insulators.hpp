@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -28,11 +29,24 @@ struct Insulator {
   bool is_target = false;
 };
 
+/// A dielectric layer so thin that only the potential along it matters, as a sheet: the face on which it lies
+/// on conductors, or its middle.
+struct ThinFilm {
+  std::string name;             ///< for messages
+  std::vector<Triangle> sheet;  ///< in world coordinates, with equal normals
+  Eigen::AlignedBox3d box;      ///< around `sheet`
+  double thickness;
+  double ratio;   ///< its permittivity over the medium's
+  double behind;  ///< thickness of the part of the layer behind the sheet
+  bool is_target = false;
+};
+
 /// Conductors, whose surfaces are of triangles, and dielectric bodies. Of dielectric bodies that overlap, the
 /// later one fills the common space; conductors displace all of them.
 struct InsulatedBodies {
   ChargedBodies conductors;
   std::vector<Insulator> insulators;
+  std::vector<ThinFilm> films = {};  ///< insulators as sheets; they touch conductors only
 };
 
 /// Returns true if a scene has a dielectric body.
@@ -69,6 +83,7 @@ InsulatedBodies insulated_bodies(const Scene& scene);
 struct Presence {
   std::vector<bool> conductors;  ///< for each body of a conductor
   std::vector<bool> insulators;
+  std::vector<bool> films = {};
 };
 
 Presence everything(const InsulatedBodies& bodies);
@@ -86,6 +101,7 @@ struct Ratios {
 enum class PartKind {
   conductor,  ///< it carries charge at a known potential
   interface,  ///< two dielectrics meet, at an unknown potential
+  film,       ///< a thin film that lies on no conductor carries bound charge
   absent      ///< nothing
 };
 
@@ -95,12 +111,20 @@ struct PartState {
   bool operator==(const PartState&) const = default;
 };
 
-/// Tells what parts of surfaces are. Bodies are numbered: those of conductors, then the dielectric ones.
+/// Tells what parts of surfaces are. Bodies are numbered: those of conductors, then the dielectric ones, then
+/// thin films.
 class Surroundings {
  public:
   Surroundings(const InsulatedBodies& bodies, Presence presence);
 
   PartState state(const Triangle& part, std::size_t body) const;
+
+  /// Returns the thin film that lies on a part of a conductor's surface, and whether it lies on the side to
+  /// which the part's normal points.
+  std::optional<std::pair<std::size_t, bool>> film_on(const Triangle& part) const;
+
+  /// Returns the body of a conductor that has a point of a body in the box `own` on its surface.
+  std::optional<std::size_t> conductor_at(const Eigen::Vector3d& point, const Eigen::AlignedBox3d& own) const;
 
   /// Returns true if one side of a part borders on the space outside of all bodies.
   bool is_outermost(const Triangle& part) const;
@@ -115,6 +139,7 @@ class Surroundings {
   };
   bool is_in_conductor(const Eigen::Vector3d& point) const;
   bool is_outside(const Eigen::Vector3d& point) const;
+  bool lies_on_conductor(const Triangle& part, const Eigen::AlignedBox3d& own) const;
   double ratio_at(const Eigen::Vector3d& point) const;
 
   const InsulatedBodies& bodies_;
@@ -122,9 +147,13 @@ class Surroundings {
   std::vector<Closed> closed_;  ///< the conductors' closed surfaces that are there
 };
 
-/// Returns the surface of every body, conductors first, divided where the surface of another body meets it if
-/// one of both is dielectric: every part is either on or off the other surface, and inside or outside it.
-/// Throws InputError where that takes too many parts.
+/// Returns the bodies with wide thin layers, which touch nothing but conductors and those with one face only,
+/// as films.
+InsulatedBodies with_thin_films(InsulatedBodies bodies);
+
+/// Returns the surface of every body in the order of Surroundings, divided where the surface of another body
+/// meets it if one of both is dielectric: every part is either on or off the other surface, and inside or
+/// outside it. Throws InputError where that takes too many parts.
 std::vector<std::vector<Triangle>> divided_surfaces(const InsulatedBodies& bodies);
 
 }  // namespace fringe::detail
