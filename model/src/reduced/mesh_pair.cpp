@@ -61,6 +61,9 @@ double coarsest_ratio(QuadratureDigits digits) {
 /// that was measured with three bodies above a plate at a twentieth of their size.
 constexpr double error_per_square = 0.004;
 
+/// The same between two bodies of triangles, larger because panels of both may lie above each other.
+constexpr double error_per_square_between_meshes = 0.02;
+
 /// Error that skeletons may have, averaged over the other body, relative to that of the panels' nodes. A
 /// change, whose error is up to five times as large, then still has the quadratures' share.
 constexpr double skeleton_errors = 4;
@@ -132,17 +135,20 @@ void MeshPair::place(const PlacedBody& a, int functions_a, const PlacedBody& b, 
   const double allowed = skeleton_errors *
                          (error_left(digits.inner) + error_per_square * std::pow(coarsest_ratio(digits), 2)),
                part = averaged_part(gap, second);
-  relative_error_ = allowed / part;
-  if (const ChargedPanels* const skeleton = mesh.skeleton(gap / first.scale, functions, relative_error_)) {
-    relative_error_ *= part;
-    outer_.set(mesh, *skeleton, functions, 1 / first.scale);
-    next_band().outer.push_back({skeleton->panels.clusters.data(), 0});
-    if (inner_has_faces_
-            ? place_skeleton_beside_faces(other, a_is_outer_ ? functions_b : functions_a, of_faces, digits)
-            : place_skeletons(other, functions_b, gap / second.scale, allowed / averaged_part(gap, first),
-                              averaged_part(gap, first)))
+  if (const ChargeSkeleton* const skeleton = mesh.skeleton(gap / first.scale, functions, allowed / part)) {
+    relative_error_ = part * skeleton->error;
+    note_parts(*skeleton);
+    outer_.set(mesh, skeleton->nodes, functions, 1 / first.scale);
+    next_band().outer.push_back({skeleton->nodes.panels.clusters.data(), 0});
+    if (inner_has_faces_) {
+      place_skeleton_beside_faces(other, a_is_outer_ ? functions_b : functions_a, of_faces, digits);
+      return;
+    }
+    if (place_skeletons(other, functions_b, gap / second.scale, allowed / averaged_part(gap, first),
+                        averaged_part(gap, first)))
       return;
     used_ = 0;
+    is_cut_short_ = false;
   }
   outer_.set(mesh, mesh.charged_panels(), functions, 1 / first.scale);
   if (inner_has_faces_) {
@@ -174,21 +180,27 @@ int MeshPair::fineness(double panel_radius, double distance, QuadratureDigits di
   return result;
 }
 
-/// Lays the nodes of faces beside the skeleton in the first band. Returns false if the faces would need more
-/// nodes than they may have.
-bool MeshPair::place_skeleton_beside_faces(const PlacedBody& faces, int functions,
+/// Adds the error of the points on panels whose potentials a skeleton has. Where it is the largest part, more
+/// digits are in vain.
+void MeshPair::note_parts(const ChargeSkeleton& skeleton) {
+  const double of_parts = (inner_has_faces_ ? error_per_square : error_per_square_between_meshes) *
+                          skeleton.ratio * skeleton.ratio;
+  is_cut_short_ |= of_parts > relative_error_;
+  relative_error_ += of_parts;
+}
+
+/// Lays the nodes of faces beside the skeleton in the first band.
+void MeshPair::place_skeleton_beside_faces(const PlacedBody& faces, int functions,
                                            const BodySmoothness& smooth, QuadratureDigits digits) {
   // The skeleton's potentials are exact wherever the faces' nodes are, so that these are those of an outer
   // body.
   Band& band = bands_.front();
   double missing = 0;
   band.faces.choose_grids(faces, functions, smooth, digits.outer, most_node_points, missing);
-  if (missing > 0)
-    return false;
+  is_cut_short_ |= missing > 0;
   band.faces.lay(faces, Vector3d::Zero());
   fill(band, band.faces.points());
-  relative_error_ += error_left(2 * digits.outer);
-  return true;
+  relative_error_ += error_left(2 * (digits.outer - missing));
 }
 
 /// Lays a skeleton of the other body, which is at least `distance` away in its own unit, beside that in the
@@ -196,14 +208,15 @@ bool MeshPair::place_skeleton_beside_faces(const PlacedBody& faces, int function
 bool MeshPair::place_skeletons(const PlacedBody& other, int functions, double distance, double error,
                                double part) {
   const PreparedMesh& mesh = *other.shape->mesh();
-  const ChargedPanels* const skeleton = mesh.skeleton(distance, functions, error);
+  const ChargeSkeleton* const skeleton = mesh.skeleton(distance, functions, error);
   if (skeleton == nullptr)
     return false;
-  inner_.set(mesh, *skeleton, functions, 1);
-  inner_parts_.assign(1, {skeleton->panels.clusters.data(), 0});
+  inner_.set(mesh, skeleton->nodes, functions, 1);
+  inner_parts_.assign(1, {skeleton->nodes.panels.clusters.data(), 0});
   lay_inner(other);
   fill(bands_.front(), inner_points());
-  relative_error_ += part * error;
+  relative_error_ += part * skeleton->error;
+  note_parts(*skeleton);
   return true;
 }
 
@@ -262,9 +275,7 @@ void MeshPair::place_beside_mesh(const PlacedBody& other, QuadratureDigits digit
         {&others[l], fineness(other.scale * others[l].panel_radius, from_there[l], digits)});
   lay_inner(other);
   fill(band, inner_points());
-  /// Relative error per squared ratio, larger because panels of both bodies may lie above each other.
-  constexpr double per_square = 0.02;
-  relative_error_ = error_left(16) + per_square * coarsest_ * coarsest_;
+  relative_error_ = error_left(16) + error_per_square_between_meshes * coarsest_ * coarsest_;
 }
 
 void MeshPair::lay_inner(const PlacedBody& other) {

@@ -58,7 +58,8 @@ class MeshPair {
     std::vector<float> matrix;
   };
 
-  bool place_skeleton_beside_faces(const PlacedBody& faces, int functions, const BodySmoothness& smooth,
+  void note_parts(const ChargeSkeleton& skeleton);
+  void place_skeleton_beside_faces(const PlacedBody& faces, int functions, const BodySmoothness& smooth,
                                    QuadratureDigits digits);
   bool place_skeletons(const PlacedBody& other, int functions, double distance, double error, double part);
   void place_beside_faces(const PlacedBody& faces, int functions, QuadratureDigits digits);

@@ -196,7 +196,7 @@ void PreparedMesh::set_functions(const std::vector<Panel>& panels, const MatrixX
             static_cast<float>(responses(static_cast<Index>(panel_at[place]), static_cast<Index>(function)));
 }
 
-const ChargedPanels* PreparedMesh::skeleton(double distance, std::ptrdiff_t functions, double& error) const {
+const ChargeSkeleton* PreparedMesh::skeleton(double distance, std::ptrdiff_t functions, double error) const {
   const auto beyond = static_cast<std::size_t>(
       std::upper_bound(skeleton_distances.begin(), skeleton_distances.end(), distance) -
       skeleton_distances.begin());
@@ -211,10 +211,7 @@ const ChargedPanels* PreparedMesh::skeleton(double distance, std::ptrdiff_t func
   const auto [at, is_new] = skeletons_.try_emplace({functions, of, to});
   if (is_new)
     at->second = charge_skeleton(charged_, functions, surfaces_, of, to);
-  if (!at->second)
-    return nullptr;
-  error = at->second->error;
-  return &at->second->nodes;
+  return at->second ? &*at->second : nullptr;
 }
 
 Vector3d PreparedMesh::point(std::ptrdiff_t place) const {

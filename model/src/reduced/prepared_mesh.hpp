@@ -49,9 +49,8 @@ class PreparedMesh {
 
   /// Returns the fewest nodes with so many functions whose potentials have an error of at most `error`,
   /// relative to those of charges of unit energy, at points that are at least so far away (in units of the
-  /// body); nullptr if all panels are needed. Writes the error that they have. The first call for a
-  /// distance finds them.
-  const ChargedPanels* skeleton(double distance, std::ptrdiff_t functions, double& error) const;
+  /// body); nullptr if all panels are needed. The first call for a distance finds them.
+  const ChargeSkeleton* skeleton(double distance, std::ptrdiff_t functions, double error) const;
 
   /// Returns the centre of the panel at a place.
   Eigen::Vector3d point(std::ptrdiff_t place) const;

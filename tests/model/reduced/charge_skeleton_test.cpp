@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -82,6 +83,22 @@ TEST(ChargeSkeleton, HasFewNodesAndThePotentialsOfThePanelsBeyondItsDistance) {
       }
       EXPECT_LT(std::sqrt(error / square), 3 * accuracy) << fewer;
     }
+  }
+}
+
+TEST(ChargeSkeleton, CloseToTheBodyKeepsTheChargeSoThatErrorsCancelFarAway) {
+  std::vector<Triangle> triangles;
+  const ChargedPanels body = charged_square(triangles);
+  const std::vector<TriangleSurface> surfaces{{triangles}};
+  constexpr double away = 0.1, accuracy = 4e-2;
+  const std::optional<ChargeSkeleton> skeleton = charge_skeleton(body, 3, surfaces, away, accuracy);
+  ASSERT_TRUE(skeleton.has_value());
+  EXPECT_LE(skeleton->error, accuracy);
+  EXPECT_LT(skeleton->nodes.places(), 800);
+  for (const auto& [point, allowed] :
+       {std::pair(Vector3d(0.1, 0.2, away), 3 * accuracy), std::pair(Vector3d(3, 2, 10), 1e-3)}) {
+    const double wanted = potential(body, 0, PanelClusters::finest, point);
+    EXPECT_NEAR(potential(skeleton->nodes, 0, 0, point), wanted, allowed * wanted);
   }
 }
 
