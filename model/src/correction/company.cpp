@@ -289,7 +289,7 @@ TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors, const CompanyReso
           conductors, MatrixXd(index_of(conductors.mesh().panels().size()), 0),
           [&](const ChargeFunctions::Part& part) { return importance_for(part, approach); },
           resolution.functions),
-      coarse_(functions_, MatrixXd(index_of(functions_.count()), 0), VectorXd(0)),
+      coarse_(functions_, MatrixXd(index_of(functions_.count()), 0), VectorXd(0)), rtol_(resolution.rtol),
       error_(conductors.error()) {
   const ChargedBodies& bodies = conductors.bodies();
   const MatrixXd inverse = detail::inverse(functions_.energies());

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -176,8 +178,12 @@ class TargetAtRest {
   const std::vector<Eigen::Index>& floating() const { return floating_; }
   const Eigen::VectorXd& to_ground() const { return to_ground_; }
   const CoarseCharges& coarse() const { return coarse_; }
-  /// Returns the stated error of the targets' own charges, relative.
-  double error() const { return error_; }
+  /// Returns the error of a change by the panels: the stated one of the targets' own charges, which counts
+  /// all parts of them. Where this exceeds what was asked for, it is limited by what half as many functions
+  /// lose of the change, which is more than what the panels lose: a function has several of them.
+  double error_of_panels(double change, double of_functions) const {
+    return std::min(error_ * std::abs(change), std::max(rtol_ * std::abs(change), of_functions));
+  }
 
   /// Resolution of the formula, 0.1 to 1 s to prepare.
   static constexpr CompanyResolution usual{2e-2, 2500, 128};
@@ -185,7 +191,7 @@ class TargetAtRest {
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {
     archive(self.functions_, self.coarse_, self.inverse_, self.net_, self.equilibrium_, self.own_,
-            self.floating_, self.to_ground_, self.error_);
+            self.floating_, self.to_ground_, self.rtol_, self.error_);
   }
 
  private:
@@ -200,6 +206,7 @@ class TargetAtRest {
   Eigen::MatrixXd own_;
   std::vector<Eigen::Index> floating_;
   Eigen::VectorXd to_ground_;
+  double rtol_ = 0;  ///< asked for
   double error_ = 0;
 };
 

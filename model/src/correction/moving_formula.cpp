@@ -342,12 +342,12 @@ void MovingFormula::state_errors(const MovingMachine& machine, const TargetAtRes
   for (const MachineAtRest::OfReading& reading : machine.readings()) {
     const Index sense = reading.sense, drive = reading.drive;
     const double value = reading.sign * changes_(sense, drive);
-    const double parts = root(lacking_.defects, sense) * root(lacking_.defects, drive) +
+    const double of_target = root(lacking_.defects, sense) * root(lacking_.defects, drive);
+    const double parts = of_target + target.error_of_panels(value, of_target) +
                          root(unanswered_, sense) * root(unanswered_, drive) +
                          root(unanswered_, sense) * root(unanswered_, loads + drive) +
                          root(unanswered_, drive) * root(unanswered_, loads + sense) +
-                         std::abs(shifts_(sense, drive)) + std::abs(shifts_(drive, sense)) +
-                         target.error() * std::abs(value);
+                         std::abs(shifts_(sense, drive)) + std::abs(shifts_(drive, sense));
     solved_.push_back({value, std::min(safety_of_links * parts * std::sqrt(std::max(nearness, 1.0)),
                                        std::max(safety_of_links * parts, std::abs(value)))});
   }

@@ -426,9 +426,10 @@ void TabulatedFormula::state_errors(const TabulatedMachine& machine, const Targe
       const double of_sense = defects(s, s), of_drive = defects(d, d);
       return std::sqrt(std::max(of_sense, 0.0) * std::max(of_drive, 0.0));
     };
-    const double parts = solved_[k].error + part(lacking_.defects) + part(unanswered_) +
-                         std::abs(shifts_(sense, drive)) + std::abs(shifts_(drive, sense)) +
-                         target.error() * std::abs(solved_[k].value);
+    const double of_target = part(lacking_.defects);
+    const double parts = solved_[k].error + of_target + target.error_of_panels(solved_[k].value, of_target) +
+                         part(unanswered_) + std::abs(shifts_(sense, drive)) +
+                         std::abs(shifts_(drive, sense));
     // Gaps below a function are not resolved; then the change may be wrong by as much as it is.
     solved_[k].error = std::min(stated_per_parts * parts * std::sqrt(std::max(nearness, 1.0)),
                                 std::max(stated_per_parts * parts, std::abs(solved_[k].value)));
