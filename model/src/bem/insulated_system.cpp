@@ -454,10 +454,11 @@ FilmEffects film_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
     const std::array<VectorXd, 3> bends{corners.row(3 * index_of(k) + 1) - (whole.row(0) + whole.row(1)) / 2,
                                         corners.row(3 * index_of(k) + 5) - (whole.row(1) + whole.row(2)) / 2,
                                         corners.row(3 * index_of(k) + 2) - (whole.row(2) + whole.row(0)) / 2};
-    const auto most = std::max_element(bends.begin(), bends.end(), [](const auto& a, const auto& b) {
-      return a.squaredNorm() < b.squaredNorm();
-    });
-    result.bent.emplace_back(panel, most - bends.begin());
+    const auto most = std::distance(
+        bends.begin(), std::max_element(bends.begin(), bends.end(), [](const auto& a, const auto& b) {
+          return a.squaredNorm() < b.squaredNorm();
+        }));
+    result.bent.emplace_back(panel, most);
     for (std::size_t quarter = 0; quarter < 4; ++quarter) {
       MatrixXd details = corners.middleRows(3 * index_of(k + quarter), 3);
       for (Index corner = 0; corner < 3; ++corner) {

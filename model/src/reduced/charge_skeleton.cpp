@@ -311,7 +311,8 @@ void divide_into_cells(const std::vector<Vector3d>& points, std::span<Index> ran
 /// Returns points all around a box at a distance, beside a grid of so many points along each of its sides.
 std::vector<Vector3d> around_box(const Eigen::AlignedBox3d& box, double distance, int along) {
   const auto at = [](int k, int count) -> Vector3d {
-    return Vector3d(k % count, k / count % count, k / count / count) * 2 / (count - 1) - Vector3d::Ones();
+    return Eigen::Vector3i(k % count, k / count % count, k / count / count).cast<double>() * 2 / (count - 1) -
+           Vector3d::Ones();
   };
   std::vector<Vector3d> result;
   for (int on_grid = 0; on_grid < along * along * along; ++on_grid) {
