@@ -33,6 +33,8 @@ _LEAST_DISTANCE = 0.03
 """Distance in m from what is sensed or driven below which panels of targets are not made smaller: a third of a sensor."""
 _COARSER = 1.2
 """Factor of the panels' sizes where they would be too many."""
+_PARTS = 300
+"""Parts of the machine's surface, which count as points far away; its answers in them are not used."""
 _TARGET_PANELS = 400
 """Panels of the targets before they are divided: enough for the shapes of a person's parts."""
 _CONTACT = "the charges of machine and targets were not found: they touch or overlap"
@@ -86,9 +88,8 @@ class Machine:
         for name in targets.names:
             alone.hide(name)
         self._resolution = resolution
-        # Only potentials of the loads are asked for, no answers.
         self._potentials = alone.machine_potentials(
-            rtol=resolution.rtol, most_panels=resolution.machine_panels, functions=1
+            rtol=resolution.rtol, most_panels=resolution.machine_panels, functions=_PARTS
         )
         self._factor = 4 * np.pi * VACUUM_PERMITTIVITY * targets.permittivity
         self.error: float = self._potentials.error
