@@ -35,8 +35,6 @@ _COARSER = 1.2
 """Factor of the panels' sizes where they would be too many."""
 _PARTS = 300
 """Parts of the machine's surface, which count as points far away; its answers in them are not used."""
-_TARGET_PANELS = 400
-"""Panels of the targets before they are divided: enough for the shapes of a person's parts."""
 _CONTACT = "the charges of machine and targets were not found: they touch or overlap"
 
 
@@ -66,8 +64,8 @@ and 2.4 % at most, where 5.1 % were stated."""
 class Targets:
     """The targets of a scene on panels, all grounded and on the same link, or on none."""
 
-    def __init__(self, scene: Scene) -> None:
-        """Divides the targets; ValueError where there are none, where one floats and where they are on several links."""
+    def __init__(self, scene: Scene, panels: int = 2000) -> None:
+        """Divides the targets into about so many panels, which are divided further where they come near; ValueError where there are none, where one floats and where they are on several links."""
         bodies = [each for each in scene.objects if each.target]
         links = {each.link for each in bodies}
         if len(links) != 1 or any(each.potential != "grounded" for each in bodies):
@@ -77,7 +75,7 @@ class Targets:
         alone = model_module().Scene.loads(canonical(Scene(medium=scene.medium, objects=at_origin)))
         self.names = tuple(each.name for each in bodies)
         self.permittivity = scene.medium.relative_permittivity
-        self.panels: Array = alone.surface_charges(rtol=1e-3, most_panels=_TARGET_PANELS)["panels"]
+        self.panels: Array = alone.surface_charges(rtol=1e-3, most_panels=panels)["panels"]
 
 
 class Machine:

@@ -29,7 +29,7 @@ RESOLUTION = Resolution(5e-3, 4000, 500, 0.7, 4000)
 
 def test_changes_are_those_of_boundary_elements() -> None:
     live = model_module().Scene.loads(canonical(SCENE))
-    targets = Targets(SCENE)
+    targets = Targets(SCENE, 300)
     pose = np.eye(4)
     pose[:3, 3] = SCENE.links[0].pose.translation
     found = Machine(live, targets, RESOLUTION).changes(targets, pose)
@@ -48,7 +48,8 @@ def test_targets_that_float_or_move_against_each_other_are_refused() -> None:
 def test_a_target_that_reaches_into_the_machine_is_refused() -> None:
     """There charges of panels that coincide have no energy."""
     live = model_module().Scene.loads(canonical(SCENE))
-    targets = Targets(SCENE)
-    targets.panels = Machine(live, targets, RESOLUTION)._panels
+    targets = Targets(SCENE, 300)
+    machine = Machine(live, targets, RESOLUTION)
+    targets.panels = machine._panels
     with pytest.raises(ArithmeticError, match="touch or overlap"):
-        Machine(live, targets, RESOLUTION).changes(targets, np.eye(4))
+        machine.changes(targets, np.eye(4))
