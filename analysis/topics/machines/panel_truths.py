@@ -118,7 +118,7 @@ class Machine:
         }
 
     def _divided(self, panels: Array) -> Array:
-        """Returns panels of targets in the world, halved until they are small beside their distance from what is sensed or driven, or larger ones if these were too many."""
+        """Returns panels of targets in the world, divided until they are small beside their distance from what is sensed or driven, or larger ones if these were too many."""
         tree, relative_size = cKDTree(self._used), self._resolution.relative_size
         while True:
             parts = panels

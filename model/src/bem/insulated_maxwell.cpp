@@ -268,7 +268,7 @@ MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryEle
   MaxwellMatrix answer = refined_answer(with_films, options);
   if (with_films.films.empty() || largest_error(answer, bodies.conductors) <= options.rtol)
     return answer;
-  // Sheets are too coarse, perhaps, for what panels on both faces resolve.
+  // Panels on both faces resolve the thickness, which the sheet has to first order only.
   try {
     MaxwellMatrix other = refined_answer(bodies, options);
     if (largest_error(other, bodies.conductors) < largest_error(answer, bodies.conductors))

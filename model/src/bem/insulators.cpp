@@ -238,45 +238,46 @@ bool Surroundings::is_outside(const Vector3d& point) const {
 }
 
 bool Surroundings::is_outermost(const Triangle& part) const {
-  const Vector3d centre = (part[0] + part[1] + part[2]) / 3;
+  const Vector3d centre = part_centre(part);
   const Vector3d away = beside_part * std::sqrt(twice_area(part)) * unit_normal(part);
   return is_outside(centre - away) || is_outside(centre + away);
 }
 
 bool Surroundings::is_inside_conductor(std::size_t insulator) const {
   const auto& surface = bodies_.insulators[insulator].surface;
-  return std::all_of(surface.begin(), surface.end(), [&](const Triangle& triangle) {
-    return is_in_conductor((triangle[0] + triangle[1] + triangle[2]) / 3);
-  });
+  return std::all_of(surface.begin(), surface.end(),
+                     [&](const Triangle& triangle) { return is_in_conductor(part_centre(triangle)); });
+}
+
+template <class Touches>
+std::optional<std::size_t> Surroundings::conductor_near(const Vector3d& point, const AlignedBox3d& own,
+                                                        const Touches& touches) const {
+  for (std::size_t k = 0; k < bodies_.conductors.bodies.size(); ++k) {
+    if (!presence_.conductors[k])
+      continue;
+    const auto triangles = triangles_of(bodies_.conductors.bodies[k].surface);
+    const AlignedBox3d box = axis_aligned_box(triangles);
+    const double tolerance = distance_of_touching(own, box);
+    if (box.exteriorDistance(point) <= tolerance && touches(triangles, tolerance))
+      return k;
+  }
+  return std::nullopt;
 }
 
 bool Surroundings::lies_on_conductor(const Triangle& part, const AlignedBox3d& own) const {
   const Vector3d centre = part_centre(part), normal = unit_normal(part);
-  for (std::size_t k = 0; k < bodies_.conductors.bodies.size(); ++k) {
-    if (!presence_.conductors[k])
-      continue;
-    const auto triangles = triangles_of(bodies_.conductors.bodies[k].surface);
-    const AlignedBox3d box = axis_aligned_box(triangles);
-    const double tolerance = distance_of_touching(own, box);
-    if (box.exteriorDistance(centre) <= tolerance && lies_on(centre, normal, triangles, tolerance))
-      return true;
-  }
-  return false;
+  return conductor_near(centre, own,
+                        [&](std::span<const Triangle> triangles, double tolerance) {
+                          return lies_on(centre, normal, triangles, tolerance);
+                        })
+      .has_value();
 }
 
 std::optional<std::size_t> Surroundings::conductor_at(const Vector3d& point, const AlignedBox3d& own) const {
-  for (std::size_t k = 0; k < bodies_.conductors.bodies.size(); ++k) {
-    if (!presence_.conductors[k])
-      continue;
-    const auto triangles = triangles_of(bodies_.conductors.bodies[k].surface);
-    const AlignedBox3d box = axis_aligned_box(triangles);
-    const double tolerance = distance_of_touching(own, box);
-    if (box.exteriorDistance(point) <= tolerance &&
-        std::any_of(triangles.begin(), triangles.end(),
-                    [&](const Triangle& triangle) { return lies_on(point, triangle, tolerance); }))
-      return k;
-  }
-  return std::nullopt;
+  return conductor_near(point, own, [&](std::span<const Triangle> triangles, double tolerance) {
+    return std::any_of(triangles.begin(), triangles.end(),
+                       [&](const Triangle& triangle) { return lies_on(point, triangle, tolerance); });
+  });
 }
 
 std::optional<std::pair<std::size_t, bool>> Surroundings::film_on(const Triangle& part) const {

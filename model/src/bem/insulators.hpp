@@ -139,6 +139,11 @@ class Surroundings {
   };
   bool is_in_conductor(const Eigen::Vector3d& point) const;
   bool is_outside(const Eigen::Vector3d& point) const;
+  /// Returns the first body of a conductor near a point for which `touches` is true of its triangles and the
+  /// distance below which a body in the box `own` touches it.
+  template <class Touches>
+  std::optional<std::size_t> conductor_near(const Eigen::Vector3d& point, const Eigen::AlignedBox3d& own,
+                                            const Touches& touches) const;
   bool lies_on_conductor(const Triangle& part, const Eigen::AlignedBox3d& own) const;
   double ratio_at(const Eigen::Vector3d& point) const;
 

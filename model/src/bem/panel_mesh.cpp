@@ -139,6 +139,14 @@ PanelMesh PanelMesh::of_first(std::size_t bodies) const {
   return mesh;
 }
 
+std::vector<Index> PanelMesh::group_of_panels() const {
+  std::vector<Index> result(panels_.size());
+  for (std::size_t group = 0; group < groups_.size(); ++group)
+    for (std::size_t k = 0; k < groups_[group].count; ++k)
+      result[groups_[group].first + k] = index_of(group);
+  return result;
+}
+
 std::vector<Triangle> PanelMesh::triangles(const PanelGroup& group) const {
   if (group.is_quartered)
     return {quartered_triangle(panels_, group)};

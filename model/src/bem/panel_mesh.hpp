@@ -53,6 +53,9 @@ class PanelMesh {
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }
 
+  /// Returns the group of every panel.
+  std::vector<Eigen::Index> group_of_panels() const;
+
   /// Returns the mesh of the first `bodies` bodies.
   PanelMesh of_first(std::size_t bodies) const;
 

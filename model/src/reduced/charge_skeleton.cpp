@@ -34,7 +34,7 @@ struct SharedPoints {
   std::vector<Vector3d> points;
   std::vector<Index> places;   ///< of every point
   std::vector<double> shares;  ///< part of the place's charge
-  double ratio = 0;  ///< largest radius of the part of a panel that a point stands for over a distance
+  double ratio = 0;  ///< largest radius of the parts of panels that points stand for, over the distance
 };
 
 /// Adds the centres of a triangle's parts after so many quarterings.

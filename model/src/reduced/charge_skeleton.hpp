@@ -24,7 +24,7 @@ constexpr std::array<double, 10> skeleton_accuracies{4e-5, 1.5e-4, 6e-4, 1.2e-3,
 struct ChargeSkeleton {
   ChargedPanels nodes;
   double error;  ///< of the potentials there and beyond, relative to those of charges of unit energy
-  double ratio;  ///< of the radius of parts of panels that points stood for to the distance, at most
+  double ratio;  ///< largest radius of the parts of panels that points stood for, over the distance
 };
 
 /// Finds few charges in the place of those of a body's first functions for points that are at least

@@ -216,7 +216,7 @@ TEST(Insulators, AThinFilmAroundASensorIsASheet) {
 }
 
 TEST(FilmSheets, AStripBetweenTwoConductorsHasTheCapacitanceOfItsLengthWhateverItsPanels) {
-  // Of two and three panels side by side: a corner of the latter lies on a side of the former.
+  // Two panels, and beside them three, one corner of which lies on a side of the former.
   const Eigen::Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0), e(2, 0, 0), f(2, 1, 0),
       middle(1, 0.4, 0);
   constexpr double strength = 0.3;

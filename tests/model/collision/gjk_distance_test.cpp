@@ -163,16 +163,19 @@ TEST_P(GjkDistanceOnClass, HasWitnessesInTheHullsAtThatDistance) {
 TEST_P(GjkDistanceOnClass, IsAsAccurateWithEveryInstructionSet) {
   constexpr double three_units = 3 * std::numeric_limits<double>::epsilon();
   Random random(5);
-  for (const detail::InstructionSet set : detail::available_instruction_sets())
+  for (const detail::InstructionSet set : detail::available_instruction_sets()) {
+    int apart = 0, certain = 0;
     for (int i = 0; i < draws(200); ++i) {
       const auto [a, b] = GetParam().make(random);
       const detail::PassingHulls hulls(a, b);
       detail::HullDistance found;
       detail::kernels<detail::GjkFilter>(set).hull_distance(hulls.a().given(), hulls.b().given(), found);
+      const double expected = gjk_distance(a, b).distance;
+      apart += expected > 0;
       if (!found.is_certain)
         continue;
+      certain += expected > 0;
       const Vector3d on_a(found.on_a), on_b(found.on_b);
-      const double expected = gjk_distance(a, b).distance;
       ASSERT_NEAR(found.distance, expected, three_units * expected) << name_of(set) << ", pair " << i;
       const double rounding =
           2 * std::numeric_limits<double>::epsilon() * std::max(largest_coordinate(a), largest_coordinate(b));
@@ -180,6 +183,11 @@ TEST_P(GjkDistanceOnClass, IsAsAccurateWithEveryInstructionSet) {
       ASSERT_LE(gjk_distance(b, Points{on_b}).distance, rounding) << name_of(set) << ", pair " << i;
       ASSERT_NEAR((on_a - on_b).norm(), expected, 4 * rounding) << name_of(set) << ", pair " << i;
     }
+    // Exact numbers remain for few pairs: close ones, thin simplices and coordinates near zero.
+    if (GetParam().name == std::string("anywhere")) {
+      EXPECT_GE(certain, 0.95 * apart) << name_of(set);
+    }
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Pairs, GjkDistanceOnClass,

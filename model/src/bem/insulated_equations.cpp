@@ -1,0 +1,258 @@
+#include "bem/insulated_equations.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include <Eigen/LU>
+
+#include "geometry/median_split.hpp"
+#include "numeric/gmres.hpp"
+#include "numeric/interruption.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+InsulatedUnknowns insulated_unknowns(const PanelMesh& mesh, const Surroundings& surroundings) {
+  InsulatedUnknowns result;
+  std::vector<double> areas, whole;
+  for (const PanelGroup& group : mesh.groups()) {
+    check_interruption();
+    std::vector<std::pair<PartState, Index>> places;
+    for (std::size_t panel = group.first; panel < group.first + group.count; ++panel) {
+      const PartState state = surroundings.state(mesh.panels()[panel].corners, group.body);
+      if (state.kind == PartKind::absent)
+        continue;
+      auto place =
+          std::find_if(places.begin(), places.end(), [&](const auto& known) { return known.first == state; });
+      if (place == places.end()) {
+        place = places.insert(places.end(), {state, result.coarse_size++});
+        whole.push_back(0);
+      }
+      result.panels.push_back(index_of(panel));
+      result.states.push_back(state);
+      result.coarse.push_back(place->second);
+      result.body.push_back(index_of(group.body));
+      areas.push_back(mesh.panels()[panel].area);
+      whole[static_cast<std::size_t>(place->second)] += areas.back();
+    }
+  }
+  result.shares.resize(result.size());
+  for (Index k = 0; k < result.size(); ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    result.shares[k] = areas[at] / whole[static_cast<std::size_t>(result.coarse[at])];
+  }
+  return result;
+}
+
+/// Returns the sums of weighted rows that have the same place in the coarse space.
+MatrixXd summed_rows(const InsulatedUnknowns& unknowns, const MatrixXd& rows, bool are_weighted) {
+  MatrixXd result = MatrixXd::Zero(unknowns.coarse_size, rows.cols());
+  for (Index column = 0; column < rows.cols(); ++column)
+    for (Index k = 0; k < rows.rows(); ++k)
+      result(unknowns.coarse[static_cast<std::size_t>(k)], column) +=
+          (are_weighted ? unknowns.shares[k] : 1.0) * rows(k, column);
+  return result;
+}
+
+/// The equations in the coarse space: one density, or one potential, on panels that are alike.
+class CoarseCorrection {
+ public:
+  CoarseCorrection(const InsulatedUnknowns& unknowns, const MatrixXd& matrix) : unknowns_(unknowns) {
+    MatrixXd half = summed_rows(unknowns, matrix, true).transpose();
+    for (Index k = 0; k < unknowns.size(); ++k)
+      if (unknowns.is_charge(k))
+        half.row(k) *= unknowns.shares[k];
+    factor_.compute(summed_rows(unknowns, half, false).transpose());
+  }
+
+  /// Solves for the densities and potentials of the coarse space.
+  MatrixXd solve(const MatrixXd& potentials) const {
+    return factor_.solve(summed_rows(unknowns_, potentials, true));
+  }
+
+  /// Returns what each panel has of a solution of the coarse space.
+  MatrixXd on_panels(const MatrixXd& solution) const {
+    MatrixXd result(unknowns_.size(), solution.cols());
+    for (Index k = 0; k < unknowns_.size(); ++k)
+      result.row(k) = (unknowns_.is_charge(k) ? unknowns_.shares[k] : 1.0) *
+                      solution.row(unknowns_.coarse[static_cast<std::size_t>(k)]);
+    return result;
+  }
+
+ private:
+  const InsulatedUnknowns& unknowns_;
+  Eigen::PartialPivLU<MatrixXd> factor_;
+};
+
+/// The inverses of the blocks of panels that are close to each other.
+class NearbyPanels {
+ public:
+  NearbyPanels(const PanelMesh& mesh, const InsulatedUnknowns& unknowns, const MatrixXd& matrix) {
+    std::vector<Index> order(unknowns.panels.size());
+    for (std::size_t k = 0; k < order.size(); ++k)
+      order[k] = index_of(k);
+    divide(order, [&](Index k) -> const Eigen::Vector3d& {
+      return mesh.panels()[static_cast<std::size_t>(unknowns.panels[static_cast<std::size_t>(k)])].centre;
+    });
+    for (const std::vector<Index>& block : blocks_)
+      factors_.emplace_back(MatrixXd(matrix(block, block)));
+  }
+
+  MatrixXd solve(const MatrixXd& potentials) const {
+    MatrixXd result(potentials.rows(), potentials.cols());
+    for (std::size_t k = 0; k < blocks_.size(); ++k) {
+      // Eigen's solver cannot work in selected rows.
+      const MatrixXd own = potentials(blocks_[k], Eigen::all);
+      const MatrixXd solution = factors_[k].solve(own);
+      result(blocks_[k], Eigen::all) = solution;
+    }
+    return result;
+  }
+
+ private:
+  template <class CentreOf>
+  void divide(std::span<Index> part, const CentreOf& centre_of) {
+    /// Largest number of panels in a block.
+    constexpr std::size_t most = 96;
+    if (part.size() <= most) {
+      blocks_.emplace_back(part.begin(), part.end());
+      return;
+    }
+    const std::size_t half = part.size() / 2;
+    split_at_median(part, half, centre_of);
+    divide(part.first(half), centre_of);
+    divide(part.subspan(half), centre_of);
+  }
+
+  std::vector<std::vector<Index>> blocks_;
+  std::vector<Eigen::PartialPivLU<MatrixXd>> factors_;
+};
+
+/// Solves the equations of all panels: by factorisation if there are few, else by generalised minimal
+/// residuals with the coarse space and the blocks of nearby panels as preconditioner.
+MatrixXd solve_all(const PanelMesh& mesh, const InsulatedUnknowns& unknowns, const MatrixXd& matrix,
+                   const CoarseCorrection& coarse, const MatrixXd& right_sides) {
+  /// Least number of unknowns for each right side, and altogether, with which the iteration takes less time.
+  constexpr Index least_per_column = 60, least_unknowns = 1200;
+  /// Largest residual, relative to the right side: far below the accuracy that can be asked for.
+  constexpr double residual = 1e-7;
+  constexpr int most_steps = 150;
+  if (unknowns.size() >= std::max(least_unknowns, least_per_column * right_sides.cols())) {
+    const NearbyPanels nearby(mesh, unknowns, matrix);
+    const auto solution = gmres(
+        [&](const MatrixXd& columns) {
+          check_interruption();
+          return MatrixXd(matrix * columns);
+        },
+        [&](const MatrixXd& columns) {
+          const MatrixXd first = coarse.on_panels(coarse.solve(columns));
+          return MatrixXd(first + nearby.solve(columns - matrix * first));
+        },
+        right_sides, residual, most_steps);
+    if (solution)
+      return *solution;
+  }
+  return matrix.partialPivLu().solve(right_sides);
+}
+
+/// Returns the films of a set of bodies, and adds them to the equations.
+void add_films(const PanelMesh& mesh, const InsulatedBodies& bodies, const Surroundings& surroundings,
+               InsulatedEquations& equations) {
+  const InsulatedUnknowns& unknowns = equations.unknowns;
+  const std::size_t conductors = bodies.conductors.bodies.size();
+  std::vector<SheetPanel> panels;
+  Eigen::AlignedBox3d box;
+  for (Index k = 0; k < unknowns.size(); ++k) {
+    if (unknowns.kind(k) != PartKind::film)
+      continue;
+    const auto at = static_cast<std::size_t>(k);
+    const ThinFilm& film =
+        bodies.films[static_cast<std::size_t>(unknowns.body[at]) - conductors - bodies.insulators.size()];
+    panels.push_back({mesh.panels()[static_cast<std::size_t>(unknowns.panels[at])].corners,
+                      film.thickness * (film.ratio - 1), film.thickness});
+    equations.film_unknowns.push_back(k);
+    box.extend(film.box);
+  }
+  if (panels.empty())
+    return;
+  equations.films.emplace(
+      std::move(panels),
+      [&](const Eigen::Vector3d& corner) { return surroundings.conductor_at(corner, box); }, conductors);
+  const std::vector<Index>& own = equations.film_unknowns;
+  equations.matrix(own, own) += equations.films->compliance();
+  for (std::size_t body = 0; body < conductors; ++body)
+    equations.potentials(own, index_of(bodies.conductors.bodies[body].conductor)) +=
+        equations.films->lifts().col(index_of(body));
+}
+
+}  // namespace
+
+InsulatedEquations insulated_equations(const PanelMesh& mesh, const InsulatedBodies& bodies,
+                                       const Surroundings& surroundings, const MatrixXd& single_layer,
+                                       const MatrixXd& double_layer) {
+  InsulatedEquations result;
+  result.unknowns = insulated_unknowns(mesh, surroundings);
+  const InsulatedUnknowns& unknowns = result.unknowns;
+  const Index size = unknowns.size();
+  const auto conductor_of = [&](Index k) {
+    const Index body = unknowns.body[static_cast<std::size_t>(k)];
+    return index_of(bodies.conductors.bodies[static_cast<std::size_t>(body)].conductor);
+  };
+  result.matrix.resize(size, size);
+  result.potentials = MatrixXd::Zero(size, index_of(bodies.conductors.conductors.size()));
+  for (Index column = 0; column < size; ++column) {
+    const auto at = static_cast<std::size_t>(column);
+    const Ratios& ratios = unknowns.states[at].ratios;
+    const double jump = ratios.behind - ratios.before, mean = (ratios.behind + ratios.before) / 2;
+    const Index source = unknowns.panels[at];
+    VectorXd layer;
+    if (jump != 0) {
+      layer.resize(size);
+      for (Index row = 0; row < size; ++row)
+        layer[row] = jump * double_layer(unknowns.panels[static_cast<std::size_t>(row)], source);
+      layer[column] -= mean;
+    }
+    if (!unknowns.is_charge(column)) {
+      result.matrix.col(column) = layer;
+      continue;
+    }
+    for (Index row = 0; row < size; ++row)
+      result.matrix(row, column) = single_layer(unknowns.panels[static_cast<std::size_t>(row)], source);
+    if (unknowns.kind(column) == PartKind::film)
+      continue;
+    if (jump != 0)
+      result.potentials.col(conductor_of(column)) -= layer;
+    else
+      result.potentials(column, conductor_of(column)) += mean;
+  }
+  if (!bodies.films.empty())
+    add_films(mesh, bodies, surroundings, result);
+  return result;
+}
+
+InsulatedSolutions solved(const PanelMesh& mesh, const InsulatedEquations& equations,
+                          const MatrixXd& right_sides) {
+  const InsulatedUnknowns& unknowns = equations.unknowns;
+  const CoarseCorrection coarse(unknowns, equations.matrix);
+  InsulatedSolutions result;
+  result.fine = solve_all(mesh, unknowns, equations.matrix, coarse, right_sides);
+  result.coarse = coarse.solve(right_sides);
+  result.details = result.fine;
+  const MatrixXd means = summed_rows(unknowns, result.fine, false),
+                 weighted = summed_rows(unknowns, result.fine, true);
+  for (Index k = 0; k < unknowns.size(); ++k) {
+    const auto place = unknowns.coarse[static_cast<std::size_t>(k)];
+    if (unknowns.is_charge(k))
+      result.details.row(k) -= unknowns.shares[k] * means.row(place);
+    else
+      result.details.row(k) -= weighted.row(place);
+  }
+  return result;
+}
+
+}  // namespace fringe::detail
