@@ -54,7 +54,7 @@ void* aligned_alloc(std::size_t alignment, std::size_t size) {
 // NOLINTEND(bugprone-reserved-identifier,cert-dcl37-c,cert-dcl51-cpp,readability-inconsistent-declaration-parameter-name)
 #endif
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 Eigen::Isometry3d at(double x, double y, double z) {
@@ -127,4 +127,4 @@ INSTANTIATE_TEST_SUITE_P(GroundedAndFloating, Allocations,
                          testing::Values(ElectricalRole(Grounded{}), ElectricalRole(Floating{})));
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

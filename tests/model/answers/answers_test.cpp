@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace fringe::answers {
+namespace fringe::answers::FRINGE_TEST_FILE {
 namespace {
 
 const Plate square{0.1, 0.1};
@@ -102,4 +102,4 @@ TEST(InfoAnswer, HasNoVolumeOfAnOpenSurface) {
 }
 
 }  // namespace
-}  // namespace fringe::answers
+}  // namespace fringe::answers::FRINGE_TEST_FILE

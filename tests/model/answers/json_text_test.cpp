@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-namespace fringe::answers {
+namespace fringe::answers::FRINGE_TEST_FILE {
 namespace {
 
 using Json = nlohmann::ordered_json;
@@ -69,4 +69,4 @@ TEST(JsonText, DoublesReadBackToTheLastBit) {
 }
 
 }  // namespace
-}  // namespace fringe::answers
+}  // namespace fringe::answers::FRINGE_TEST_FILE

@@ -16,7 +16,7 @@
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::MatrixXd;
@@ -50,7 +50,7 @@ Scene inclined_box_and_plates() {
   return scene;
 }
 
-TEST(BoundaryElements, StateErrorsThatHoldWhereEdgesComeCloseToAFace) {
+TEST(BoundaryElementsAtLength, StateErrorsThatHoldWhereEdgesComeCloseToAFace) {
   // Found among random poses: five and seven functions along each side both miss the other's edges, and
   // agree.
   Eigen::Isometry3d inclined = at(-0.003, 0.003, 0.0092);
@@ -80,7 +80,7 @@ TEST(BoundaryElements, WithTooFewUnknownsForTheFeaturesStateLargerErrors) {
   EXPECT_TRUE(((answer.values - truth.values).cwiseAbs().array() <= answer.errors.array()).all());
 }
 
-TEST(BoundaryElements, BeforeAWallFeelWhatIsFeltBeforeTheMirrorImage) {
+TEST(BoundaryElementsAtLength, BeforeAWallFeelWhatIsFeltBeforeTheMirrorImage) {
   // Functions on the whole wall would not resolve the sensor: triangles take their place.
   constexpr double gap = 0.01, corner_of_the_wall = 1e-3;
   Scene wall, box, image;
@@ -318,4 +318,4 @@ TEST(BoundaryElements, TheSensorFeelsTheMutualCapacitances) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

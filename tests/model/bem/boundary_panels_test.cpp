@@ -19,7 +19,7 @@
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::MatrixXd;
@@ -308,4 +308,4 @@ TEST(BoundaryPanels, SayWhenTheErrorWasNotReached) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -12,7 +12,7 @@
 #include "fringe/error.hpp"
 #include "scenes.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using test::at;
@@ -107,4 +107,4 @@ TEST(BoundaryElements, SayWhenTheErrorWasNotReached) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

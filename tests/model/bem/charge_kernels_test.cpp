@@ -15,7 +15,7 @@
 #include "instruction_sets.hpp"
 #include "integral/kernel.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Index;
@@ -136,4 +136,4 @@ INSTANTIATE_TEST_SUITE_P(InstructionSets, ChargeKernelsTest, testing::ValuesIn(a
                          test::name_of_set);
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -8,7 +8,7 @@
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using detail::EdgeDensity;
@@ -71,4 +71,4 @@ TEST(GradedTriangles, OfACubeAnswerAsItsFacesDo) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 #include "bem/single_layer_panels.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using detail::doerfler_marking;
@@ -111,4 +111,4 @@ TEST(DoerflerMarking, AddsNoMorePanelsThanAllowed) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -13,7 +13,7 @@
 #include "bem/scenes.hpp"
 #include "fringe/boundary_elements.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using test::at;
@@ -259,4 +259,4 @@ TEST(DoubleLayer, TheFacesOfABodyAddUpToTheWholeSolidAngle) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -16,7 +16,7 @@
 #include "fringe/boundary_elements.hpp"
 #include "scenes.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -61,7 +61,7 @@ void expect_the_clean_answer(const std::vector<Object>& objects) {
                 answer.values(k, k) <= clean().values(k, k) + clean().errors(k, k));
 }
 
-TEST(JoinedConductors, OfTouchingBoxesAnswerAsOneMesh) {
+TEST(JoinedConductorsAtLength, OfTouchingBoxesAnswerAsOneMesh) {
   expect_the_clean_answer({box("foot", {0, 0, 0}, {6, 2, 2}), box("leg", {0, 2, 0}, {2, 5, 2})});
 }
 
@@ -69,7 +69,7 @@ TEST(JoinedConductors, OfOverlappingBoxesAnswerAsOneMesh) {
   expect_the_clean_answer({box("foot", {0, 0, 0}, {6, 2, 2}), box("leg", {0, 0, 0}, {2, 5, 2})});
 }
 
-TEST(JoinedConductors, DoNotDependOnTheOrientationOfTriangles) {
+TEST(JoinedConductorsAtLength, DoNotDependOnTheOrientationOfTriangles) {
   std::vector<Triangle> triangles = angle_piece();
   for (std::size_t k = 0; k < triangles.size(); k += 3)
     std::swap(triangles[k][0], triangles[k][1]);
@@ -83,13 +83,13 @@ TEST(JoinedConductors, DoNotDependOnDuplicates) {
   expect_the_clean_answer({mesh(triangles)});
 }
 
-TEST(JoinedConductors, DoNotDependOnTJunctions) {
+TEST(JoinedConductorsAtLength, DoNotDependOnTJunctions) {
   const std::vector<Triangle> triangles = test::with_t_junctions(angle_piece());
   ASSERT_FALSE(is_closed(triangles));
   expect_the_clean_answer({mesh(triangles)});
 }
 
-TEST(JoinedConductors, OfMeshesThatCrossAnswerAsOneMesh) {
+TEST(JoinedConductorsAtLength, OfMeshesThatCrossAnswerAsOneMesh) {
   expect_the_clean_answer({mesh(test::crossing_boxes())});
 }
 
@@ -232,4 +232,4 @@ TEST(HiddenSurface, KeepsOneOfTwoFacesThatLieOnEachOtherWhateverElseTheirBodiesH
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 #include "bem/single_layer_faces.hpp"
 #include "bem/single_layer_panels.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::MatrixXd;
@@ -119,4 +119,4 @@ TEST(PanelMeshes, KeepTheAreaAndHalveWhereTheDensityChanges) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -14,7 +14,7 @@
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using detail::PanelMesh;
@@ -166,4 +166,4 @@ TEST(BoundaryElementThreads, DoNotChangeTheAnswer) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -10,7 +10,7 @@
 #include "bem/jacobi_basis.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using detail::ChargedBody;
@@ -97,4 +97,4 @@ TEST(InducedCharge, OnATriangleIsNarrowWhenHalfTheTrianglesRadiusIsMore) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -14,7 +14,7 @@
 #include "fringe/reading.hpp"
 #include "scenes.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using test::at;
@@ -91,11 +91,11 @@ TEST(Readings, AreThoseOfSolutionsWithAndWithoutAGroundedTarget) {
   expect_readings_of_separate_solutions(machine());
 }
 
-TEST(Readings, AreThoseOfSolutionsWithAndWithoutAFloatingTarget) {
+TEST(ReadingsAtLength, AreThoseOfSolutionsWithAndWithoutAFloatingTarget) {
   expect_readings_of_separate_solutions(machine(Floating{}));
 }
 
-TEST(Readings, AreThoseOfSolutionsWithAndWithoutATargetThatACapacitorGrounds) {
+TEST(ReadingsAtLength, AreThoseOfSolutionsWithAndWithoutATargetThatACapacitorGrounds) {
   expect_readings_of_separate_solutions(machine(Floating{2e-12}));
 }
 
@@ -115,7 +115,7 @@ TEST(Readings, KeepTheSurfaceThatATargetCovers) {
   expect_readings_of_separate_solutions(scene, 1e-2);
 }
 
-TEST(Readings, ChangesAreKnownBetterThanTheirParts) {
+TEST(ReadingsAtLength, ChangesAreKnownBetterThanTheirParts) {
   const MaxwellMatrix answer = maxwell(machine(), {.rtol = 1e-2}), finer = maxwell(machine(), {.rtol = 1e-4});
   for (std::size_t k = 0; k < answer.readings.size(); ++k) {
     const ReadingAnswer& reading = answer.readings[k];
@@ -125,7 +125,7 @@ TEST(Readings, ChangesAreKnownBetterThanTheirParts) {
   }
 }
 
-TEST(Readings, BoundTheSelfReadingsFromBelowAndNoOther) {
+TEST(ReadingsAtLength, BoundTheSelfReadingsFromBelowAndNoOther) {
   const MaxwellMatrix answer = maxwell(machine(), {.rtol = rtol});
   EXPECT_TRUE(answer.readings[0].value.lower && answer.readings[0].background.lower);
   EXPECT_FALSE(answer.readings[1].value.lower);
@@ -194,7 +194,7 @@ TEST(Readings, ThatNameNoConductorAreRefused) {
   }
 }
 
-TEST(Readings, OfAFloatingTargetAreThoseOfAGroundedOneForALargeCapacitor) {
+TEST(ReadingsAtLength, OfAFloatingTargetAreThoseOfAGroundedOneForALargeCapacitor) {
   const MaxwellMatrix grounded = maxwell(machine(), {.rtol = rtol});
   const MaxwellMatrix connected = maxwell(machine(Floating{1.0}), {.rtol = rtol});
   for (std::size_t k = 0; k < grounded.readings.size(); ++k)
@@ -227,4 +227,4 @@ TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

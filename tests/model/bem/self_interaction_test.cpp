@@ -12,7 +12,7 @@
 #include "bem/face_self_interaction.hpp"
 #include "bem/jacobi_basis.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 constexpr std::array<EdgeKind, 2> edge_kinds{EdgeKind::thin, EdgeKind::right_angle};
@@ -95,4 +95,4 @@ TEST(BoxSelfInteraction, IsPositiveDefiniteForFlatAndLongBoxes) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using detail::charged_bodies;
@@ -89,4 +89,4 @@ TEST(Simplification, OfMoreThanEverFitAnswersWithWhatItCosts) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 #include "bem/patch_distance.hpp"
 #include "geometry.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -52,7 +52,7 @@ double difference(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return (a - b).cwiseAbs().maxCoeff() / b.cwiseAbs().maxCoeff();
 }
 
-TEST(SingleLayerBlock, EqualsAProductRuleWithManyPoints) {
+TEST(SingleLayerBlockAtLength, EqualsAProductRuleWithManyPoints) {
   const ChargedFace below = face({0, 0, 0}, turn(0, {0, 0, 1}), 1, 0.7);
   for (const EdgeKind edge : {EdgeKind::thin, EdgeKind::right_angle})
     for (const double height : {0.6, 1.5, 6.0}) {
@@ -113,4 +113,4 @@ TEST(SegmentDistance, OfParallelAndOfPointlikeSegments) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fringe::cli {
+namespace fringe::cli::FRINGE_TEST_FILE {
 namespace {
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -37,4 +37,4 @@ TEST(Measured, WritesTheSmallestErrorsAsPowersOfTen) {
 }
 
 }  // namespace
-}  // namespace fringe::cli
+}  // namespace fringe::cli::FRINGE_TEST_FILE

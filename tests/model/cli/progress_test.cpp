@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fringe::cli {
+namespace fringe::cli::FRINGE_TEST_FILE {
 namespace {
 
 TEST(RemainingSeconds, AreThoseOfSolutionsThatGainAndTakeAsTheLastOne) {
@@ -23,4 +23,4 @@ TEST(RemainingSeconds, AreUnknownBeforeTwoSolutionsAndWhereNothingIsGained) {
 }
 
 }  // namespace
-}  // namespace fringe::cli
+}  // namespace fringe::cli::FRINGE_TEST_FILE

@@ -14,7 +14,7 @@
 #include "shape_pairs.hpp"
 #include "simd/dispatch.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -317,4 +317,4 @@ TEST(Overlap, IsNeverDeniedWhenVerticesAreShared) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -14,7 +14,7 @@
 #include "shape_pairs.hpp"
 #include "simd/dispatch.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Isometry3d;
@@ -310,4 +310,4 @@ TEST(ConvexShapes, RefuseWrongInputWithAReason) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -17,7 +17,7 @@
 #include "shape_pairs.hpp"
 #include "simd/dispatch.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -319,4 +319,4 @@ TEST(GjkDistance, RefusesEmptySetsAndVerticesThatAreNotFinite) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -12,7 +12,7 @@
 #include "linear_programme.hpp"
 #include "shape_pairs.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -188,4 +188,4 @@ TEST(GjkIntersects, RefusesWrongInputWithAReason) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -8,7 +8,7 @@
 #include "fringe/error.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -102,4 +102,4 @@ TEST(MeshDefects, CoordinatesThatAreNotFiniteAreRefused) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

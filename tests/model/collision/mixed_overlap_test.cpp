@@ -9,7 +9,7 @@
 
 /// Compares the overlap tests of bounding volumes of two kinds with the certified intersection test of the
 /// same shapes.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -124,4 +124,4 @@ TEST(MixedOverlap, IsTrueForTouchingVolumes) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -16,7 +16,7 @@
 #include "fringe/triangulation.hpp"
 #include "shape_pairs.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Isometry3d;
@@ -310,4 +310,4 @@ TEST(CollisionDetector, AgreesWithAllPairsOfTrianglesWhileLinksMove) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -10,7 +10,7 @@
 #include "shape_pairs.hpp"
 
 /// Tests distances of posed shapes against those of their vertices' hulls, which are computed exactly.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Isometry3d;
@@ -338,4 +338,4 @@ TEST(GjkDistance, IsAccurateForHugeAndTinyShapes) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

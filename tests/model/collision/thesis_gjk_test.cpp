@@ -5,7 +5,7 @@
 #include "fringe/thesis.hpp"
 #include "shape_pairs.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using test::Points;
@@ -53,4 +53,4 @@ TEST(ThesisGjk, RefusesAnEmptySetOfVertices) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -7,7 +7,7 @@
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 double own_capacitance(const Shape& shape) {
@@ -88,4 +88,4 @@ TEST(ChargedSurface, OfManyTrianglesHasClustersWithTheirArea) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -15,7 +15,7 @@
 #include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_evaluator.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -131,7 +131,7 @@ TEST(Recommended, IsTheFormulaWhereTheReducedMethodKnowsNothing) {
               felt(scene, Correction::formula).front().capacitance);
 }
 
-TEST(Recommended, IsTheReducedMethodsMutualOfOneBodyOfManyTriangles) {
+TEST(RecommendedAtLength, IsTheReducedMethodsMutualOfOneBodyOfManyTriangles) {
   Scene scene = before_sensor(0.1, Sphere{0.03, 12}, at(0.01, 0, 0.05));
   const double mutual = reduced_capacitance(scene, {1, std::nullopt}).mutual(0, 1);
   EXPECT_NEAR(felt(scene, Correction::recommended)[0].capacitance / mutual, 1, 1e-12);
@@ -226,4 +226,4 @@ TEST(Formula, DoesNotChangeWithTheUnitOfLength) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

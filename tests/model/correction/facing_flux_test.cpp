@@ -7,7 +7,7 @@
 
 #include "fringe/pose.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -72,4 +72,4 @@ TEST(FacingFlux, SideBySideInOnePlaneThereIsNone) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 TEST(MachinePotentials, ChangesHaveTheSameBitsForAnyNumberOfThreads) {
@@ -28,4 +28,4 @@ TEST(MachinePotentials, ChangesHaveTheSameBitsForAnyNumberOfThreads) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

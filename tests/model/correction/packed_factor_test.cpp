@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 /// Tests Cholesky's method in blocks against that in double precision.
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Index;
@@ -69,4 +69,4 @@ TEST(PackedFactor, TellsWhatIsNotPositiveDefinite) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

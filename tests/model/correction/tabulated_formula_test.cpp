@@ -10,7 +10,7 @@
 #include "fringe/pose.hpp"
 #include "fringe/reading.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Index;
@@ -126,4 +126,4 @@ TEST_F(TabulatedFormulaTest, IsGalerkinsAnswer) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -10,7 +10,7 @@
 #include "geometry.hpp"
 #include "geometry/median_split.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -93,4 +93,4 @@ TEST(BoxTree, GrowsAndShrinksWithWhatMoves) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

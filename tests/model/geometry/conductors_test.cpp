@@ -4,7 +4,7 @@
 
 #include "fringe/pose.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -42,4 +42,4 @@ TEST(Conductors, PlaceAnObjectByItsOwnPoseAndThenItsLinks) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

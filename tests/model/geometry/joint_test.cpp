@@ -9,7 +9,7 @@
 #include "fringe/error.hpp"
 #include "fringe/scene.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -78,4 +78,4 @@ TEST(Joint, CannotFollowItselfOrNothing) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

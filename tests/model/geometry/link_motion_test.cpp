@@ -5,7 +5,7 @@
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 Eigen::Isometry3d shifted(double x) {
@@ -87,4 +87,4 @@ TEST(LinkPoses, RefuseAnUnknownLinkAndCountNoChange) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -7,7 +7,7 @@
 
 #include "fringe/error.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using detail::defect_of_polygon;
@@ -86,4 +86,4 @@ TEST(Polygons, AreJudgedExactly) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

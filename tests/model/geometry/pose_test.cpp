@@ -7,7 +7,7 @@
 
 #include "fringe/error.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -77,4 +77,4 @@ TEST(SetPose, RefusesAnUnknownLink) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 Object object(const char* name, ElectricalRole role) {
@@ -55,4 +55,4 @@ TEST(Targets, AreThoseThatAreMarkedIfAnyIs) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

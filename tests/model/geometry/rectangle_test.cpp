@@ -7,7 +7,7 @@
 
 #include "fringe/error.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 TEST(Rectangle, IsValidWhenTheEdgesAreAtRightAngles) {
@@ -57,4 +57,4 @@ TEST(Rectangle, MustBeFinite) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -8,7 +8,7 @@
 
 #include "fringe/triangulation.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -71,4 +71,4 @@ TEST(SurfaceMesh, TakesFacesWithoutAreaAndCornersThatAreNoNumbers) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -6,7 +6,7 @@
 
 #include "fringe/triangulation.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 TEST(Triangle, TwiceAreaOfARightTriangleIsTheProductOfItsLegs) {
@@ -61,4 +61,4 @@ TEST(Triangle, AxisAlignedBoxHoldsEveryVertex) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

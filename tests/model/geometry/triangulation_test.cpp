@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -182,4 +182,4 @@ TEST(Triangulation, OfAMeshIsTheMesh) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -10,7 +10,7 @@
 #include "fringe/triangulation.hpp"
 #include "geometry.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -141,4 +141,4 @@ TEST(BatchIntegral, RefusesWhatIsWrongByName) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -17,7 +17,7 @@
 
 /// Compares the batch kernels of every instruction set that the machine can run with the code for single
 /// triangles.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using namespace detail;
@@ -271,4 +271,4 @@ TEST(ExcessPolynomials, EqualTheSeries) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

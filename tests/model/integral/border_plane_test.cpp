@@ -6,7 +6,7 @@
 #include "geometry.hpp"
 
 /// Tests triangles in the plate's border planes, where rounding decides on which side a vertex lies.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -40,4 +40,4 @@ TEST(PlateIntegralOnThePlate, DivergesOnTheFarEdgeOfAnyLength) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

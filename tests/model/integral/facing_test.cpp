@@ -8,7 +8,7 @@
 
 #include "geometry.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -123,4 +123,4 @@ TEST(Sight, OfAConvexBodyHasOneSideOnly) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

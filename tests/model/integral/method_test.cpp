@@ -7,7 +7,7 @@
 
 #include "fringe/error.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 TEST(Method, IsReadFromItsText) {
@@ -50,4 +50,4 @@ INSTANTIATE_TEST_SUITE_P(Texts, RefusedMethod,
                                          "boundary-elements:3", "split:99999999999999999999"));
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

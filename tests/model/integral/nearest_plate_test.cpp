@@ -11,7 +11,7 @@
 #include "geometry/triangle_slices.hpp"
 #include "integral/nearest_nodes.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -279,4 +279,4 @@ TEST(NearestNodes, OfOnePlateAreTheMethods) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

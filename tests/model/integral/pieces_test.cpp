@@ -7,7 +7,7 @@
 
 #include "geometry.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -62,4 +62,4 @@ TEST(Pieces, AddUpToTheTriangleAndLieInTheirCellsWhateverRoundingSaysOfBorders) 
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

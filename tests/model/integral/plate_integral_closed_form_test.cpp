@@ -8,7 +8,7 @@
 
 /// Tests integrals with elementary closed forms, which are derived beside the code. The plate is 0 ≤ x ≤ 3, 0
 /// ≤ y ≤ 2, z = 0.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using test::parallelogram;
@@ -112,4 +112,4 @@ TEST(PlateIntegralAcrossRegions, OfAPlateLargerThanTheSensorIsTheSumOverTheNineC
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -13,7 +13,7 @@
 #include "integral/derivative/plate_wrench.hpp"
 
 /// Tests the derivatives of the integral with respect to the triangle's pose.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -200,4 +200,4 @@ TEST(PlateIntegralDerivatives, RefuseWhatTheIntegralRefuses) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -10,7 +10,7 @@
 #include "geometry.hpp"
 
 /// Compares the numerical methods with the exact one, and tests the arguments that every method refuses.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 const Rectangle plate{{0, 0, 0}, {1, 0, 0}, {0, 0.8, 0}};
@@ -109,4 +109,4 @@ TEST(EveryMethod, RefusesAPlateThatIsNoRectangle) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

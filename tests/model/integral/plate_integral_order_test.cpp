@@ -13,7 +13,7 @@
 /// Tests triangles that, up to rounding, touch a rotated plate or lie in its plane or in a border plane.
 /// Rounding decides whether they are in contact, and the decision must not depend on which vertex comes
 /// first.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -141,4 +141,4 @@ TEST(PlateIntegralAtATurnedPlate, IsAtLeastThatOfTheTriangleMovedAwayByMoreThanR
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

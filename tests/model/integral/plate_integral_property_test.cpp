@@ -8,7 +8,7 @@
 #include "geometry.hpp"
 
 /// Tests properties that hold for any triangle.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -124,4 +124,4 @@ TEST(PlateIntegral, OfManyTrianglesIsThatOfEach) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 
 /// Tests triangles at which formulas may fail: without area, on the plate, in a plane between two regions,
 /// thin, or nearly parallel to the plate.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -193,4 +193,4 @@ TEST(PlateIntegral, IsANumberNextToEveryFeatureOfThePlate) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

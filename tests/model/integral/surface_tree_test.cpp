@@ -17,7 +17,7 @@
 #include "integral/tree/build.hpp"
 #include "integral/tree/node_bound.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -397,4 +397,4 @@ TEST(SurfaceTree, BoundDoesNotDependOnTheUnitOfLength) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

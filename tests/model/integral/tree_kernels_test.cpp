@@ -13,7 +13,7 @@
 
 #include "instruction_sets.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 std::vector<double> random_numbers(std::size_t count, unsigned seed) {
@@ -94,4 +94,4 @@ INSTANTIATE_TEST_SUITE_P(InstructionSets, TreeKernelsTest, testing::ValuesIn(ava
                          test::name_of_set);
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

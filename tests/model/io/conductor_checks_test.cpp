@@ -9,7 +9,7 @@
 #include "fringe/error.hpp"
 #include "temporary_folder.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using testing::EndsWith;
@@ -197,4 +197,4 @@ TEST_F(ConductorChecks, ListsTenNamesAtMost) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -10,7 +10,7 @@
 #include "fringe/error.hpp"
 #include "temporary_folder.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -197,4 +197,4 @@ TEST_F(MeshFile, OfRandomBytesIsRefused) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

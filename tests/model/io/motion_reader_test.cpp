@@ -11,7 +11,7 @@
 #include "fringe/scene_reader.hpp"
 #include "temporary_folder.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -157,4 +157,4 @@ TEST_F(MotionReader, FindsAFrameByItsNameElseByItsNumber) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -13,7 +13,7 @@
 #include "fringe/error.hpp"
 #include "temporary_folder.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -122,4 +122,4 @@ TEST_F(PreparedFilesTest, AValueIsPreparedOnce) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

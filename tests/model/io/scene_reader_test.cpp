@@ -11,7 +11,7 @@
 #include "fringe/reading.hpp"
 #include "temporary_folder.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -531,4 +531,4 @@ const std::vector<BadScene> bad_scenes{
 INSTANTIATE_TEST_SUITE_P(Texts, BadSceneFile, testing::ValuesIn(bad_scenes));
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

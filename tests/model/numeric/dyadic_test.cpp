@@ -7,7 +7,7 @@
 
 #include "geometry.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 constexpr double largest = std::numeric_limits<double>::max(),
@@ -58,4 +58,4 @@ TEST(Dyadic, ScalesAVectorToADirection) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

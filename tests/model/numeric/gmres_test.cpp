@@ -5,7 +5,7 @@
 
 #include "numeric/gmres.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::MatrixXd;
@@ -44,4 +44,4 @@ TEST(Gmres, ReturnsNothingIfTheStepsDoNotSuffice) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 
 #include "fringe/interruption.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using detail::parallel_for;
@@ -44,4 +44,4 @@ TEST(ParallelFor, EndsWhenTheCallingThreadIsInterrupted) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 
 #include "reduced/charge_skeleton.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -103,4 +103,4 @@ TEST(ChargeSkeleton, CloseToTheBodyKeepsTheChargeSoThatErrorsCancelFarAway) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

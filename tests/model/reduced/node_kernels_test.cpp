@@ -14,7 +14,7 @@
 #include "instruction_sets.hpp"
 #include "reduced/node_rules.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Index;
@@ -219,4 +219,4 @@ INSTANTIATE_TEST_SUITE_P(InstructionSets, NodeKernelsTest, testing::ValuesIn(ava
                          test::name_of_set);
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

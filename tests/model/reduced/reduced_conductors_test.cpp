@@ -16,7 +16,7 @@
 #include "random_poses.hpp"
 #include "reduced/arrangement.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::MatrixXd;
@@ -86,11 +86,11 @@ void expect_charges(const MaxwellMatrix& answer, const MaxwellMatrix& truth, dou
   }
 }
 
-TEST(ReducedConductors, OfTouchingBoxesAnswerAsOneMesh) {
+TEST(ReducedConductorsAtLength, OfTouchingBoxesAnswerAsOneMesh) {
   expect_the_clean_answer({foot, leg}, {.steps = 1, .rtol = {}});
 }
 
-TEST(ReducedConductors, OfOverlappingBoxesAnswerAsOneMesh) {
+TEST(ReducedConductorsAtLength, OfOverlappingBoxesAnswerAsOneMesh) {
   expect_the_clean_answer({foot, box("leg", {0, 0, 0}, {2, 5, 2})}, {.steps = 1, .rtol = {}});
 }
 
@@ -103,11 +103,11 @@ TEST(ReducedConductors, DoNotDependOnTheOrientationOfTrianglesNorOnDuplicates) {
   expect_the_clean_answer({angle(triangles)}, loose);
 }
 
-TEST(ReducedConductors, DoNotDependOnTJunctions) {
+TEST(ReducedConductorsAtLength, DoNotDependOnTJunctions) {
   expect_the_clean_answer({angle(test::with_t_junctions(angle_piece()))}, loose);
 }
 
-TEST(ReducedConductors, OfMeshesThatCrossAnswerAsOneMesh) {
+TEST(ReducedConductorsAtLength, OfMeshesThatCrossAnswerAsOneMesh) {
   expect_the_clean_answer({angle(test::crossing_boxes())}, loose);
 }
 
@@ -280,4 +280,4 @@ TEST(ReducedConductors, OfTooManyTrianglesTogetherAreRefusedByName) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -10,7 +10,7 @@
 #include "fringe/error.hpp"
 #include "fringe/reduced_capacitance.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Isometry3d;
@@ -77,7 +77,7 @@ TEST(ReducedInsulators, ACoveredSensorAnswersAMovingHandAsBoundaryElementsDo) {
   }
 }
 
-TEST(ReducedInsulators, ALayerOfTheMediumChangesNothing) {
+TEST(ReducedInsulatorsAtLength, ALayerOfTheMediumChangesNothing) {
   Scene scene = covered_sensor(1);
   const MaxwellMatrix covered = reduced_capacitance(scene, quickly_prepared);
   scene.objects.erase(scene.objects.begin());
@@ -85,7 +85,7 @@ TEST(ReducedInsulators, ALayerOfTheMediumChangesNothing) {
   expect_agreement(covered, bare);
 }
 
-TEST(ReducedInsulators, AnInsulatingTargetIsABodyWithoutFreeCharge) {
+TEST(ReducedInsulatorsAtLength, AnInsulatingTargetIsABodyWithoutFreeCharge) {
   Scene scene = covered_sensor(4);
   scene.objects[1].role = Dielectric{10};
   scene.objects[1].target = true;
@@ -114,4 +114,4 @@ TEST(ReducedInsulators, WhatTouchesSeveralConductorsOrAnotherLinkIsRefusedByName
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -18,7 +18,7 @@
 #include "reduced/body_gap.hpp"
 #include "reduced/prepared_mesh.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Isometry3d;
@@ -112,7 +112,7 @@ TEST(ReducedMeshes, TheStatedErrorCoversThatOfABoxInRandomPoses) {
   }
 }
 
-TEST(ReducedMeshes, SeveralBodiesTogether) {
+TEST(ReducedMeshesAtLength, SeveralBodiesTogether) {
   Scene scene = above_sensor(Sphere{0.02, 12}, at(-0.02, 0, 0.035));
   scene.objects.push_back(object("cylinder", Cylinder{0.015, 0.05, 12}, at(0.05, 0.01, 0.05)));
   scene.objects.push_back(object("box", Cuboid{0.03, 0.04, 0.02}, at(0, 0.07, 0.04), Floating{}));
@@ -201,4 +201,4 @@ TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

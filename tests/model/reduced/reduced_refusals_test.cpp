@@ -11,7 +11,7 @@
 #include "fringe/error.hpp"
 #include "fringe/reduced_capacitance.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using test::at;
@@ -65,4 +65,4 @@ TEST(ReducedRefusals, OptionsOutOfRange) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

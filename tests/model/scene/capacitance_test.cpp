@@ -12,7 +12,7 @@
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -399,4 +399,4 @@ TEST(Capacitance, KnowsOnlyGroundedConductors) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 #include "fringe/pose.hpp"
 
 /// The readings by the formula in company (model/CORRECTIONS.md, section 8).
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 constexpr const char* in_company = "formula in company";
@@ -161,7 +161,7 @@ TEST(FormulaInCompany, AnswersAMotionAsItsFrames) {
   EXPECT_EQ(changes(live.readings_of(motion, by_formula, 2)), changes(one_by_one));
 }
 
-TEST(FormulaInCompany, AnswersAMotionWithTheSameBitsForAnyNumberOfThreads) {
+TEST(FormulaInCompanyAtLength, AnswersAMotionWithTheSameBitsForAnyNumberOfThreads) {
   const Scene scene = machine(0.02);
   EvaluationOptions options = by_formula;
   options.rtol = 5e-2;
@@ -257,4 +257,4 @@ TEST(FormulaInCompany, AnswersForRecommendedToTheAccuracyThatIsGiven) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 #include "fringe/pose.hpp"
 #include "fringe/reduced_capacitance.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using testing::AllOf;
@@ -204,4 +204,4 @@ TEST(RecommendedMethod, RefusesWhatAllMethodsRefuseWithTheReasons) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

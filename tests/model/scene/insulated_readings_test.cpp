@@ -11,7 +11,7 @@
 #include "fringe/remarks.hpp"
 
 /// Covers and dielectric targets by the triangle integrals and the formula (model/CORRECTIONS.md, section 9).
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using ::testing::HasSubstr;
@@ -163,4 +163,4 @@ TEST(Remarks, APermittivityBelowOneIsRemarkedOn) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

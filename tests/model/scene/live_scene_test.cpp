@@ -7,7 +7,7 @@
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 Eigen::Isometry3d shifted(double x, double y, double z) {
@@ -129,4 +129,4 @@ TEST(LiveScene, RefusesAnUnknownLinkAndAnswersOn) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -13,7 +13,7 @@
 
 /// The formula in company, at an accuracy, on machines whose links move against each other
 /// (model/CORRECTIONS.md, section 8, "Links that move").
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 const EvaluationOptions to_accuracy{
@@ -88,7 +88,7 @@ std::vector<ReadingAnswer> alone(const Scene& scene, const Frame& frame, const E
   return live.evaluate(options).readings;
 }
 
-TEST(MovingMachine, IsNearBoundaryElementsInEveryPose) {
+TEST(MovingMachineAtLength, IsNearBoundaryElementsInEveryPose) {
   const Scene scene = arm();
   const std::vector<Frame> frames = motion(scene);
   LiveScene live(scene);
@@ -116,7 +116,7 @@ TEST(MovingMachine, AnswersAsTheSceneByItself) {
   expect_within_stated(live.evaluate(to_accuracy).readings, known);
 }
 
-TEST(MovingMachine, HasTheSameBitsForAnyNumberOfThreads) {
+TEST(MovingMachineAtLength, HasTheSameBitsForAnyNumberOfThreads) {
   const Scene scene = arm();
   const std::vector<Frame> frames = motion(scene);
   LiveScene one(scene), two(scene);
@@ -202,4 +202,4 @@ TEST(MovingMachine, RefusesContactOfLinksAtDifferentPotentials) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

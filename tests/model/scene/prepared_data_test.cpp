@@ -13,7 +13,7 @@
 #include "temporary_folder.hpp"
 
 /// Tests that preparations of the formula in company are kept in a folder and found again.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 namespace fs = std::filesystem;
@@ -132,4 +132,4 @@ TEST(PreparedDataOption, IsRefusedWhereNothingIsKept) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -13,7 +13,7 @@
 #include "fringe/evaluation.hpp"
 #include "fringe/live_scene.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using test::at;
@@ -207,4 +207,4 @@ TEST(ReadingsByTheReducedMethod, TakeACapacitanceToTheGround) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -9,7 +9,7 @@
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using testing::ElementsAre;
@@ -133,4 +133,4 @@ TEST(Remarks, NameObjectsThatShieldOthersWhereTheMethodDoesNotKnowIt) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

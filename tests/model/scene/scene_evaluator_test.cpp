@@ -10,7 +10,7 @@
 #include "fringe/scene_info.hpp"
 #include "geometry.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -182,4 +182,4 @@ TEST(SceneEvaluator, RefusesToCorrectWhatHasNoArea) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

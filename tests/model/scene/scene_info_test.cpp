@@ -4,7 +4,7 @@
 
 #include "fringe/pose.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 TEST(SceneInfo, CountsAndMeasuresTheObjectsInTheWorld) {
@@ -34,4 +34,4 @@ TEST(SceneInfo, CountsAndMeasuresTheObjectsInTheWorld) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

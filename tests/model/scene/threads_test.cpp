@@ -16,7 +16,7 @@
 
 /// Checks that no mutable state is shared: threads that evaluate simultaneously get bit-identical results to
 /// one thread alone. tests/clean/run threads checks the same with the thread sanitizer.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 /// Returns a scene with a sensor of one plate and a distance sensor on an arm, and a ball and a box that
@@ -117,4 +117,4 @@ INSTANTIATE_TEST_SUITE_P(Of, Threads,
                          testing::Values(integrals, corrections_of_a_box, charges, collisions_and_distances));
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

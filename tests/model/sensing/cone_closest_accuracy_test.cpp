@@ -6,7 +6,7 @@
 #include "sensed_triangles.hpp"
 
 /// Compares the results for every class of triangles with a convex programme solved in 100 digits.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using test::ProgrammeAnswer;
@@ -72,4 +72,4 @@ TEST(ConeClosestWidening, IsBelowNotice) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -11,7 +11,7 @@
 #include "geometry.hpp"
 #include "sensing/precise_cone.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -254,4 +254,4 @@ TEST(PreciseCone, HasSineAndCosineToThirtyDigits) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -14,7 +14,7 @@
 #include "sensing/cone_shape.hpp"
 
 /// Tests the collision test of the cone with which whole objects are skipped.
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::AlignedBox3d;
@@ -111,4 +111,4 @@ TEST(ConeShape, SparesMoreThanThePlanesDo) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -9,7 +9,7 @@
 #include "fringe/pose.hpp"
 #include "geometry.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -108,4 +108,4 @@ TEST(SceneSensing, SaysWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

@@ -6,7 +6,7 @@
 #include "geometry.hpp"
 
 /// Checks that the tree's answers are bit-identical to those of a search over all triangles.
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -105,4 +105,4 @@ TEST(SensedSurface, MayBeEmpty) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

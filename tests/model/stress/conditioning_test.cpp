@@ -12,7 +12,7 @@
 
 /// Compares the conditioning, which comes from derivatives, with the change that a unit in the last place
 /// really causes.
-namespace fringe::stress {
+namespace fringe::stress::FRINGE_TEST_FILE {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
@@ -65,4 +65,4 @@ INSTANTIATE_TEST_SUITE_P(Classes, Conditioning,
                          });
 
 }  // namespace
-}  // namespace fringe::stress
+}  // namespace fringe::stress::FRINGE_TEST_FILE

@@ -5,7 +5,7 @@
 #include "truth.hpp"
 
 /// Tests the quadrature on integrals with known values.
-namespace fringe::stress {
+namespace fringe::stress::FRINGE_TEST_FILE {
 namespace {
 
 const Rectangle plate{{0, 0, 0}, {2, 0, 0}, {0, 1, 0}};
@@ -56,4 +56,4 @@ TEST(Truth, IsFiniteWhereATriangleBesideThePlateTouchesItsEdgeInOnePoint) {
 }
 
 }  // namespace
-}  // namespace fringe::stress
+}  // namespace fringe::stress::FRINGE_TEST_FILE
