@@ -21,6 +21,8 @@ from tests.analysis.nightly.kill_cluster_nights import (
 )
 from tests.analysis.nightly.toy_repository import ToyRepository
 
+pytestmark = pytest.mark.night
+
 INTERRUPTED = 130
 
 

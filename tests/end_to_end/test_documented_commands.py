@@ -1,7 +1,6 @@
 """Every command that README and notes give is run: small here, or by the test that is named.
 
-The test fails for a command that is not in the table and for one of the table that nothing gives. `FRINGE_LONG_TESTS=1` runs them as they
-are written, and those of minutes, too.
+The test fails for a command that is not in the table and for one of the table that nothing gives. Commands are run by night.
 """
 
 from __future__ import annotations
@@ -17,7 +16,6 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-LONG = "FRINGE_LONG_TESTS" in os.environ
 HAND = "analysis/documentation/hand.toml"
 README, INSTALL = "end_to_end/test_readme.py", "packaging/test_install.py"
 OPTIONS, IMPORT, RUN = (
@@ -203,27 +201,29 @@ def test_a_command_has_its_test(command: str) -> None:
     assert word in command and word.removeprefix("./") in text
 
 
+@pytest.mark.parametrize("command", {**SMALL, **MINUTES})
+def test_a_command_of_a_module_has_it(command: str) -> None:
+    if command.startswith("python3 -m "):
+        module = ROOT / command.split()[2].replace(".", "/")
+        assert module.with_suffix(".py").is_file() or (module / "__main__.py").is_file()
+
+
+@pytest.mark.night
 @pytest.mark.parametrize("command", SMALL)
 def test_a_command_works(tmp_path: Path, command: str) -> None:
-    small = command if LONG and "SCENE" not in command and "FOLDER" not in command else SMALL[command]
     if "convert" in command:
         import meshio
 
         meshio.write(
             tmp_path / "in.vtu", meshio.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [("triangle", [[0, 1, 2]])])
         )
-        small = SMALL[command]
-    run(small.replace("{out}", shlex.quote(str(tmp_path))))
+    run(SMALL[command].replace("{out}", shlex.quote(str(tmp_path))))
 
 
+@pytest.mark.night
 @pytest.mark.parametrize("command", MINUTES)
 def test_a_command_of_minutes_works(command: str) -> None:
-    if LONG:
-        run(MINUTES[command])
-    elif command.startswith("python3 -m "):
-        assert (ROOT / f"{command.split()[2].replace('.', '/')}.py").is_file()
-    else:
-        assert os.access(ROOT / command.split()[0], os.X_OK)
+    run(MINUTES[command])
 
 
 def run(command: str) -> None:
@@ -233,5 +233,5 @@ def run(command: str) -> None:
     assert shutil.which(words[0], path=f"{ROOT}:{os.environ['PATH']}") or (ROOT / words[0]).is_file(), words[
         0
     ]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=7200 if LONG else 600)
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=3600)
     assert done.returncode == 0 and (done.stdout or done.stderr), done.stderr

@@ -7,6 +7,7 @@ import subprocess
 from pathlib import Path
 
 import numpy as np
+import pytest
 
 from analysis.pipeline.model_stage import model_module
 from fem_reference.answer.reference import solve_conductors
@@ -42,6 +43,7 @@ drive = ["triangle"]
 """
 
 
+@pytest.mark.night
 def test_boundary_elements_and_the_field_solver_agree_on_polygons(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(SCENE)

@@ -31,6 +31,7 @@ def test_a_folder_named_like_ours_where_the_user_stands_is_not_taken_for_ours(tm
         (
             "./run",
             [
+                "run default",
                 "errors",
                 "corrections",
                 "company",
@@ -49,7 +50,34 @@ def test_what_it_asks_of_the_analysis(tmp_path: Path, given: str, asked: list[st
     folder = empty_repository(tmp_path, "cmake", "em++")
     printed = run_in(folder, given, f"{folder}:{os.environ['PATH']}")
     assert re.findall(r"asked: (.*)", printed) == asked
-    assert "cmake --preset browser" in (folder / "build-browser" / "build.log").read_text()
+    browsers = folder / "build-browser" / "build.log"
+    assert browsers.is_file() == ("live sensor_head" in asked)
+    assert not browsers.is_file() or "cmake --preset browser" in browsers.read_text()
+
+
+def test_the_report_is_told_before_anything_is_built_that_it_does_not_need(tmp_path: Path) -> None:
+    folder = empty_repository(tmp_path, "cmake", "em++")
+    printed = run_in(folder, "./run", f"{folder}:{os.environ['PATH']}")
+    told = [
+        "Building product",
+        "asked: run default",
+        "results/default/report.html",
+        "Still to come",
+        "Building measurements",
+    ]
+    places = [printed.index(words) for words in [*told, "for browsers"]]
+    assert places == sorted(places)
+
+
+def test_only_what_is_named_is_prepared(tmp_path: Path) -> None:
+    folder = empty_repository(tmp_path, "cmake", "em++")
+    log = folder / "build" / "build.log"
+    for words, built in (("", "product"), ("product test_programs", "product test_programs")):
+        printed = run_in(folder, f"./run --prepare {words}", f"{folder}:{os.environ['PATH']}")
+        assert f"--target {built}\n" in log.read_text() and "asked:" not in printed
+    assert not (folder / "build-browser").exists()
+    run_in(folder, "./run --prepare browser", f"{folder}:{os.environ['PATH']}")
+    assert (folder / "build-browser" / "build.log").is_file()
 
 
 def test_without_emscripten_it_says_that_there_is_no_live_page(tmp_path: Path) -> None:

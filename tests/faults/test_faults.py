@@ -16,6 +16,7 @@ def study(tmp_path_factory: pytest.TempPathFactory) -> Study:
     return prepare(tmp_path_factory.mktemp("disturbed studies"))
 
 
+@pytest.mark.night
 @pytest.mark.parametrize("kind", ["interrupted"])
 def test_nothing_is_lost_it_is_told_and_the_next_run_completes(study: Study, kind: str) -> None:
     tally = disturb(study, kind, rounds=1, seed=1)

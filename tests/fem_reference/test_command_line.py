@@ -58,6 +58,7 @@ def test_json_is_one_document_with_the_whole_answer(scene: Path) -> None:
     assert 0 < change["value"] < maxwell[0, 0] and change["error"] <= 1e-3 * change["value"]
 
 
+@pytest.mark.night
 def test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used(scene: Path) -> None:
     short = ("--json", "--error", "estimate", "--max-unknowns", "1000")
     half, whole = (json.loads(command(scene, *short, *more).stdout) for more in ((), ("--no-symmetry",)))

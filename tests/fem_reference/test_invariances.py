@@ -13,7 +13,9 @@ NUMBERS = (8, 16, 9, 10, 51, 93, 21, 30, 22, 31, 15, 68)
 SEED = 1
 
 
-@pytest.mark.parametrize("number", NUMBERS)
+@pytest.mark.parametrize(
+    "number", [*NUMBERS[:2], *(pytest.param(number, marks=pytest.mark.night) for number in NUMBERS[2:])]
+)
 def test_answers_that_have_to_agree_do(number: int, tmp_path: Path) -> None:
     scene = random_scene(number, SEED, written_prism(tmp_path / "prism.obj"))
     found = compared(scene, number, tmp_path)

@@ -9,6 +9,8 @@ import pytest
 
 from tests.packaging.conftest import BUILD, ROOT
 
+pytestmark = pytest.mark.night
+
 
 @pytest.fixture(scope="module")
 def package(tmp_path_factory: pytest.TempPathFactory) -> Path:

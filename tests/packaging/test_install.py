@@ -13,6 +13,8 @@ import pytest
 
 from tests.packaging.conftest import BUILD, ROOT, SCENE, files_of
 
+pytestmark = pytest.mark.night
+
 CONSUMER = Path(__file__).with_name("consumer")
 # Only what is installed, wherever the user stands: nothing of the repository is on a path.
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 import math
 import os
 import re
@@ -10,6 +12,8 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from tests.packaging.conftest import BUILD, ROOT, files_of
+
+pytestmark = pytest.mark.night
 
 TUTORIAL = (ROOT / "analysis/documentation/tutorial.md").read_text(encoding="utf-8")
 BLOCK = re.compile(r"```sh\n(.*?)```(?:\n\n```text\n(.*?)```)?", re.DOTALL)

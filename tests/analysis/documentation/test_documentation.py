@@ -32,6 +32,7 @@ def test_the_scene_of_the_examples_is_the_readmes() -> None:
     assert (PAGES / "hand.toml").read_text(encoding="utf-8") in readme
 
 
+@pytest.mark.night
 def test_the_site_is_made_without_a_warning(tmp_path: Path) -> None:
     first = make.build(tmp_path / "site")
     pages = {path.stem for path in (first.parent / "algorithms").glob("*.html")}

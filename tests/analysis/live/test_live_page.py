@@ -17,9 +17,11 @@ from geometries.common.installation import page_library
 from geometries.scene import poses, reader
 from tests.analysis.live.browser import Browser, is_missing
 
+pytestmark = pytest.mark.night
+
 if not page_library().is_file():
     pytest.skip(
-        f"{page_library()} is missing: ./run --prepare builds it where emscripten is installed",
+        f"{page_library()} is missing: ./run --prepare browser builds it where emscripten is installed",
         allow_module_level=True,
     )
 if is_missing():

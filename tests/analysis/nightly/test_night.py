@@ -75,6 +75,7 @@ def test_two_methods_that_disagree_fail_the_night_and_are_told_first(toy: ToyRep
     assert "values of the two references disagree" in head and 'href="report/cross_check.html"' in head
 
 
+@pytest.mark.night
 def test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way(tmp_path: Path) -> None:
     tally = kill_nights(tmp_path, kills=2, seed=7)
     assert tally.kills == 2 and tally.studies >= 1

@@ -54,6 +54,7 @@ def test_the_records_are_of_these_set_ups_as_they_are_today() -> None:
             assert 0 < quantity.error < LARGEST_ERROR * quantity.value
 
 
+@pytest.mark.night
 def test_boundary_elements_agree_with_every_record(tmp_path: Path) -> None:
     records = field_check.load()
     recorded = [each for each in chosen() if each.identity in records]

@@ -107,6 +107,7 @@ def test_company_lowers_what_a_hand_changes() -> None:
     assert all(housed[name] < alone[name] for name in CANDIDATES)
 
 
+@pytest.mark.night
 def test_the_table_of_the_notes_is_the_one_computed() -> None:
     grounded = [each for each in all_set_ups() if each.ground == GROUNDED]
     notes = Path("model/CORRECTIONS.md").read_text(encoding="utf-8")

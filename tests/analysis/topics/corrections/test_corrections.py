@@ -162,6 +162,7 @@ def test_the_constants_are_those_of_the_code_and_of_the_fit(
         assert constant == pytest.approx(float(code[name]), rel=FITTED_TO), name
 
 
+@pytest.mark.night
 def test_shapes_and_large_targets_are_those_computed(text: str) -> None:
     assert shapes.sentence(shapes.errors(model_module())) in text
     large = large_targets.measured(model_module())
