@@ -16,6 +16,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import DEADLINE
+
 ROOT = Path(__file__).resolve().parents[2]
 LONG = "FRINGE_LONG_TESTS" in os.environ
 HAND = "analysis/documentation/hand.toml"
@@ -233,5 +235,5 @@ def run(command: str) -> None:
     assert shutil.which(words[0], path=f"{ROOT}:{os.environ['PATH']}") or (ROOT / words[0]).is_file(), words[
         0
     ]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=7200 if LONG else 600)
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=7200 if LONG else DEADLINE)
     assert done.returncode == 0 and (done.stdout or done.stderr), done.stderr
