@@ -292,7 +292,7 @@ def test_row_24_ctrl_c_ends_boundary_elements(place: Place) -> None:
         '"cuboid", size = [0.08, 0.1, 0.02]', '"cylinder", radius = 0.05, height = 0.3, segments = 24'
     )
     name = place.write(SENSOR + round_hand.replace("0.06]", "0.16]"))
-    words = [FRINGE, "capacitance", name, "--method", "boundary-elements", "--rtol", "1e-5"]
+    words = [FRINGE, "capacitance", name, "--method", "boundary-elements", "--rtol", "1e-6"]
     with subprocess.Popen(
         words, cwd=place.folder, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as running:

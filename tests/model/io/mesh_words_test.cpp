@@ -39,11 +39,11 @@ TEST(MeshWords, AreWholeNumbersOrRefused) {
 }
 
 TEST(MeshWords, AreQuotedSoThatTheyCanBePrinted) {
-  EXPECT_EQ(quoted("f"), "'f'");
-  const std::string strange = quoted(std::string("\x1b[31m\0\xff", 7));
+  EXPECT_EQ(detail::quoted("f"), "'f'");
+  const std::string strange = detail::quoted(std::string("\x1b[31m\0\xff", 7));
   for (const char letter : strange)
     EXPECT_TRUE(letter >= ' ' && letter <= '~') << strange;
-  EXPECT_LT(quoted(std::string(1000, 'a')).size(), 60U);
+  EXPECT_LT(detail::quoted(std::string(1000, 'a')).size(), 60U);
 }
 
 /// Spoils some bytes of a text.
