@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -24,3 +25,9 @@ def has_ended(process: int | str) -> bool:
         return not Path(f"/proc/{process}/cmdline").read_bytes()
     except (FileNotFoundError, ProcessLookupError):
         return True
+
+
+def aged(path: Path) -> int:
+    """Puts the last change of a file into the past, so that the next one has another time however coarse the clock is; returns it in ns."""
+    os.utime(path, ns=(10**18, 10**18))
+    return path.stat().st_mtime_ns
