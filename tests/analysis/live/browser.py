@@ -10,6 +10,7 @@ import subprocess
 import time
 import urllib.error
 import urllib.request
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
@@ -149,7 +150,9 @@ def wait_for(browser: Browser, script: str, value: Any) -> Any:
     """Waits until a script returns the value and the live page has answered; returns how long its first answers took, ms."""
     end = time.monotonic() + DEADLINE
     while time.monotonic() < end:
-        if browser.run(script) == value and (found := browser.run(_READY)):
-            return found
+        # A page that is being read anew may refuse to run a script.
+        with suppress(RuntimeError):
+            if browser.run(script) == value and (found := browser.run(_READY)):
+                return found
         time.sleep(0.05)
     raise AssertionError(f"the page does not answer: {browser.complaints()}")
