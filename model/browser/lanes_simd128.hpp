@@ -32,7 +32,15 @@ struct Simd128 {
 
   Simd128() = default;
   Simd128(Raw raw) : value(raw) {}  // NOLINT(google-explicit-constructor): as xsimd::batch does
-  Simd128(Number number) : value(Raw{} + number) {}  // NOLINT(google-explicit-constructor)
+  Simd128(Number number) : value(Raw{} + not_loaded(number)) {}  // NOLINT(google-explicit-constructor)
+
+  /// Returns the number, hiding from the compiler that it was loaded from memory: LLVM 14 folds the load of a
+  /// number and its copying to all lanes into an instruction that it moves behind later stores.
+  static Number not_loaded(Number number) {
+    if (!__builtin_constant_p(number))
+      asm("" : "+r"(number));
+    return number;
+  }
 
   static Simd128 load_unaligned(const Number* from) {
     Raw raw;

@@ -12,6 +12,7 @@ import pytest
 from fem_reference.__main__ import main
 from tests.bad_input import meshes, places, texts
 from tests.bad_input.case import Case
+from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
 UNSOLVABLE = [case for case in meshes.cases() if case.unsolvable]
@@ -67,5 +68,5 @@ def _assert_refused(
 def test_the_command_itself(tmp_path: Path, case: Case) -> None:
     scene = case.make(tmp_path)
     command = [sys.executable, "-m", "fem_reference", str(scene)]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=DEADLINE)
     _assert_told(done.returncode, done.stdout, done.stderr, scene, case.place or "")

@@ -11,6 +11,7 @@ import pytest
 from analysis.pipeline import model_stage
 from geometries.scene import reader
 from geometries.scene.scene import Scene
+from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
 SINGLE_PRECISION = 2e-7
@@ -25,7 +26,7 @@ def fringe_import(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
         "import",
         *arguments,
     ]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
 
 
 def imported(source: Path, *options: str | Path, warnings: str = "") -> Scene:

@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from tests.waiting import DEADLINE
+
 ROOT = Path(__file__).resolve().parents[2]
 ARM = ROOT / "geometries" / "scenes" / "x_ray_arm.toml"
 # A sphere of so many triangles is evaluated in batches by several threads.
@@ -53,7 +55,7 @@ def answer(words: list[str], scene: Path, processors: set[int]) -> dict[str, Any
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, processors)
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=60)
+        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=DEADLINE)
     finally:
         os.sched_setaffinity(0, before)
     document: dict[str, Any] = json.loads(done.stdout)

@@ -15,6 +15,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import DEADLINE
+
 ROOT = Path(__file__).resolve().parents[2]
 HAND = "analysis/documentation/hand.toml"
 README, INSTALL = "end_to_end/test_readme.py", "packaging/test_install.py"
@@ -233,5 +235,5 @@ def run(command: str) -> None:
     assert shutil.which(words[0], path=f"{ROOT}:{os.environ['PATH']}") or (ROOT / words[0]).is_file(), words[
         0
     ]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=3600)
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=DEADLINE)
     assert done.returncode == 0 and (done.stdout or done.stderr), done.stderr

@@ -14,6 +14,7 @@ import pytest
 
 from tests.end_to_end.importing import ROOT, fringe_import
 from tests.scenes import GUARDED_SENSOR
+from tests.waiting import DEADLINE
 
 # A sensor of two plates before a guard, a hand of two bodies that touch, and a floating foil.
 SCENE = """
@@ -88,7 +89,7 @@ def scene(tmp_path: Path) -> Path:
 
 def export(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     command = [ROOT / "build/bin/fringe", "export", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
 
 
 def matrix_of(scene: Path, rtol: str = "1e-2") -> dict[str, Any]:
@@ -102,7 +103,7 @@ def matrix_of(scene: Path, rtol: str = "1e-2") -> dict[str, Any]:
         "--rtol",
         rtol,
     ]
-    done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=False, timeout=60)
+    done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=False, timeout=DEADLINE)
     assert done.returncode == 0, done.stderr
     return dict(json.loads(done.stdout))
 

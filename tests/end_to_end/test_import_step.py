@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from tests.end_to_end.importing import assert_refused, fringe_import, imported
+from tests.waiting import DEADLINE
 
 # A box of 10 x 20 x 30 mm, and a cylinder of radius 5 mm and height 40 mm at x = 50 mm.
 MAKE = """
@@ -29,7 +30,7 @@ BOX, CYLINDER = 10 * 20 * 30e-9, math.pi * 25 * 40e-9
 def text(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A STEP file with two parts, "housing" and "pin", of one solid each, without names of solids and faces."""
     path = tmp_path_factory.mktemp("step") / "parts.step"
-    subprocess.run([sys.executable, "-c", MAKE, path], check=True, capture_output=True, timeout=60)
+    subprocess.run([sys.executable, "-c", MAKE, path], check=True, capture_output=True, timeout=DEADLINE)
     made = path.read_text()
     for number, name in (("1.1", "housing"), ("1.2", "pin"), ("1", "machine")):
         product = f"Open CASCADE STEP translator 7.6 {number}"

@@ -16,6 +16,7 @@ from typing import Any
 import pytest
 
 from analysis.__main__ import main
+from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
 MODEL, REFERENCE = "model/test_command_line.py", "fem_reference/test_command_line.py"
@@ -190,7 +191,12 @@ def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
         else [sys.executable, "-m", str(words[0])]
     )
     return subprocess.run(
-        [*start, *map(str, words[1:])], cwd=ROOT, capture_output=True, text=True, check=False, timeout=60
+        [*start, *map(str, words[1:])],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=DEADLINE,
     )
 
 

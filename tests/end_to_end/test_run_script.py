@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from tests.waiting import DEADLINE
+
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -190,7 +192,7 @@ def test_it_waits_for_another_package_manager_and_says_so(new_machine: Path, loc
                 break
         assert f"Could not get lock {new_machine / lock}. It is held by process {os.getpid()}" in lines[-1]
         assert "asked of dpkg" not in "".join(lines)
-    rest, _ = running.communicate(timeout=60)
+    rest, _ = running.communicate(timeout=DEADLINE)
     assert running.returncode == 0, rest
     assert "Waiting" not in rest
     assert re.search("asked of dpkg: .*--unpack .*wanted_1_all.deb", rest)
@@ -199,6 +201,6 @@ def test_it_waits_for_another_package_manager_and_says_so(new_machine: Path, loc
 def test_what_is_no_lock_is_not_waited_for(new_machine: Path) -> None:
     (new_machine / "repository/packages.txt").write_text("unknown-package\n")
     running = prepare(new_machine)
-    printed, _ = running.communicate(timeout=60)
+    printed, _ = running.communicate(timeout=DEADLINE)
     assert running.returncode == 1
     assert "Unable to locate package unknown-package" in printed and "Waiting" not in printed

@@ -18,6 +18,7 @@ from analysis.results.study_results import write_manifest
 from geometries.studies import study
 from tests.geometries import schemas
 from tests.geometries.schemas import OBJ, OUT_OF_RANGE, PLATE, SCENE, Document
+from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
 TWO_PLATES: Document = {
@@ -53,7 +54,7 @@ def scene(tmp_path: Path) -> Path:
 
 
 def printed(command: list[Any]) -> Document:
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=120)
+    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=DEADLINE)
     document: Document = json.loads(done.stdout)
     return document
 

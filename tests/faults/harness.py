@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from tests.analysis.nightly.toy_repository import ToyRepository
+from tests.waiting import DEADLINE
 
 CASES = 6
 # A killed writer's file is seldom met by chance: each write takes this much longer between its end and its renaming.
@@ -61,7 +62,7 @@ class Study:
 
     def finish(self, process: subprocess.Popen[str]) -> subprocess.CompletedProcess[str]:
         try:
-            output, errors = process.communicate(timeout=120)
+            output, errors = process.communicate(timeout=DEADLINE)
         except subprocess.TimeoutExpired:
             os.killpg(process.pid, signal.SIGKILL)
             raise

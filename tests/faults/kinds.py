@@ -22,6 +22,7 @@ from tests.faults.harness import (
     small_file_system,
     wait_until_at_work,
 )
+from tests.waiting import DEADLINE
 
 FAILED, INTERRUPTED = 1, 130
 
@@ -35,7 +36,7 @@ def killed(study: Study, chance: random.Random, tally: Tally) -> None:
         process.kill()
     else:
         _signal_group(process, signal.SIGKILL)
-    process.communicate(timeout=60)
+    process.communicate(timeout=DEADLINE)
     check_afterwards(study, before, tally)
 
 

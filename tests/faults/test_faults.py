@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import os
+import signal
 from pathlib import Path
 
 import pytest
@@ -9,6 +11,7 @@ import pytest
 from analysis.report import faults_section
 from tests.faults.harness import Study, wait_until_at_work
 from tests.faults.run import disturb, prepare
+from tests.waiting import DEADLINE
 
 
 @pytest.fixture(scope="module")
@@ -30,13 +33,13 @@ def test_a_lock_that_is_left_behind_is_not_one_that_is_held(study: Study) -> Non
     # Without work the first one would be at its end before the second comes.
     for answer in study.toy.results.glob("cases/*/fem.json"):
         answer.unlink()
-    first = study.start(TOY_SECONDS="20")
+    first = study.start(TOY_SECONDS=str(2 * DEADLINE))
     wait_until_at_work(first)
     assert first.poll() is None
     second = study.finish(study.start())
     assert (second.returncode, first.poll()) == (1, None) and "in use" in second.stderr
-    first.kill()
-    first.communicate()
+    os.killpg(first.pid, signal.SIGKILL)
+    first.communicate(timeout=DEADLINE)
 
 
 def test_the_report_says_what_was_counted(tmp_path: Path) -> None:

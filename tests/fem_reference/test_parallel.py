@@ -86,10 +86,10 @@ def test_several_processes_enclose_as_one_does_on_the_same_mesh(scene: Path, pro
 
 
 def test_two_processes_adapt_the_mesh_and_enclose_what_one_does(scene: Path) -> None:
-    """The mesh is divided between them in another way in every run, and with it the adapted one differs: 2,290 to 2,340 cells, which seldom are too coarse by a little."""
+    """The mesh is divided between them in another way in every run, and with it the adapted one and the number of its levels differ."""
     scene.write_text(PLATE)
     alone, together = answers(scene, "5e-4", 2)
-    assert 2 <= len(together["levels"]) <= 3
+    assert together["reached"] and len(together["levels"]) >= 2
     ((lower,),), ((upper,),) = together["lower"], together["upper"]
     assert upper - lower <= 2 * 5e-4 * together["maxwell"][0][0]
     assert max(lower, alone["lower"][0][0]) < min(upper, alone["upper"][0][0])

@@ -4,11 +4,14 @@ import os
 import pty
 import subprocess
 import sys
+import threading
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
 import pytest
+
+from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT / "build" / "python"))
@@ -22,7 +25,7 @@ def fringe_command() -> Command:
 
     def run(*arguments: str | Path) -> "subprocess.CompletedProcess[str]":
         command = [str(ROOT / "build" / "bin" / "fringe"), *map(str, arguments)]
-        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=60)
+        return subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
 
     return run
 
@@ -34,16 +37,24 @@ def shown_on_a_terminal() -> Callable[..., str]:
     def run(*arguments: str | Path) -> str:
         command = [str(ROOT / "build" / "bin" / "fringe"), *map(str, arguments)]
         terminal, end = pty.openpty()
+        parts: list[bytes] = []
+
+        def read() -> None:
+            # A terminal hands over a part at a time, and fails once the program has left it.
+            with suppress(OSError):
+                while part := os.read(terminal, 4096):
+                    parts.append(part)
+
+        # Read meanwhile: a terminal holds so much, and a program that shows more waits.
+        reader = threading.Thread(target=read)
         with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=end) as process:
             os.close(end)
-            assert process.communicate()[0] and process.returncode == 0
-        shown = ""
-        # A terminal hands over a part at a time, and fails once the program has left it.
-        with suppress(OSError):
-            while part := os.read(terminal, 4096).decode():
-                shown += part
+            reader.start()
+            answer, _ = process.communicate(timeout=DEADLINE)
+        reader.join()
         os.close(terminal)
-        return shown
+        assert answer and process.returncode == 0
+        return b"".join(parts).decode()
 
     return run
 

@@ -17,6 +17,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from tests.waiting import DEADLINE
+
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAM = ROOT / "build" / "bin" / "instruction_counts"
 RECORDED = Path(__file__).with_suffix(".json")
@@ -26,7 +28,6 @@ RECORD_COMMAND = "python3 -m tests.model.instruction_counts"
 TOLERANCE = 0.05
 # The function of the program that does the work and nothing else.
 _COUNTED = "fringe::benchmarks::counted_workload*"
-_SECONDS = 60
 _TOTALS = re.compile(r"^totals: (\d+)$", re.MULTILINE)
 
 Counts = dict[str, int]
@@ -134,7 +135,7 @@ def _change(name: str, old: Counts, new: Counts) -> str:
 def _run(command: list[str]) -> str:
     """The command's standard output; CountingFailed when it is missing, fails, or takes too long."""
     try:
-        finished = subprocess.run(command, capture_output=True, text=True, check=False, timeout=_SECONDS)
+        finished = subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise CountingFailed(str(error)) from error
     if finished.returncode != 0:

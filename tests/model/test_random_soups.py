@@ -9,6 +9,7 @@ import pytest
 
 from tests.model import random_soups
 from tests.model.soups import Relation, grid_solid, random_case, triangles_of
+from tests.waiting import DEADLINE
 
 RTOL = 0.03
 
@@ -79,7 +80,7 @@ def test_a_wrong_answer_is_seen(relation: Relation, soup: dict[str, Any], failur
     ("program", "failure"),
     [
         ("kill -SEGV $$", "soup ends with -11: "),
-        ("sleep 60", "soup hangs"),
+        (f"exec sleep {DEADLINE}", "soup hangs"),
         ("echo 'no such body' >&2; exit 2", "soup is refused: no such body"),
     ],
 )
@@ -90,7 +91,7 @@ def test_crashes_hangs_and_refusals_are_failures(
     command.write_text(f"#!/bin/bash\n{program}\n")
     command.chmod(0o755)
     monkeypatch.setattr(random_soups, "COMMAND", command)
-    monkeypatch.setattr(random_soups, "LONGEST", 0.5)
+    monkeypatch.setattr(random_soups, "LONGEST", 0.5 if failure == "soup hangs" else DEADLINE)
     found = random_soups.outcome(1, 1, RTOL, tmp_path)
     assert found.failure == failure
     text = random_soups.summary([found, dataclasses.replace(found, failure="", ratio=0.5)])

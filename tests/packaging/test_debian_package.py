@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.packaging.conftest import BUILD, ROOT
+from tests.waiting import DEADLINE
 
 pytestmark = pytest.mark.night
 
@@ -15,7 +16,7 @@ pytestmark = pytest.mark.night
 @pytest.fixture(scope="module")
 def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("package")
-    subprocess.run(["cpack", "-B", folder], cwd=BUILD, check=True, capture_output=True, timeout=300)
+    subprocess.run(["cpack", "-B", folder], cwd=BUILD, check=True, capture_output=True, timeout=DEADLINE)
     return next(folder.glob("fringe_*_*.deb"))
 
 

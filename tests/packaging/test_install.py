@@ -12,6 +12,7 @@ from pathlib import Path
 import pytest
 
 from tests.packaging.conftest import BUILD, ROOT, SCENE, files_of
+from tests.waiting import DEADLINE
 
 pytestmark = pytest.mark.night
 
@@ -29,7 +30,7 @@ def output_of(command: list[str | Path], folder: Path, **variables: str) -> str:
         capture_output=True,
         text=True,
         check=False,
-        timeout=120,
+        timeout=DEADLINE,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout

@@ -7,13 +7,19 @@ import json
 import re
 import shutil
 import subprocess
+import time
 import urllib.error
 import urllib.request
+from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
 import psutil
+import pytest
+
+from geometries.common.installation import page_library
+from tests.waiting import DEADLINE
 
 PROGRAMS = ("chromium", "chromedriver")
 # The sandbox needs what root in a container lacks. Without a graphics card, drawing the page by the processor is several times faster
@@ -28,9 +34,18 @@ _OPTIONS = (
 )
 
 
-def is_missing() -> str:
-    """Returns which of the programs are missing, in words; empty if none is."""
-    return " and ".join(program for program in PROGRAMS if shutil.which(program) is None)
+_READY = "return window.livePage ? window.livePage.ready() : null"
+
+
+def skip_where_missing() -> None:
+    """Skips the tests of the module that calls this where the library for pages or a browser is missing."""
+    if not page_library().is_file():
+        pytest.skip(
+            f"{page_library()} is missing: ./run --prepare browser builds it where emscripten is installed",
+            allow_module_level=True,
+        )
+    if missing := " and ".join(program for program in PROGRAMS if shutil.which(program) is None):
+        pytest.skip(f"no browser: {missing} not installed", allow_module_level=True)
 
 
 class Browser:
@@ -50,7 +65,7 @@ class Browser:
         asked = {
             "goog:chromeOptions": {"binary": shutil.which("chromium"), "args": arguments},
             "goog:loggingPrefs": {"browser": "ALL"},
-            "timeouts": {"script": 120_000},
+            "timeouts": {"script": int(1000 * DEADLINE), "pageLoad": int(1000 * DEADLINE)},
         }
         session = self._send("POST", "/session", {"capabilities": {"alwaysMatch": asked}})
         self._session = f"/session/{session['sessionId']}"
@@ -68,7 +83,7 @@ class Browser:
             self._send("DELETE", self._session, None)
         finally:
             self._driver.terminate()
-            self._driver.wait(timeout=20)
+            self._driver.wait(timeout=DEADLINE)
 
     def open(self, page: Path) -> None:
         self._send("POST", f"{self._session}/url", {"url": page.resolve().as_uri()})
@@ -119,7 +134,25 @@ class Browser:
             method=method,
         )
         try:
-            with urllib.request.urlopen(request, timeout=180) as answer:
+            with urllib.request.urlopen(request, timeout=DEADLINE) as answer:
                 return json.load(answer)["value"]
         except urllib.error.HTTPError as error:
             raise RuntimeError(json.load(error)["value"]["message"]) from error
+
+
+def opened(browser: Browser, page: Path) -> dict[str, Any]:
+    """Opens a live page; returns how long its first answers took, ms."""
+    browser.open(page)
+    return dict(wait_for(browser, "return true", True))
+
+
+def wait_for(browser: Browser, script: str, value: Any) -> Any:
+    """Waits until a script returns the value and the live page has answered; returns how long its first answers took, ms."""
+    end = time.monotonic() + DEADLINE
+    while time.monotonic() < end:
+        # A page that is being read anew may refuse to run a script.
+        with suppress(RuntimeError):
+            if browser.run(script) == value and (found := browser.run(_READY)):
+                return found
+        time.sleep(0.05)
+    raise AssertionError(f"the page does not answer: {browser.complaints()}")

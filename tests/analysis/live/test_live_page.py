@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -13,19 +12,11 @@ import pytest
 from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
 from analysis.report.scene_pages import LIVE
-from geometries.common.installation import page_library
 from geometries.scene import poses, reader
-from tests.analysis.live.browser import Browser, is_missing
+from tests.analysis.live.browser import Browser, opened, skip_where_missing, wait_for
 
 pytestmark = pytest.mark.night
-
-if not page_library().is_file():
-    pytest.skip(
-        f"{page_library()} is missing: ./run --prepare browser builds it where emscripten is installed",
-        allow_module_level=True,
-    )
-if is_missing():
-    pytest.skip(f"no browser: {is_missing()} not installed", allow_module_level=True)
+skip_where_missing()
 
 SCENE = live.find_scene(LIVE.scene)
 ROUNDING = 1e-9
@@ -41,7 +32,6 @@ ANSWERS = """
                   eyes: scene.distances(), pairs: scene.collisions()});
     }
     return found;"""
-ALL_READY = "return window.livePage ? window.livePage.ready() : null"
 
 
 @pytest.fixture(scope="module")
@@ -60,25 +50,6 @@ def browser() -> Iterator[Browser]:
 def ready(browser: Browser, page: Path) -> Browser:
     opened(browser, page)
     return browser
-
-
-def opened(browser: Browser, page: Path) -> dict[str, Any]:
-    """Opens a page; returns how long its first answers took, ms."""
-    browser.open(page)
-    for _ in range(600):
-        if found := browser.run(ALL_READY):
-            return dict(found)
-        time.sleep(0.05)
-    raise AssertionError(f"the page does not answer: {browser.complaints()}")
-
-
-def wait_for(browser: Browser, script: str, value: Any) -> None:
-    """Waits until a script returns the value and the page has answered."""
-    for _ in range(600):
-        if browser.run(script) == value and browser.run(ALL_READY):
-            return
-        time.sleep(0.05)
-    raise AssertionError(f"the page does not answer: {browser.complaints()}")
 
 
 @pytest.fixture(scope="module")

@@ -23,6 +23,7 @@ from pathlib import Path
 
 from analysis.nightly import cluster
 from tests.analysis.nightly.toy_repository import ROOT, ToyRepository
+from tests.waiting import DEADLINE
 
 SCRIPT = ROOT / "tests" / "end_to_end" / "one_machine_slurm"
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch")
@@ -48,11 +49,11 @@ class Tally:
 def one_machine() -> Iterator[str]:
     """A SLURM of this machine; its SLURM_CONF."""
     with tempfile.TemporaryDirectory() as folder:
-        subprocess.run([SCRIPT, "start", folder], check=True, timeout=60)
+        subprocess.run([SCRIPT, "start", folder], check=True, timeout=DEADLINE)
         try:
             yield str(Path(folder, "slurm.conf"))
         finally:
-            subprocess.run([SCRIPT, "stop", folder], check=True, timeout=60)
+            subprocess.run([SCRIPT, "stop", folder], check=True, timeout=DEADLINE)
 
 
 def start(toy: ToyRepository, configuration: str) -> subprocess.Popen[str]:
@@ -81,7 +82,7 @@ def end(toy: ToyRepository, process: subprocess.Popen[str], number: signal.Signa
             os.killpg(process.pid, number)
         else:
             process.send_signal(number)
-    process.communicate(timeout=120)
+    process.communicate(timeout=DEADLINE)
 
 
 def kill_nights(folder: Path, configuration: str, signals: int, seed: int) -> Tally:

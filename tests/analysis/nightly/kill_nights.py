@@ -19,6 +19,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from tests.analysis.nightly.toy_repository import ToyRepository
+from tests.waiting import DEADLINE
 
 CASES = 8
 
@@ -77,7 +78,7 @@ def _kill_one(toy: ToyRepository, seconds: float, all_of_it: bool, tally: Tally)
     else:
         process.kill()
     # What it has started ends with it, and keeps these pipes open until then.
-    process.communicate(timeout=60)
+    process.communicate(timeout=DEADLINE)
     tally.during_a_write += any(path.name != ".lock" for path in toy.results.rglob(".*.*"))
 
 

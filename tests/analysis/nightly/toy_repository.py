@@ -11,6 +11,7 @@ from collections import Counter
 from pathlib import Path
 
 from tests.analysis.synthetic import HEAD
+from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[3]
 _REFERENCE = """
@@ -107,7 +108,7 @@ class ToyRepository:
 
     def run(self, command: str, *options: str, **variables: str) -> subprocess.CompletedProcess[str]:
         process = self.start(command, *options, **variables)
-        output, errors = process.communicate(timeout=300)
+        output, errors = process.communicate(timeout=DEADLINE)
         return subprocess.CompletedProcess(process.args, process.returncode, output, errors)
 
     def table(self) -> str:

@@ -16,6 +16,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.show import data as show_data, make as show, readings
 from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
+from tests.waiting import DEADLINE
 
 SCENE = """
 [[link]]
@@ -187,7 +188,7 @@ def plotly_script() -> str:
 
 def run(*arguments: object) -> subprocess.CompletedProcess[str]:
     command = [sys.executable, "-m", "analysis", "show", *map(str, arguments)]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=100)
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=DEADLINE)
 
 
 def test_the_example_is_shown_by_its_name(tmp_path: Path) -> None:

@@ -25,6 +25,7 @@ from tests.analysis.synthetic import (
     reference_document,
     report_text,
 )
+from tests.waiting import aged
 
 
 @pytest.fixture
@@ -163,7 +164,7 @@ def test_pages_of_set_ups_are_made_again_only_when_what_they_show_has_changed(tm
     store.write_json(corrections, document)
     report.make(folder)
     pages = [folder / "report" / "set_ups" / f"{name}.html" for name in ("corrections", "published")]
-    before = [page.stat().st_mtime_ns for page in pages]
+    before = [aged(page) for page in pages]
     (folder / "report.html").unlink()
     (folder / "report" / "pages.json").unlink()
     report.make(folder)
@@ -177,7 +178,7 @@ def test_pages_of_set_ups_are_made_again_only_when_what_they_show_has_changed(tm
 def test_only_the_page_of_a_case_that_changed_is_made_again(folder: Path) -> None:
     report.make(folder)
     first, second, *_ = results.load(folder).compared()
-    before = [(case.folder / "case.html").stat().st_mtime_ns for case in (first, second)]
+    before = [aged(case.folder / "case.html") for case in (first, second)]
     store.write_json(first.folder / results.MODEL, model_document(1.7))
     report.make(folder)
     after = [(case.folder / "case.html").stat().st_mtime_ns for case in (first, second)]
@@ -286,7 +287,7 @@ def test_pages_of_scenes_beside_the_results_are_linked(tmp_path: Path) -> None:
 
 
 def test_the_report_is_made_again_only_when_an_answer_has_changed(folder: Path) -> None:
-    made = report.make(folder).path.stat().st_mtime_ns
+    made = aged(report.make(folder).path)
     assert report.make(folder).path.stat().st_mtime_ns == made
     case = results.load(folder).compared()[0]
     store.write_json(case.folder / results.MODEL, model_document(1.7))

@@ -6,17 +6,17 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
+from tests.waiting import DEADLINE, has_ended, wait_until
+
 REPOSITORY = Path(__file__).parents[3]
 UNREACHED = 3
-# A call that Python's own handler of Ctrl-C cannot interrupt, as it is in the mesher and the linear solver.
-BUSY = "import ctypes; [ctypes.CDLL(None).usleep(1000) for _ in range(60000)]"
-# The longest that ending may take, with time for a busy machine.
-PROMPT_SECONDS = 5.0
+# A call that Python's own handler of Ctrl-C cannot interrupt, as it is in the mesher and the linear solver, and that does not end
+# before the tests give up: a command that ends was ended.
+BUSY = f"import ctypes; [ctypes.CDLL(None).usleep(1000) for _ in range({int(2000 * DEADLINE)})]"
 
 
 def started(commands: str) -> subprocess.Popen[str]:
@@ -40,7 +40,11 @@ def started(commands: str) -> subprocess.Popen[str]:
 
 
 def finished(process: subprocess.Popen[str]) -> tuple[int, str, str]:
-    output, errors = process.communicate(timeout=30)
+    try:
+        output, errors = process.communicate(timeout=DEADLINE)
+    finally:
+        if process.poll() is None:
+            os.killpg(process.pid, signal.SIGKILL)
     return process.returncode, output, errors
 
 
@@ -58,14 +62,12 @@ def test_a_command_that_ends_prints_and_returns_by_itself(status: int) -> None:
 
 
 @pytest.mark.parametrize("to_all", [True, False], ids=["terminal", "kill"])
-def test_after_ctrl_c_the_answer_so_far_is_printed_at_once(to_all: bool) -> None:
+def test_after_ctrl_c_the_answer_so_far_is_printed(to_all: bool) -> None:
     process = started(reported('float("inf")'))
     assert process.stdout is not None and process.stdout.readline() == "begun\n"
-    begun = time.monotonic()
     # A terminal sends the signal to all processes of the command.
     (os.killpg if to_all else os.kill)(process.pid, signal.SIGINT)
     status, output, errors = finished(process)
-    assert time.monotonic() - begun < PROMPT_SECONDS
     assert (status, output, errors.strip()) == (130, "the first answer\n", "not accurate")
 
 
@@ -79,16 +81,14 @@ def test_after_ctrl_c_without_an_answer_a_message_says_so() -> None:
 
 
 def test_when_the_time_is_over_the_answer_so_far_is_printed() -> None:
-    begun = time.monotonic()
     status, output, errors = finished(started(reported("0.2")))
-    assert time.monotonic() - begun < PROMPT_SECONDS
     assert (status, output, errors) == (UNREACHED, "begun\nthe first answer\n", "not accurate\n")
 
 
 def test_when_the_time_is_over_before_the_first_answer_that_is_said() -> None:
     waiting = f'report(AnswerSoFar("", "too little time", 0.2, is_answer=False))\nprint("begun", flush=True)\n{BUSY}'
     assert finished(started(waiting)) == (UNREACHED, "begun\n", "too little time\n")
-    process = started(waiting.replace("0.2", "60"))
+    process = started(waiting.replace("0.2", 'float("inf")'))
     assert process.stdout is not None and process.stdout.readline() == "begun\n"
     os.kill(process.pid, signal.SIGINT)
     status, output, errors = finished(process)
@@ -120,10 +120,7 @@ def test_the_command_ends_with_the_process_that_watches_it() -> None:
     child = int(process.stdout.readline())
     process.kill()
     process.wait()
-    deadline = time.monotonic() + PROMPT_SECONDS
-    while Path(f"/proc/{child}/cmdline").exists() and Path(f"/proc/{child}/cmdline").read_bytes():
-        assert time.monotonic() < deadline
-        time.sleep(0.01)
+    wait_until(lambda: has_ended(child), "the end of the command")
 
 
 @pytest.mark.parametrize("number, answer", [("0", "the first answer"), ("1", "")])

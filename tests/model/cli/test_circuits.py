@@ -11,6 +11,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.waiting import DEADLINE
+
 ROOT = Path(__file__).resolve().parents[3]
 # rad/s. Capacitors alone have the same voltages at every frequency; at this one a picofarad has 0.01 S, far above what ngspice takes for 0.
 FREQUENCY = 1e10
@@ -137,7 +139,7 @@ def solved_by_ngspice(text: str, folder: Path) -> dict[str, complex]:
         capture_output=True,
         text=True,
         check=False,
-        timeout=60,
+        timeout=DEADLINE,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     head, _, values = (folder / "all.raw").read_bytes().partition(b"Binary:\n")

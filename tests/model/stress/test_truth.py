@@ -16,6 +16,8 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from tests.waiting import DEADLINE
+
 PROGRAM = Path(__file__).resolve().parents[3] / "build" / "bin" / "plate_integral_stress"
 
 Vector = tuple[mpmath.mpf, mpmath.mpf, mpmath.mpf]
@@ -73,7 +75,7 @@ def cases(name: str) -> list[Case]:
     count = 1 if name in SLOW else PER_CLASS
     command = [str(PROGRAM), "--only-truth", "--classes", name, "--count", str(count), "--seed", "11"]
     lines = subprocess.run(
-        command, capture_output=True, text=True, check=True, timeout=120
+        command, capture_output=True, text=True, check=True, timeout=DEADLINE
     ).stdout.splitlines()
     assert len(lines) == count
     return [parsed(line, name) for line in lines]

@@ -64,7 +64,7 @@ def test_every_method_of_the_module_answers_and_is_timed(measured: dict[str, Any
     }
     for entry in measured["methods"]:
         ((seconds,), (value,)) = entry["seconds"].values(), entry["values"].values()
-        assert 0 < seconds < 60 and 0 < value < 1e-10
+        assert seconds > 0 and 0 < value < 1e-10
 
 
 def test_solvers_meet_the_error_asked_for_and_the_plain_model_is_off(measured: dict[str, Any]) -> None:

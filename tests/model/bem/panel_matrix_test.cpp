@@ -1,0 +1,168 @@
+/// The single-layer matrix of panels in blocks: its tree, its restrictions, its border and its
+/// preconditioner, against all its elements.
+
+#include <cstddef>
+#include <set>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include "bem/bordered_matrix.hpp"
+#include "bem/cluster_tree.hpp"
+#include "bem/hierarchical_matrix.hpp"
+#include "bem/panel_operator.hpp"
+#include "bem/two_level_preconditioner.hpp"
+#include "fringe/triangulation.hpp"
+
+namespace fringe::detail::panel_matrix_test {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Returns a matrix of numbers without order, the same in every run.
+MatrixXd numbers(Index rows, Index columns) {
+  return MatrixXd::NullaryExpr(rows, columns, [](Index row, Index column) {
+    return std::sin(1 + 37.0 * static_cast<double>(row * 7 + column));
+  });
+}
+
+/// A ball and a cube beside it.
+class PanelMatrix : public testing::Test {
+ protected:
+  static PanelMesh make_mesh() {
+    PanelMesh mesh;
+    mesh.add(0, triangulate(Sphere{0.05, 10}));
+    std::vector<Triangle> cube = triangulate(Cuboid{0.05, 0.05, 0.05});
+    for (Triangle& triangle : cube)
+      for (Eigen::Vector3d& corner : triangle)
+        corner.x() += 0.15;
+    mesh.add(1, cube);
+    return mesh;
+  }
+
+  const PanelMesh mesh = make_mesh();
+  const PanelOperator panels{mesh, 1e-6, nullptr, 1};
+  const HierarchicalMatrix& matrix = panels.matrix();
+  const MatrixXd whole = matrix.apply(MatrixXd::Identity(matrix.size(), matrix.size()));
+};
+
+TEST_F(PanelMatrix, ClustersHoldTheirPanelsAndEveryPairIsInOneBlock) {
+  const ClusterTree tree(mesh);
+  const auto count = mesh.panels().size();
+  ASSERT_EQ(tree.panels().size(), count);
+  for (std::size_t panel = 0; panel < count; ++panel)
+    EXPECT_EQ(tree.panels()[static_cast<std::size_t>(tree.places()[panel])], static_cast<Index>(panel));
+  for (const TreeCluster& cluster : tree.clusters()) {
+    for (Index place = cluster.panels.first; place < cluster.panels.first + cluster.panels.count; ++place) {
+      const Panel& panel =
+          mesh.panels()[static_cast<std::size_t>(tree.panels()[static_cast<std::size_t>(place)])];
+      for (const Eigen::Vector3d& corner : panel.corners)
+        EXPECT_LT(cluster.box.exteriorDistance(corner), 1e-12);
+      EXPECT_LE(panel.radius, cluster.largest_radius);
+    }
+    if (!cluster.is_leaf()) {
+      EXPECT_EQ(tree.clusters()[cluster.left].panels.count + tree.clusters()[cluster.left + 1].panels.count,
+                cluster.panels.count);
+    }
+  }
+  std::vector<int> times(count * count);
+  const ClusterPairs pairs = cluster_pairs(tree, 1e-4);
+  EXPECT_FALSE(pairs.far.empty());
+  for (const std::vector<ClusterPair>* kind : {&pairs.far, &pairs.near})
+    for (const auto& [a, b, degree] : *kind) {
+      const ClusterRange rows = tree.clusters()[a].panels, columns = tree.clusters()[b].panels;
+      for (Index row = rows.first; row < rows.first + rows.count; ++row)
+        for (Index column = columns.first; column < columns.first + columns.count; ++column) {
+          ++times[static_cast<std::size_t>(row) * count + static_cast<std::size_t>(column)];
+          if (a != b)
+            ++times[static_cast<std::size_t>(column) * count + static_cast<std::size_t>(row)];
+        }
+    }
+  EXPECT_EQ(std::set<int>(times.begin(), times.end()), std::set<int>{1});
+}
+
+TEST_F(PanelMatrix, IsSymmetricAndPositiveDefinite) {
+  EXPECT_LT((whole - whole.transpose()).norm(), 1e-12 * whole.norm());
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<MatrixXd>(whole, Eigen::EigenvaluesOnly).eigenvalues().minCoeff(),
+            0);
+}
+
+TEST_F(PanelMatrix, RestrictionsAreThoseOfAllElements) {
+  // Every group of the tree becomes one unknown.
+  const ClusterTree& tree = panels.tree();
+  Restriction restriction{{}, numbers(matrix.size(), 1)};
+  std::vector<ClusterRange> ranges;
+  for (std::size_t place = 0; place < tree.groups().size(); ++place)
+    restriction.target.insert(restriction.target.end(),
+                              mesh.groups()[static_cast<std::size_t>(tree.groups()[place])].count,
+                              static_cast<Index>(place));
+  for (const TreeCluster& cluster : tree.clusters())
+    ranges.push_back(cluster.groups);
+  const auto groups = static_cast<Index>(tree.groups().size());
+  MatrixXd combinations = MatrixXd::Zero(matrix.size(), groups);
+  for (Index k = 0; k < matrix.size(); ++k)
+    combinations(k, restriction.target[static_cast<std::size_t>(k)]) = restriction.weights[k];
+  const MatrixXd expected = combinations.transpose() * whole * combinations;
+  EXPECT_LT((matrix.dense_restricted(restriction, groups) - expected).norm(), 1e-12 * expected.norm());
+  const HierarchicalMatrix restricted = matrix.restricted(restriction, ranges);
+  EXPECT_LT((restricted.apply(MatrixXd::Identity(groups, groups)) - expected).norm(),
+            1e-12 * expected.norm());
+}
+
+TEST_F(PanelMatrix, ABorderIsMultipliedAsThatOfAWholeMatrix) {
+  const Index functions = 3, size = functions + matrix.size();
+  MatrixXd all = MatrixXd::Zero(size, size);
+  const MatrixXd corner = numbers(functions, functions);
+  all.topLeftCorner(functions, functions) = corner + corner.transpose();
+  all.topRightCorner(functions, matrix.size()) = numbers(functions, matrix.size());
+  all.bottomLeftCorner(matrix.size(), functions) = all.topRightCorner(functions, matrix.size()).transpose();
+  all.bottomRightCorner(matrix.size(), matrix.size()) = whole;
+  VectorXd present = VectorXd::Ones(size);
+  const BorderedMatrix bordered{
+      all.topLeftCorner(functions, functions), all.topRightCorner(functions, matrix.size()), matrix, {}};
+  const MatrixXd factors = numbers(size, 2);
+  EXPECT_EQ(bordered.size(), size);
+  EXPECT_LT((bordered.apply(factors) - all * factors).norm(), 1e-12 * (all * factors).norm());
+  present[1] = present[7] = 0;
+  const BorderedMatrix without{bordered.functions, bordered.coupling, matrix, present};
+  const MatrixXd rows = present.asDiagonal() * (all * factors);
+  EXPECT_LT((without.apply(factors) - rows).norm(), 1e-12 * rows.norm());
+}
+
+// Conjugate gradients need some √(condition) iterations: the preconditioned condition stays small.
+TEST_F(PanelMatrix, ThePreconditionerIsSymmetricAndBringsTheEigenvaluesTogether) {
+  const ClusterTree& tree = panels.tree();
+  VectorXd areas(matrix.size());
+  std::vector<std::size_t> bodies;
+  for (const Index g : tree.groups()) {
+    const PanelGroup& group = mesh.groups()[static_cast<std::size_t>(g)];
+    bodies.insert(bodies.end(), group.count, group.body);
+  }
+  for (Index place = 0; place < areas.size(); ++place)
+    areas[place] =
+        mesh.panels()[static_cast<std::size_t>(tree.panels()[static_cast<std::size_t>(place)])].area;
+  std::vector<ClusterRange> leaves;
+  for (const std::size_t leaf : matrix.leaves())
+    leaves.push_back(matrix.range(leaf));
+  CoarseSpace coarse = coarse_space(leaves, areas, bodies, 16);
+  EXPECT_LT(coarse.size, matrix.size() / 8);
+  const BorderedMatrix bordered{{}, MatrixXd(0, matrix.size()), matrix, {}};
+  const TwoLevelPreconditioner preconditioner(bordered, std::move(coarse.restriction), coarse.size, 1e-6, 1);
+  ASSERT_TRUE(preconditioner.is_positive_definite());
+  const MatrixXd applied = preconditioner.apply(MatrixXd::Identity(matrix.size(), matrix.size()));
+  EXPECT_LT((applied - applied.transpose()).norm(), 1e-10 * applied.norm());
+  // The eigenvalues of P·A are those of LᵀPL with A = LLᵀ.
+  const MatrixXd lower = whole.llt().matrixL();
+  const VectorXd values =
+      Eigen::SelfAdjointEigenSolver<MatrixXd>(lower.transpose() * applied * lower, Eigen::EigenvaluesOnly)
+          .eigenvalues();
+  const VectorXd own = Eigen::SelfAdjointEigenSolver<MatrixXd>(whole, Eigen::EigenvaluesOnly).eigenvalues();
+  EXPECT_GT(values.minCoeff(), 0);
+  EXPECT_LT(values.maxCoeff() / values.minCoeff(), 50);
+  EXPECT_LT(values.maxCoeff() / values.minCoeff(), own.maxCoeff() / own.minCoeff() / 4);
+}
+
+}  // namespace fringe::detail::panel_matrix_test

@@ -1,0 +1,80 @@
+/// Double-doubles and vectors of them, against exact arithmetic.
+
+#include "numeric/double_double.hpp"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "geometry.hpp"
+#include "numeric/dyadic.hpp"
+#include "numeric/precise_vector.hpp"
+
+namespace fringe::detail::double_double_test {
+
+/// The relative error that the header allows for sums, and several times more for what has several steps.
+constexpr double unit = 0x1p-106;
+
+Dyadic exact(DoubleDouble a) {
+  return Dyadic(a.high) + Dyadic(a.low);
+}
+
+DoubleDouble random_number(test::Random& random) {
+  const double high = random.uniform(-1, 1);
+  return quick_sum(high, 0x1p-54 * high * random.uniform(-1, 1));
+}
+
+/// Expects a number to be an exact one up to a part of another.
+void expect_near(DoubleDouble found, const Dyadic& expected, const Dyadic& scale, double tolerance) {
+  const Dyadic error = exact(found) - expected, allowed = scale * Dyadic(tolerance);
+  EXPECT_TRUE(error * error <= allowed * allowed) << found.high;
+}
+
+TEST(DoubleDouble, SumsAndProductsOfDoublesAreExact) {
+  test::Random random(1);
+  for (int i = 0; i < 1000; ++i) {
+    const double a = random.uniform(-1, 1), b = std::ldexp(random.uniform(-1, 1), i % 100 - 50);
+    EXPECT_TRUE(exact(exact_sum(a, b)) == Dyadic(a) + Dyadic(b));
+    EXPECT_TRUE(exact(exact_product(a, b)) == Dyadic(a) * Dyadic(b));
+  }
+}
+
+TEST(DoubleDouble, OperationsAreExactToTheBitsThatTheHeaderPromises) {
+  test::Random random(2);
+  for (int i = 0; i < 1000; ++i) {
+    const DoubleDouble a = random_number(random), b = random_number(random);
+    expect_near(a + b, exact(a) + exact(b), exact(a) + exact(b), 3 * unit);
+    // The worst cancellation: only the last bits are left.
+    const DoubleDouble nearly = -quick_sum(a.high, a.low * (1 + 0x1p-40));
+    expect_near(a + nearly, exact(a) + exact(nearly), exact(a) + exact(nearly), 3 * unit);
+    expect_near(a * b, exact(a) * exact(b), exact(a) * exact(b), 8 * unit);
+    // The quotient q has q·b = a, the root r has r·r = a.
+    expect_near(a / b * b, exact(a), exact(a), 20 * unit);
+    const DoubleDouble positive = a.high < 0 ? -a : a, root = square_root(positive);
+    EXPECT_TRUE(exact(root) * exact(root) - exact(positive) < exact(positive) * Dyadic(0x1p-100));
+    EXPECT_TRUE(exact(positive) - exact(root) * exact(root) < exact(positive) * Dyadic(0x1p-100));
+    EXPECT_EQ(a < b, exact(a) < exact(b));
+  }
+  EXPECT_EQ(square_root(DoubleDouble{}).high, 0);
+}
+
+TEST(DoubleDouble, VectorsKeepWhatDoublesWouldLose) {
+  test::Random random(3);
+  for (int i = 0; i < 200; ++i) {
+    const Eigen::Vector3d p = random.in_box({-1, -1, -1}, {1, 1, 1}),
+                          q = p + 1e-9 * random.in_box({-1, -1, -1}, {1, 1, 1});
+    const PreciseVector difference = exact_difference(p, q);
+    EXPECT_TRUE(exact(difference.x) == Dyadic(p.x()) - Dyadic(q.x()));
+    const PreciseVector a = exact_difference(p, Eigen::Vector3d::Zero());
+    // Two nearly parallel vectors: their product is orthogonal to both.
+    const PreciseVector normal = cross(a, a + difference);
+    EXPECT_LT(std::abs(dot(normal, a).high), 1e-30);
+    const auto [length, direction] = polar(difference);
+    EXPECT_NEAR(dot(direction, direction).high - 1, 0, 1e-15);
+    EXPECT_NEAR(length.high, (p - q).norm(), 1e-15 * length.high);
+    EXPECT_LT((rounded(length * direction) - (p - q)).norm(), 1e-15 * length.high);
+  }
+  EXPECT_EQ(polar({}).length.high, 0);
+}
+
+}  // namespace fringe::detail::double_double_test

@@ -1,0 +1,33 @@
+"""How tests wait: for what happens, and at most as long as it never takes, so that no outcome depends on how busy the machine is."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+DEADLINE = 600.0
+"""Seconds after which what a test waits for is given up; on a busy machine, and under valgrind, it takes far less."""
+
+
+def wait_until(happens: Callable[[], object], what: str) -> None:
+    """Returns as soon as `happens` returns something true; AssertionError that names what did not happen by the deadline."""
+    end = time.monotonic() + DEADLINE
+    while not happens():
+        assert time.monotonic() < end, f"{what}: not within {DEADLINE:g} s"
+        time.sleep(0.01)
+
+
+def has_ended(process: int | str) -> bool:
+    """Tells whether a process, given by its number, is gone or a zombie."""
+    try:
+        return not Path(f"/proc/{process}/cmdline").read_bytes()
+    except (FileNotFoundError, ProcessLookupError):
+        return True
+
+
+def aged(path: Path) -> int:
+    """Puts the last change of a file into the past, so that the next one has another time however coarse the clock is; returns it in ns."""
+    os.utime(path, ns=(10**18, 10**18))
+    return path.stat().st_mtime_ns
