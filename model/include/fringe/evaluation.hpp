@@ -47,6 +47,10 @@ struct EvaluationOptions {
 /// Throws InputError for options that are out of range, cannot be combined or belong to another method.
 void validate(const EvaluationOptions& options);
 
+/// Tells whether the correction `formula` takes an rtol in a scene: where this asks for the changes of
+/// readings, has no dielectric objects and no room.
+bool formula_takes_rtol(const Scene& scene);
+
 /// Returns the options of a triangle-integral method, defaults filled in. Throws InputError for another
 /// method, and for options that are out of range or cannot be combined.
 CapacitanceOptions integral_options(const EvaluationOptions& options);

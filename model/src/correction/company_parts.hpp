@@ -69,6 +69,12 @@ TargetContacts contacts_of(const ChargedBodies& machine,
                            const ChargedBodies& targets, const std::vector<Eigen::AlignedBox3d>& target_boxes,
                            const Eigen::Isometry3d& pose);
 
+/// Returns a change in F, `unit` is 4πε; unknown if its error is.
+Estimate estimate_of(const CompanyFormula::Change& change, double unit);
+
+/// Tells whether a change of the readings is known: then its derivatives may be.
+bool is_any_known(const std::vector<ReadingAnswer>& answers);
+
 /// Returns pairs of links whose bodies are prepared together, so that what they contribute to derivatives is
 /// not known.
 std::vector<PairWrench> unknown_pairs(const ChargedBodies& bodies);

@@ -52,6 +52,8 @@ class RecommendedMethod {
   std::optional<Evaluation> by_accurate_formula(const Scene& scene, const Evaluation& in_closed_form);
   std::optional<Evaluation> by_going_on(const Scene& scene, std::optional<Candidate>& best,
                                         const TimeLimit* limit);
+  void find_something(const Scene& scene, std::optional<Candidate>& best, const TimeLimit* limit);
+  std::string refusal(const std::string& of_formula, double seconds) const;
   Evaluation answer_of(const Scene& scene, Candidate candidate) const;
 
   double rtol_;
