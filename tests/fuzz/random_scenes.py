@@ -53,7 +53,11 @@ def _pose(size: float, chance: random.Random) -> tuple[Vector, Vector, float]:
     reach = size * chance.choice((0.0, 0.3, 0.6, 1.0, 1.0, 1.5, 3.0, 100.0))
     if chance.random() < 0.02:
         reach = 10.0 ** chance.uniform(3, 30)
-    return _direction(chance, reach), _direction(chance, 1), chance.choice((0.0, 0.0, 90.0, chance.uniform(0, 360)))
+    return (
+        _direction(chance, reach),
+        _direction(chance, 1),
+        chance.choice((0.0, 0.0, 90.0, chance.uniform(0, 360))),
+    )
 
 
 def _direction(chance: random.Random, length: float) -> Vector:

@@ -17,6 +17,7 @@
 #include "fringe/pose.hpp"
 #include "fringe/reading.hpp"
 #include "fringe/triangulation.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -197,6 +198,7 @@ std::vector<Triangle> cleaned(const std::string& name, std::span<const Triangle>
                            std::numeric_limits<double>::min()));
   std::vector<Triangle> result;
   for (const Triangle& triangle : triangles) {
+    check_interruption();
     const Triangle welded{weld(triangle[0]), weld(triangle[1]), weld(triangle[2])};
     double longest = 0;
     for (std::size_t i = 0; i < 3; ++i)

@@ -83,10 +83,11 @@ bool are_within(const std::vector<ReadingAnswer>& answers, double rtol) {
   });
 }
 
-Estimate estimate_of(const CompanyFormula::Change& change, double unit) {
+Estimate estimate_of(const CompanyFormula::Change& change, double unit, bool is_joined) {
   if (!std::isfinite(change.value) || !std::isfinite(change.error))
     return {};
-  return {unit * change.value, unit * change.error};
+  const double least_error = is_joined ? std::abs(change.value) : 0;
+  return {unit * change.value, unit * std::max(change.error, least_error)};
 }
 
 bool is_any_known(const std::vector<ReadingAnswer>& answers) {
@@ -235,11 +236,12 @@ TargetContacts contacts_of(const ChargedBodies& machine, const std::vector<Align
     for (std::size_t m = 0; m < machine_boxes.size(); ++m) {
       const ChargedBody& body = machine.bodies[m];
       const Role role = machine.role(body);
-      if ((role == Role::grounded && !floats) || !box.intersects(machine_boxes[m]) ||
-          !are_in_contact(moved(target, pose), body))
+      if (!box.intersects(machine_boxes[m]) || !are_in_contact(moved(target, pose), body))
         continue;
       if (floats || role == Role::floating)
         found.is_unknown = true;
+      else if (role == Role::grounded)
+        found.is_joined = true;
       else
         found.grounded.push_back(body.conductor);
     }
@@ -273,7 +275,7 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
           const auto conductor = static_cast<Eigen::Index>(at);
           return reading.sense[conductor] != 0 || reading.drive[conductor] != 0;
         });
-    answers[k].change = is_shorted ? Estimate{infinity, 0} : estimate_of(changes[k], unit_);
+    answers[k].change = is_shorted ? Estimate{infinity, 0} : estimate_of(changes[k], unit_, touching.is_joined);
   }
 }
 

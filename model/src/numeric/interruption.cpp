@@ -1,5 +1,6 @@
 #include "numeric/interruption.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "fringe/interruption.hpp"
@@ -10,9 +11,6 @@ namespace {
 
 /// The question of the innermost scope of this thread and those around it; null without a scope.
 thread_local const std::function<bool()>* question = nullptr;
-
-/// True if limits of time count on this thread.
-thread_local bool limits_count = true;
 
 }  // namespace
 
@@ -34,17 +32,14 @@ void detail::check_interruption() {
 }
 
 detail::TimeLimit::TimeLimit(double seconds)
-    : start_(std::chrono::steady_clock::now()), seconds_(seconds),
-      scope_([this] { return limits_count && is_over(); }) {}
+    : start_(std::chrono::steady_clock::now()), seconds_(seconds), scope_([this] { return is_over(); }) {}
 
 double detail::TimeLimit::seconds_left() const {
   return seconds_ - std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-detail::WithoutTimeLimit::WithoutTimeLimit() : before_(std::exchange(limits_count, false)) {}
-
-detail::WithoutTimeLimit::~WithoutTimeLimit() {
-  limits_count = before_;
+void detail::TimeLimit::grant(double seconds) {
+  seconds_ += std::max(seconds - seconds_left(), 0.0);
 }
 
 }  // namespace fringe

@@ -161,7 +161,7 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene, std::optional<double>
   std::optional<TimeLimit> limited;
   if (max_seconds)
     limited.emplace(*max_seconds);
-  const TimeLimit* const limit = limited ? &*limited : nullptr;
+  TimeLimit* const limit = limited ? &*limited : nullptr;
   refusal_.clear();
   std::optional<Candidate> best =
       in_time(limit, seconds_of_reduced_method(scene), [&] { return by_reduced_method(scene); });
@@ -178,8 +178,8 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene, std::optional<double>
   std::string refusal_of_formula;
   if (formula_answers(scene)) {
     try {
-      const WithoutTimeLimit unlimited;
-      return by_formula(scene);
+      if (std::optional<Evaluation> answer = by_formula(scene, limit))
+        return *std::move(answer);
     } catch (const InputError& error) {
       refusal_of_formula = error.what();
     }
@@ -191,8 +191,7 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene, std::optional<double>
 }
 
 /// Tries all unknowns of boundary elements where the best matrix says nothing, unless this has been done.
-void RecommendedMethod::find_something(const Scene& scene, std::optional<Candidate>& best,
-                                       const TimeLimit* limit) {
+void RecommendedMethod::find_something(const Scene& scene, std::optional<Candidate>& best, TimeLimit* limit) {
   if (goes_on_ || (best && best->error <= most_useful_error))
     return;
   if (std::optional<Candidate> other = in_time(
@@ -215,18 +214,17 @@ std::string RecommendedMethod::refusal(const std::string& of_formula, double sec
 /// Tries what takes up to minutes; returns the formula's answer if it states less than the best matrix, which
 /// may become that of all unknowns. Nothing if the computation is interrupted before.
 std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std::optional<Candidate>& best,
-                                                         const TimeLimit* limit) {
+                                                         TimeLimit* limit) {
   std::optional<Evaluation> formula;
   try {
     if (InsulatedReadings::knows(scene)) {
-      {
-        const WithoutTimeLimit unlimited;
-        formula = by_formula(scene);
-      }
-      if (std::optional<Evaluation> accurate = in_time(limit, seconds_of_accurate_formula(scene),
-                                                       [&] { return by_accurate_formula(scene, *formula); }))
-        formula = std::move(accurate);
-      if (formula->reached)
+      formula = by_formula(scene, limit);
+      if (formula)
+        if (std::optional<Evaluation> accurate = in_time(limit, seconds_of_accurate_formula(scene), [&] {
+              return by_accurate_formula(scene, *formula);
+            }))
+          formula = std::move(accurate);
+      if (formula && formula->reached)
         return formula;
     }
   } catch (const InputError&) {
@@ -238,7 +236,7 @@ std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std
         other && (!best || other->error < best->error))
       best = std::move(other);
   } catch (const Interrupted&) {
-    if (!best && !formula)
+    if (!best && !formula && !(limit != nullptr && limit->is_over()))
       throw;
   }
   if (!formula || (best && best->error <= largest_error_of_changes(formula->readings)))
@@ -304,6 +302,25 @@ std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_boundary_eleme
     refusal_ = error.what();
     return std::nullopt;
   }
+}
+
+/// Answers by the formula in closed form, which gets some seconds even where the time is over; nothing if
+/// these do not suffice.
+std::optional<Evaluation> RecommendedMethod::by_formula(const Scene& scene, TimeLimit* limit) {
+  /// Several times what it takes for machines of some ten thousand triangles.
+  constexpr double enough_seconds = 10;
+  if (limit != nullptr)
+    limit->grant(enough_seconds);
+  return in_time(limit, 0, [&]() -> std::optional<Evaluation> {
+    try {
+      return by_formula(scene);
+    } catch (const Interrupted&) {
+      // Preparations that an interruption leaves incomplete must not serve the next answer.
+      formula_.reset();
+      company_ = InsulatedReadings(poses_);
+      throw;
+    }
+  });
 }
 
 Evaluation RecommendedMethod::by_formula(const Scene& scene) {

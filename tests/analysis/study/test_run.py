@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -204,6 +205,39 @@ def test_stopping_kills_the_running_processes_and_their_children(tmp_path: Path)
     for pid in pids.read_text().split():
         status = Path(f"/proc/{pid}/status")
         assert not status.is_file() or "zombie" in status.read_text()
+
+
+def test_stopping_ends_what_the_jobs_compute_themselves(tmp_path: Path) -> None:
+    """Boundary elements to 1e-5 of many triangles would take minutes."""
+    module = model_stage.model_module()
+    text = """
+[[object]]
+name = "ball"
+shape = { type = "sphere", radius = 1, segments = 40 }
+potential = "electrode"
+"""
+    begun, ended = threading.Event(), threading.Event()
+
+    def compute(_: processes.Processes) -> store.Document:
+        begun.set()
+        try:
+            module.Scene.loads(text).maxwell(rtol=1e-5)
+        except processes.Stopped:
+            ended.set()
+            raise
+        return {}
+
+    def interrupt(_: processes.Processes) -> store.Document:
+        begun.wait()
+        raise KeyboardInterrupt
+
+    jobs = [
+        Stage("first", "", tmp_path / "first", "key", 2, compute),
+        Stage("second", "", tmp_path / "second", "key", 1, interrupt),
+    ]
+    with pytest.raises(KeyboardInterrupt):
+        scheduler.run_all(jobs, workers=2)
+    assert ended.is_set()
 
 
 def test_a_terminated_run_says_so_and_keeps_what_is_finished(tmp_path: Path) -> None:

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -283,6 +284,19 @@ TEST(FormulaInCompany, SaysSoInContactAndAnswersAllOtherFrames) {
         EXPECT_TRUE(std::isinf(found.change.value.value_or(HUGE_VAL)));
       }
     }
+}
+
+
+TEST(FormulaInCompany, OfATargetThatIsJoinedToTheMachineMayBeWrongByAsMuchAsItIs) {
+  Scene scene = with_one_reading(machine(0));
+  scene.objects[1].pose = at(0.1, 0, -0.02);
+  for (const std::optional<double> rtol : {std::optional<double>(), std::optional<double>(0.1)}) {
+    EvaluationOptions options = by_formula;
+    options.rtol = rtol;
+    const Estimate joined = evaluate(scene, options).readings[0].change;
+    ASSERT_TRUE(joined.value && joined.error);
+    EXPECT_GE(*joined.error, std::abs(*joined.value));
+  }
 }
 
 }  // namespace
