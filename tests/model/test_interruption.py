@@ -120,7 +120,9 @@ def test_a_signal_ends_a_call_in_python(call: str, seconds: float, tmp_path: Pat
 
 def test_ctrl_c_is_a_keyboard_interrupt() -> None:
     program = (
-        "import fringe, sys\n"
+        "import fringe, signal, sys\n"
+        # A shell that starts the tests in the background has its children ignore Ctrl-C.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "scene = fringe.Scene.loads(sys.argv[1])\n"
         "try:\n    print('begun', flush=True)\n    scene.maxwell(rtol=1e-4)\n    print('finished')\n"
         "except KeyboardInterrupt:\n    print('ended')"
