@@ -5,6 +5,8 @@ from __future__ import annotations
 import importlib
 import sys
 import time
+from collections.abc import Callable
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -39,6 +41,14 @@ def model_is_built() -> bool:
     except ModuleNotFoundError:
         return False
     return True
+
+
+def asking(ask: Callable[[], None]) -> AbstractContextManager[object]:
+    """Returns a context in which what the module computes on this thread calls `ask` some times a second, and ends with what that raises."""
+    if not model_is_built():
+        return nullcontext()
+    scope: AbstractContextManager[object] = model_module().InterruptionScope(ask)
+    return scope
 
 
 def knows(scene: Scene) -> bool:

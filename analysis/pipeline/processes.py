@@ -85,6 +85,11 @@ class Processes:
         # -P: a folder of the same name where the user stands must not be taken for the module.
         return self.run([sys.executable, "-P", "-m", module, *arguments], ROOT, environment)
 
+    def refuse_to_go_on(self) -> None:
+        """Raises Stopped after `stop`."""
+        if self._stopped:
+            raise Stopped
+
     def stop(self) -> None:
         """Kills every running command and its children."""
         with self._lock:

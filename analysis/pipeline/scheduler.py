@@ -13,6 +13,7 @@ from typing import Any, Protocol
 import psutil
 from tqdm import tqdm
 
+from analysis.pipeline.model_stage import asking
 from analysis.pipeline.processes import Processes, Stopped, forget_unfinished_forms
 from analysis.results.study_results import Failure
 
@@ -43,7 +44,7 @@ def run_all(jobs: Sequence[Job], workers: int, done: str = "solved", shown: bool
 
     `done` is the progress bar's word for finished jobs; without `shown` there is no bar.
 
-    KeyboardInterrupt ends the running jobs' processes, starts no more, and is raised again.
+    KeyboardInterrupt ends the running jobs' processes and what they compute by the model's module, starts no more, and is raised again.
     """
     if not jobs:
         return []
@@ -127,6 +128,8 @@ def _watch(
 
 def _run(job: Job, processes: Processes) -> Failure | None:
     try:
-        return job.run(processes)
+        # Python handles Ctrl-C on the main thread only; this one asks whether it has come.
+        with asking(processes.refuse_to_go_on):
+            return job.run(processes)
     except Stopped:
         return None

@@ -17,6 +17,11 @@ void set(std::optional<std::string>& option, const std::string& method, const ch
   option = value;
 }
 
+/// Tells whether an accuracy can be asked of a method that is written out by options.
+bool takes_rtol(const MethodRequest& request) {
+  return !is_integral(parse_method(request.method)) || request.correction == "formula";
+}
+
 /// Tells whether a method keeps what it prepares in a folder.
 bool keeps_prepared(const MethodRequest& request) {
   return request.rtol && (request.method == "recommended" || request.correction == "formula");
@@ -128,19 +133,20 @@ std::vector<MethodRequest> requests_of(const std::vector<std::string>& methods,
     integral.push_back(is_integral(parse_method(expanded({.method = method}).method)));
   }
   const bool any_integral = std::ranges::count(integral, true) > 0;
-  const bool any_other = std::ranges::count(integral, false) > 0;
-  for (std::size_t k = 0; k < requests.size(); ++k) {
-    if (integral[k] && any_other)
-      requests[k].rtol.reset();
+  for (std::size_t k = 0; k < requests.size(); ++k)
     if (!integral[k] && any_integral)
       requests[k] = {
           .method = requests[k].method, .rtol = requests[k].rtol, .prepared = requests[k].prepared};
-  }
-  const auto keeps = [](const MethodRequest& request) { return keeps_prepared(expanded(request)); };
-  if (std::ranges::any_of(requests, keeps))
-    for (MethodRequest& request : requests)
-      if (!keeps(request))
-        request.prepared.reset();
+  // An option that no method has stays, so that it is refused.
+  const auto leave_to = [&](const auto& has, const auto& option) {
+    const auto has_it = [&](const MethodRequest& request) { return has(expanded(request)); };
+    if (std::ranges::any_of(requests, has_it))
+      for (MethodRequest& request : requests)
+        if (!has_it(request))
+          (request.*option).reset();
+  };
+  leave_to(takes_rtol, &MethodRequest::rtol);
+  leave_to(keeps_prepared, &MethodRequest::prepared);
   for (const MethodRequest& request : requests)
     options_of(request);
   return requests;

@@ -124,6 +124,25 @@ std::optional<FrameAnswers> answer_frame(LiveScene& live, const std::vector<Swee
   return answers;
 }
 
+/// Returns the methods of a sweep of a scene with their options. Where the formula takes no accuracy, it
+/// answers in closed form if others take it.
+std::vector<Sweeper> sweepers_of(const SweepRequest& request, const Scene& scene) {
+  std::vector<MethodRequest> methods = requests_of(request.methods, request.options);
+  const auto is_of_integral = [](const MethodRequest& method) {
+    return is_integral(options_of(method).method);
+  };
+  const bool others_take_rtol = !std::ranges::all_of(methods, is_of_integral);
+  std::vector<Sweeper> sweepers;
+  for (MethodRequest& method : methods) {
+    if (others_take_rtol && is_of_integral(method) && !formula_takes_rtol(scene)) {
+      method.rtol.reset();
+      method.prepared.reset();
+    }
+    sweepers.push_back({.request = method, .options = options_of(method)});
+  }
+  return sweepers;
+}
+
 /// Says on standard error what was refused, and which errors were not reached.
 void tell(const std::string& scene, const std::vector<Sweeper>& sweepers) {
   for (const Sweeper& sweeper : sweepers) {
@@ -168,10 +187,10 @@ CLI::App* add_sweep_command(CLI::App& program, SweepRequest& request) {
 }
 
 int run_sweep(const SweepRequest& request) {
-  std::vector<Sweeper> sweepers;
-  for (const MethodRequest& method : requests_of(request.methods, request.options))
-    sweepers.push_back({.request = method, .options = options_of(method)});
+  // Wrong options are told before the scene is read, which may take long.
+  requests_of(request.methods, request.options);
   LiveScene live(load_scene(request.scene));
+  std::vector<Sweeper> sweepers = sweepers_of(request, live.scene());
   const std::vector<Frame> motion = load_motion(motion_file(request.scene, request.motion), live.scene());
   const SweepKey key(request.scene, live.scene());
   EarlierRows earlier;

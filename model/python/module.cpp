@@ -20,6 +20,7 @@
 #include "fringe/surface_charges.hpp"
 #include "fringe/thesis.hpp"
 #include "fringe/version.hpp"
+#include "interruption.hpp"
 #include "scene_module.hpp"
 
 namespace py = pybind11;
@@ -264,5 +265,6 @@ the potential: fringe.triangle_potentials(points, panels) @ charges.)");
              "The registry of corrections: a list of dictionaries with \"name\", \"formula\", \"source\", "
              "\"constants\" and \"cost\".");
 
+  python::add_interruption(module);
   python::add_scene(module);
 }

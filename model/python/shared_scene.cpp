@@ -1,7 +1,6 @@
 #include "shared_scene.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <fstream>
 #include <iterator>
 #include <utility>
@@ -12,22 +11,6 @@
 #include "fringe/scene_reader.hpp"
 
 namespace fringe::python {
-
-std::function<bool()> signal_handling() {
-  using Clock = std::chrono::steady_clock;
-  /// Time between two looks at the signals: short enough for Ctrl-C, long enough not to disturb other
-  /// threads.
-  static constexpr std::chrono::milliseconds pause{50};
-  return [next = Clock::now() + pause]() mutable {
-    if (Clock::now() < next)
-      return false;
-    const pybind11::gil_scoped_acquire locked;
-    if (PyErr_CheckSignals() != 0)
-      throw pybind11::error_already_set();
-    next = Clock::now() + pause;
-    return false;
-  };
-}
 
 SharedScene::SharedScene(std::string text, const std::filesystem::path& folder, Scene scene)
     : text_(std::move(text)), folder_(std::filesystem::absolute(folder)), whole_(std::move(scene)),

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -15,12 +14,9 @@
 #include "collision_answers.hpp"
 #include "fringe/interruption.hpp"
 #include "fringe/live_scene.hpp"
+#include "interruption.hpp"
 
 namespace fringe::python {
-
-/// Returns a question for an InterruptionScope that lets Python handle the signals that came, some times a
-/// second. It never says to end, but throws what their handlers raise: KeyboardInterrupt after Ctrl-C.
-std::function<bool()> signal_handling();
 
 /// A scene that several Python threads may ask: one answer is computed at a time. It remembers its text, so
 /// that it can be pickled, and objects can be hidden, shown and added.

@@ -155,14 +155,37 @@ def test_several_methods_have_a_row_each_in_every_frame(fringe_command: Command,
     found = rows(done.stdout)
     asked = [*METHODS.split(","), "recommended", "boundary-elements"]
     assert [row["method"] for row in found] == 3 * asked
-    for options in ({}, {"correction": "formula"}, {"faces": "facing"}):
+    of_methods: list[dict[str, Any]] = [{}, {"correction": "formula", "rtol": 0.03}, {"faces": "facing"}]
+    for number, options in enumerate(of_methods):
         expected = fringe.Scene.load(str(scene)).sweep(str(scene.with_name("scene.motion.toml")), **options)
-        own = found[[{}, {"correction": "formula"}, {"faces": "facing"}].index(options) :: len(asked)]
+        own = found[number :: len(asked)]
         assert [float(row["change_F"]) for row in own] == [
             readings["self, front"].change for _, readings in expected
         ]
     assert {row["answered_by"] for row in found if row["method"] == "recommended"} == {"reduced:1"}
     assert {row["reached"] for row in found} == {"yes"}
+
+
+def test_an_accuracy_is_asked_of_the_methods_that_take_one(fringe_command: Command, scene: Path) -> None:
+    done = fringe_command("sweep", scene, "--method", "exact,formula", "--rtol", "0.03")
+    assert done.returncode in (0, 3)
+    exact, formula = rows(done.stdout)[:2]
+    assert exact["change_error_F"] == "" and exact["reached"] == "yes"
+    error = float(formula["change_error_F"]) / float(formula["change_F"])
+    assert error < 0.1 and (formula["reached"] == "yes") == (error <= 0.03)
+
+
+def test_where_the_formula_takes_no_accuracy_others_still_do(fringe_command: Command, scene: Path) -> None:
+    scene.write_text(
+        SCENE.replace("threshold", "noise").replace(
+            "[[object]]", "cover = { thickness = 0.001, relative_permittivity = 3 }\n[[object]]", 1
+        )
+    )
+    done = fringe_command("sweep", scene, "--method", "exact,formula,boundary-elements", "--rtol", "0.3")
+    assert done.returncode == 0
+    assert all(row["change_F"] for row in rows(done.stdout))
+    alone = fringe_command("sweep", scene, "--method", "exact,formula", "--rtol", "0.3")
+    assert alone.returncode == 2 and "ask boundary-elements for an accuracy" in alone.stderr
 
 
 def test_a_stopped_sweep_is_completed_and_its_rows_are_kept(fringe_command: Command, scene: Path) -> None:
@@ -244,7 +267,7 @@ def test_a_method_without_an_answer_leaves_its_row_empty_and_says_why_once(
     [
         (("--method", "exact,bem"), "method 'bem' is not known: it must be exact, split:N"),
         (
-            ("--method", "exact,formula", "--rtol", "0.1"),
+            ("--method", "exact,split:2", "--rtol", "0.1"),
             "rtol is an option of the methods boundary-elements",
         ),
         (("--method", "formula+facing"), "correction formula: method, plates, faces"),

@@ -29,7 +29,7 @@ struct EvaluationOptions {
   std::optional<double> rtol = {};
   /// Seconds after which the best answer so far is to do: of `recommended`, which does not begin what would
   /// take longer than what is left, and answers by the correction `formula` in closed form, in about a
-  /// second, where it has nothing better. Boundary elements answer with their best matrix; the reduced method
+  /// second and within ten, where it has nothing better. Boundary elements answer with their best matrix; the reduced method
   /// and the correction `formula` with an rtol throw Interrupted, as boundary elements do before their first
   /// matrix.
   std::optional<double> max_seconds = {};
@@ -46,6 +46,10 @@ struct EvaluationOptions {
 
 /// Throws InputError for options that are out of range, cannot be combined or belong to another method.
 void validate(const EvaluationOptions& options);
+
+/// Tells whether the correction `formula` takes an rtol in a scene: where this asks for the changes of
+/// readings, has no dielectric objects and no room.
+bool formula_takes_rtol(const Scene& scene);
 
 /// Returns the options of a triangle-integral method, defaults filled in. Throws InputError for another
 /// method, and for options that are out of range or cannot be combined.

@@ -11,10 +11,10 @@ class Interrupted : public std::runtime_error {
   Interrupted();
 };
 
-/// While it exists, boundary elements and the reduced method, on the thread that made it, ask a function many
-/// times a second whether to end. They do when it returns true, which it must then do for good: maxwell()
-/// returns the best matrix so far with its estimated errors, everything else throws Interrupted. What the
-/// function throws passes through. The innermost scope counts.
+/// While it exists, what takes long, on the thread that made it, asks a function many times a second whether
+/// to end. It does when that returns true, which it must then do for good: maxwell() returns the best matrix
+/// so far with its estimated errors, everything else throws Interrupted. What the function throws passes
+/// through. A scope within another one asks that one's function, too.
 class InterruptionScope {
  public:
   explicit InterruptionScope(std::function<bool()> is_to_end);

@@ -1,5 +1,6 @@
 """Types of the module `fringe`; `help(fringe)` says what everything is."""
 
+from collections.abc import Callable
 from os import PathLike
 from typing import Any, Literal
 
@@ -10,6 +11,11 @@ __version__: str
 _Array = NDArray[np.float64]
 
 class InputError(ValueError): ...
+
+class InterruptionScope:
+    def __init__(self, ask: Callable[[], object]) -> None: ...
+    def __enter__(self) -> InterruptionScope: ...
+    def __exit__(self, *raised: object) -> None: ...
 
 class Reading:
     @property

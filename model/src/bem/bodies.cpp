@@ -17,10 +17,12 @@
 #include "fringe/pose.hpp"
 #include "fringe/reading.hpp"
 #include "fringe/triangulation.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
 
+using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
 ChargedFace face_of(const Rectangle& rectangle) {
@@ -196,6 +198,7 @@ std::vector<Triangle> cleaned(const std::string& name, std::span<const Triangle>
                            std::numeric_limits<double>::min()));
   std::vector<Triangle> result;
   for (const Triangle& triangle : triangles) {
+    check_interruption();
     const Triangle welded{weld(triangle[0]), weld(triangle[1]), weld(triangle[2])};
     double longest = 0;
     for (std::size_t i = 0; i < 3; ++i)
@@ -234,6 +237,17 @@ TriangleSurface triangulated(const BodySurface& surface) {
     result.triangles.push_back({own[0], own[2], own[3]});
   }
   return result;
+}
+
+void refuse_rounding(const std::string& name, const AlignedBox3d& box) {
+  /// Largest rounding of a coordinate, over the size of the body: surfaces that are as near touch.
+  constexpr double most_rounding = 1e-9;
+  const double size = box.diagonal().norm(),
+               farthest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
+  if (farthest * std::numeric_limits<double>::epsilon() > most_rounding * size)
+    throw InputError(fmt::format("{}: it is {:.3g} m long and {:.3g} m away from the origin, where rounding "
+                                 "changes its shape: move all to the origin, or leave out what is far away",
+                                 name, size, farthest));
 }
 
 std::size_t count_of(const ChargedBodies& bodies, Role role) {
@@ -294,6 +308,11 @@ ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose) {
   for (const Triangle& triangle : triangles_of(result.surface))
     if (!triangle[0].allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", body.name));
+  AlignedBox3d box = axis_aligned_box(triangles_of(result.surface));
+  for (const ChargedFace& face : faces_of(result.surface))
+    for (const Vector3d& corner : corners_of(face))
+      box.extend(corner);
+  refuse_rounding(result.name, box);
   return result;
 }
 

@@ -116,6 +116,10 @@ bool sensors_have_panels(const ChargedBodies& bodies);
 /// without area, slivers and duplicates are left out.
 ChargedBodies bodies_on_links(const Scene& scene);
 
+/// Throws InputError for a body, in a box in world coordinates, that is so far from the origin that rounding
+/// changes its shape.
+void refuse_rounding(const std::string& name, const Eigen::AlignedBox3d& box);
+
 /// Returns the body moved by a pose. Throws InputError if the pose is not finite.
 ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose);
 

@@ -13,6 +13,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
+#include "geometry/box_tree.hpp"
 #include "geometry/winding_number.hpp"
 #include "numeric/interruption.hpp"
 
@@ -39,14 +40,18 @@ std::vector<ConvexHull> hulls_of(const BodySurface& surface) {
   return hulls;
 }
 
-std::vector<AlignedBox3d> boxes_of(std::span<const ConvexHull> hulls, AlignedBox3d& all) {
+AlignedBox3d box_of_hull(const ConvexHull& hull) {
+  AlignedBox3d box;
+  for (const Vector3d& vertex : hull)
+    box.extend(vertex);
+  return box;
+}
+
+std::vector<AlignedBox3d> boxes_of(std::span<const ConvexHull> hulls) {
   std::vector<AlignedBox3d> boxes;
-  for (const ConvexHull& hull : hulls) {
-    AlignedBox3d& box = boxes.emplace_back();
-    for (const Vector3d& vertex : hull)
-      box.extend(vertex);
-    all.extend(box);
-  }
+  boxes.reserve(hulls.size());
+  for (const ConvexHull& hull : hulls)
+    boxes.push_back(box_of_hull(hull));
   return boxes;
 }
 
@@ -56,33 +61,34 @@ constexpr double touching_distance = 1e-9;
 /// Returns true if any part of one body is no farther than `tolerance` from any part of the other. Without a
 /// tolerance the test is exact.
 bool hulls_meet(std::span<const ConvexHull> a, std::span<const ConvexHull> b, double tolerance) {
-  AlignedBox3d all_a, all_b;
-  const std::vector<AlignedBox3d> boxes_a = boxes_of(a, all_a), boxes_b = boxes_of(b, all_b);
-  const auto are_near = [&](const AlignedBox3d& one, const AlignedBox3d& other) {
-    return one.squaredExteriorDistance(other) <= tolerance * tolerance;
-  };
-  for (std::size_t k = 0; k < a.size(); ++k) {
+  const BoxTree tree(boxes_of(b));
+  bool is_any_met = false;
+  for (std::size_t k = 0; k < a.size() && !is_any_met; ++k) {
     check_interruption();
-    if (!are_near(boxes_a[k], all_b))
-      continue;
-    for (std::size_t l = 0; l < b.size(); ++l)
-      if (are_near(boxes_a[k], boxes_b[l]) &&
-          (gjk_intersects(a[k], b[l]).intersects ||
-           (tolerance > 0 && gjk_distance(a[k], b[l]).distance <= tolerance)))
-        return true;
+    AlignedBox3d box = box_of_hull(a[k]);
+    // Rounding of the widened box must leave out none that is as far as the tolerance.
+    const Vector3d wider = Vector3d::Constant(2 * tolerance);
+    box = AlignedBox3d(box.min() - wider, box.max() + wider);
+    tree.for_each(box, [&](std::size_t l) {
+      is_any_met = is_any_met || gjk_intersects(a[k], b[l]).intersects ||
+                   (tolerance > 0 && gjk_distance(a[k], b[l]).distance <= tolerance);
+    });
   }
-  return false;
+  return is_any_met;
 }
 
 /// Returns true if a closed surface of triangles contains a body that does not cross it.
 bool contains(const ChargedBody& outside, std::span<const ConvexHull> inside) {
   const auto surface = triangles_of(outside.surface);
-  return is_closed(surface) && is_in_polyhedron(surface, inside.front().front());
+  const Vector3d& point = inside.front().front();
+  check_interruption();
+  return axis_aligned_box(surface).contains(point) && is_closed(surface) && is_in_polyhedron(surface, point);
 }
 
 double size_of(std::span<const ConvexHull> hulls) {
   AlignedBox3d all;
-  boxes_of(hulls, all);
+  for (const ConvexHull& hull : hulls)
+    all.extend(box_of_hull(hull));
   return all.diagonal().norm();
 }
 

@@ -45,6 +45,7 @@ HiddenSurface::HiddenSurface(const ChargedBodies& bodies)
     : bodies_(bodies.bodies.size()), around_(bodies.bodies.size()) {
   std::vector<std::size_t> shell_counts(bodies_.size(), 0);
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
+    check_interruption();
     const auto triangles = triangles_of(bodies.bodies[k].surface);
     if (triangles.empty())
       continue;

@@ -39,6 +39,7 @@ Insulator insulator_of(const Object& object, const Eigen::Isometry3d& pose, doub
     for (Triangle& triangle : result.surface)
       std::swap(triangle[1], triangle[2]);
   result.box = axis_aligned_box(result.surface);
+  refuse_rounding(result.name, result.box);
   return result;
 }
 
@@ -122,6 +123,7 @@ Insulator moved(const Insulator& insulator, const Eigen::Isometry3d& pose) {
   for (Triangle& triangle : result.surface)
     triangle = transformed(triangle, pose);
   result.box = axis_aligned_box(result.surface);
+  refuse_rounding(result.name, result.box);
   return result;
 }
 

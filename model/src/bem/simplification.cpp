@@ -13,6 +13,7 @@
 #include "fringe/gjk.hpp"
 #include "geometry/box_tree.hpp"
 #include "geometry/surface_mesh.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -40,6 +41,7 @@ Vector3d centre_of(const Triangle& triangle) {
 /// (m). Vertices stay where they are, those at the border of the part are kept.
 std::vector<Triangle> collapsed(const SurfaceMesh& mesh, const std::vector<std::uint32_t>& faces,
                                 const Vector3d& centre, double tolerance) {
+  check_interruption();
   std::vector<float> positions;
   for (const Vector3d& vertex : mesh.vertices())
     for (const double coordinate : vertex - centre)
@@ -104,6 +106,7 @@ double mean_distance(const SurfaceMesh& mesh, const std::vector<std::uint32_t>& 
   double sum = 0, area = 0;
   const std::size_t stride = 1 + faces.size() / samples;
   for (std::size_t k = 0; k < faces.size(); k += stride) {
+    check_interruption();
     const SurfaceMesh::Face& face = mesh.faces()[faces[k]];
     const Triangle triangle{mesh.vertices()[face[0]], mesh.vertices()[face[1]], mesh.vertices()[face[2]]};
     const double own = twice_area(triangle);
@@ -165,11 +168,14 @@ void Simplification::simplify(const ChargedBodies& original, double tolerance) {
     Surface surface{k, Zones(original, k), std::vector<double>(Zones::count, 0)};
     const SurfaceMesh mesh(old);
     std::array<std::vector<std::uint32_t>, Zones::count> faces;
+    check_interruption();
     for (std::uint32_t face = 0; face < old.size(); ++face)
       faces[surface.zones.zone(centre_of(old[face]))].push_back(face);
     const Vector3d centre = box_of(body).center();
     std::vector<Triangle> triangles;
     for (std::size_t zone = 0; zone < Zones::count; ++zone) {
+      if (faces[zone].empty())
+        continue;
       const std::vector<Triangle> part =
           collapsed(mesh, faces[zone], centre, tolerance * surface.zones.tolerance(zone));
       triangles.insert(triangles.end(), part.begin(), part.end());

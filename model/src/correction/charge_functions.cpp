@@ -266,6 +266,14 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
   }
 }
 
+std::size_t ChargeFunctions::most_points() const {
+  std::size_t most = 0;
+  for (const FunctionPoints& points : points_)
+    for (std::size_t function = 0; function < count(); ++function)
+      most = std::max(most, points.first[function + 1] - points.first[function]);
+  return most;
+}
+
 MatrixXd ChargeFunctions::net(std::size_t conductors) const {
   MatrixXd net = MatrixXd::Zero(index_of(count()), index_of(conductors));
   for (std::size_t function = 0; function < count(); ++function)

@@ -59,7 +59,8 @@ struct CoarseFunctions {
 /// charge of all conductors at one potential, which has the singularities of the edges.
 class ChargeFunctions {
  public:
-  /// Numbers of points of a function, the coarsest first.
+  /// Numbers of points of a function, the coarsest first. A function of a few panels may have up to four
+  /// times as many, since all its panels get equally many.
   static constexpr std::array<std::size_t, 4> points_per_function{1, 4, 16, 64};
   /// The first level whose points give the given charges their dipole moments.
   static constexpr std::size_t first_with_moments = 1;
@@ -85,6 +86,8 @@ class ChargeFunctions {
   double radius(std::size_t function) const { return radii_[function]; }
   std::size_t conductor(std::size_t function) const { return conductors_[function]; }
   const FunctionPoints& points(std::size_t level) const { return points_[level]; }
+  /// Returns the largest number of points of a function, on any level.
+  std::size_t most_points() const;
   const FunctionPanels& panels() const { return panels_; }
   /// Returns boxes around the bodies.
   const std::vector<Eigen::AlignedBox3d>& boxes() const { return boxes_; }

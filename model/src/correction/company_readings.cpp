@@ -83,6 +83,18 @@ bool are_within(const std::vector<ReadingAnswer>& answers, double rtol) {
   });
 }
 
+Estimate estimate_of(const CompanyFormula::Change& change, double unit, bool is_joined) {
+  if (!std::isfinite(change.value) || !std::isfinite(change.error))
+    return {};
+  const double least_error = is_joined ? std::abs(change.value) : 0;
+  return {unit * change.value, unit * std::max(change.error, least_error)};
+}
+
+bool is_any_known(const std::vector<ReadingAnswer>& answers) {
+  return std::ranges::any_of(answers,
+                             [](const ReadingAnswer& answer) { return answer.change.value.has_value(); });
+}
+
 std::vector<PairWrench> unknown_pairs(const ChargedBodies& bodies) {
   const Vector3d unknown = Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
   const std::optional<std::size_t> first = bodies.bodies.front().link;
@@ -224,11 +236,12 @@ TargetContacts contacts_of(const ChargedBodies& machine, const std::vector<Align
     for (std::size_t m = 0; m < machine_boxes.size(); ++m) {
       const ChargedBody& body = machine.bodies[m];
       const Role role = machine.role(body);
-      if ((role == Role::grounded && !floats) || !box.intersects(machine_boxes[m]) ||
-          !are_in_contact(moved(target, pose), body))
+      if (!box.intersects(machine_boxes[m]) || !are_in_contact(moved(target, pose), body))
         continue;
       if (floats || role == Role::floating)
         found.is_unknown = true;
+      else if (role == Role::grounded)
+        found.is_joined = true;
       else
         found.grounded.push_back(body.conductor);
     }
@@ -240,28 +253,29 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
                                  std::vector<ReadingAnswer>& answers) const {
   const TargetContacts touching = contacts_of(machine_group_->bodies, machine_group_->boxes,
                                               target_group_->bodies, target_group_->boxes, pose);
+  answers.resize(charged_readings_.size());
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    answers[k].name = charged_readings_[k].name;
+    answers[k].answered_by = name;
+    answers[k].value = answers[k].background = answers[k].change = {};
+    answers[k].derivatives.clear();
+  }
+  if (touching.is_unknown)
+    return;
   std::vector<CompanyFormula::Change> in_closed_form;
   if (tabulated == nullptr)
     for (const double change : formula.changes(*machine_, *target_, pose))
       in_closed_form.push_back({change, stated_error(formula.nearness()) * std::abs(change)});
   const std::vector<CompanyFormula::Change>& changes =
       tabulated != nullptr ? tabulated->solved(*tabulated_, *target_, pose, *rtol_) : in_closed_form;
-  answers.resize(changes.size());
   for (std::size_t k = 0; k < changes.size(); ++k) {
-    ReadingAnswer& answer = answers[k];
     const ChargedReading& reading = charged_readings_[k];
-    answer.name = reading.name;
-    answer.answered_by = name;
-    answer.value = answer.background = answer.change = {};
-    if (touching.is_unknown)
-      continue;
     const bool is_shorted =
         std::any_of(touching.grounded.begin(), touching.grounded.end(), [&](std::size_t at) {
           const auto conductor = static_cast<Eigen::Index>(at);
           return reading.sense[conductor] != 0 || reading.drive[conductor] != 0;
         });
-    answer.change =
-        is_shorted ? Estimate{infinity, 0} : Estimate{unit_ * changes[k].value, unit_ * changes[k].error};
+    answers[k].change = is_shorted ? Estimate{infinity, 0} : estimate_of(changes[k], unit_, touching.is_joined);
   }
 }
 
@@ -297,6 +311,8 @@ void CompanyReadings::write_derivatives(std::vector<ReadingAnswer>& answers) {
     moving_.write_derivatives(answers);
     return;
   }
+  if (!is_any_known(answers))
+    return;
   const std::vector<Wrench>& wrenches = tabulated_formula_.wrenches(*tabulated_, *target_, target_pose());
   const Isometry3d to_world = frame(*machine_group_);
   std::vector<PairWrench> pairs = unknown_pairs(machine_group_->bodies);

@@ -75,8 +75,14 @@ bool InsulatedReadings::knows(const Scene& scene) {
     if (std::holds_alternative<Dielectric>(scene.objects[k].role) && !enclosed[k] &&
         !is_cover(scene.objects[k]))
       return false;
-  return asks_for_changes(scene) && !scene.has_room &&
+  return asks_for_changes(scene) && !readings(scene).empty() && !scene.has_room &&
          std::find(are_targets.begin(), are_targets.end(), true) != are_targets.end();
+}
+
+bool InsulatedReadings::takes_rtol(const Scene& scene) {
+  return knows(scene) && std::ranges::none_of(scene.objects, [](const Object& object) {
+           return std::holds_alternative<Dielectric>(object.role);
+         });
 }
 
 void InsulatedReadings::prepare(const Scene& scene, std::optional<double> rtol) {

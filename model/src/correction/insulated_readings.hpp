@@ -28,9 +28,12 @@ class InsulatedReadings {
   /// Prepares nothing yet; the scene's links have the poses given.
   explicit InsulatedReadings(std::shared_ptr<LinkPoses> poses);
 
-  /// Tells whether the readings of a scene are known: it asks for changes, has no room, and of dielectric
-  /// objects only covers and targets that are enclosed.
+  /// Tells whether the readings of a scene are known: it has some and asks for their changes, has no room,
+  /// and of dielectric objects only covers and targets that are enclosed.
   static bool knows(const Scene& scene);
+
+  /// Tells whether an accuracy can be asked of them: they are known, and there are conductors only.
+  static bool takes_rtol(const Scene& scene);
 
   /// Keeps what is prepared for an accuracy in files from now on; null: in none.
   void keep_in(std::shared_ptr<const PreparedFiles> files) { files_ = std::move(files); }

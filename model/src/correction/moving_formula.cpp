@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
+#include <optional>
 #include <utility>
+
+#include "numeric/infinity.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -22,12 +24,24 @@ constexpr double safety_of_links = 2;
 /// precision.
 constexpr float least_ridge = 1e-6F;
 
-/// Fills and factorises with so much on the diagonal that a matrix is positive definite.
+/// Largest part of the diagonal that may be added: where more is needed, charges lie in each other.
+constexpr float most_ridge = 2;
+
+/// Fills and factorises with so much on the diagonal that a matrix is positive definite. Returns the part
+/// that was added, or nothing if what may be added does not suffice.
 template <typename Attempt>
-void with_ridge(const Attempt& is_factorised) {
-  for (float ridge = least_ridge; !is_factorised(ridge); ridge *= 10)
-    if (!(ridge < 1))
-      throw std::runtime_error("the matrix of the links' charges is not positive definite");
+std::optional<float> with_ridge(const Attempt& is_factorised) {
+  for (float ridge = least_ridge; ridge <= most_ridge; ridge *= 10)
+    if (is_factorised(ridge))
+      return ridge;
+  return std::nullopt;
+}
+
+/// Adds the energy of charges (columns) that was added to the diagonal of their matrix, if this is more than
+/// rounding.
+void add_energy_of_ridge(float ridge, const MatrixXf& energies, const MatrixXf& charges, MatrixXd& defects) {
+  if (ridge > least_ridge)
+    defects += (ridge * (charges.transpose() * (energies.diagonal().asDiagonal() * charges))).cast<double>();
 }
 
 /// Multiplies a matrix by vectors, one after the other: for several at once Eigen may allocate memory.
@@ -196,21 +210,24 @@ void MovingFormula::fill_target(const TargetAtRest& target, float ridge) {
 }
 
 /// Factorises the matrix, first of the machine and then of the target with the machine grounded, and solves
-/// it for the right sides.
-void MovingFormula::factorise(const MovingMachine& machine, const TargetAtRest& target) {
+/// it for the right sides. Returns false if that is not possible.
+bool MovingFormula::factorise(const MovingMachine& machine, const TargetAtRest& target) {
   const Index loads = machine.loads(), blocks_of_machine = first_target_ / PackedFactor::block,
               blocks = blocks_of_machine + in_whole_blocks(energies_of_target_.rows()) / PackedFactor::block;
-  with_ridge([&](float ridge) {
+  ridge_ = with_ridge([&](float ridge) {
     factor_.resize(blocks, loads + floating_ + index_of(target.floating().size()));
     fill_machine(machine, ridge);
     return factor_.factorise(0, blocks_of_machine);
   });
+  if (!ridge_)
+    return false;
   if (floating_ > 0)
     solve_floating(machine);
-  with_ridge([&](float ridge) {
+  ridge_of_target_ = with_ridge([&](float ridge) {
     fill_target(target, ridge);
     return factor_.factorise(blocks_of_machine, blocks);
   });
+  return ridge_of_target_.has_value();
 }
 
 /// Finds what the targets' functions and the loads put on the machine's conductors that float.
@@ -317,6 +334,7 @@ void MovingFormula::state_errors(const MovingMachine& machine, const TargetAtRes
   const Index loads = machine.loads();
   multiply(energies_of_target_, charges_on_target_, potentials_);
   target.coarse().find_defects(charges_on_target_, potentials_, lacking_);
+  add_energy_of_ridge(*ridge_of_target_, energies_of_target_, charges_on_target_, lacking_.defects);
   unanswered_.setZero(2 * loads, 2 * loads);
   double excess = 1;
   for (std::size_t k = 0; k < machine.links().size(); ++k) {
@@ -329,6 +347,7 @@ void MovingFormula::state_errors(const MovingMachine& machine, const TargetAtRes
     multiply(link.energies(), own.charges, own.potentials);
     link.coarse().find_defects(own.charges, own.potentials, own.lacking);
     unanswered_ += own.lacking.defects;
+    add_energy_of_ridge(*ridge_, link.energies(), own.charges, unanswered_);
     if (!link.loads().empty())
       excess = std::max(excess, link.excess());
   }
@@ -360,7 +379,10 @@ const std::vector<CompanyFormula::Change>& MovingFormula::solved(const MovingMac
   couple(machine, tables, target, pose);
   prepare(machine, target);
   add_given(machine);
-  factorise(machine, target);
+  if (!factorise(machine, target)) {
+    solved_.assign(machine.readings().size(), {0, infinity});
+    return solved_;
+  }
   solve(target);
   find_charges();
   state_errors(machine, target, nearness(machine, target, pose));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -20,7 +21,8 @@ namespace fringe::detail {
 /// pose since the last pose are kept, and arrays are used again: after the first pose no memory is allocated.
 class MovingFormula {
  public:
-  /// Returns the changes of all readings in m, to be multiplied by 4πε, and the errors stated.
+  /// Returns the changes of all readings in m, to be multiplied by 4πε, and the errors stated; infinite ones
+  /// where the equations cannot be solved, as where charges of two bodies lie in each other.
   ///
   /// @param tables with what is met in this pose
   const std::vector<CompanyFormula::Change>& solved(const MovingMachine& machine, const LinkTables& tables,
@@ -51,7 +53,7 @@ class MovingFormula {
   void add_given(const MovingMachine& machine);
   void fill_machine(const MovingMachine& machine, float ridge);
   void fill_target(const TargetAtRest& target, float ridge);
-  void factorise(const MovingMachine& machine, const TargetAtRest& target);
+  bool factorise(const MovingMachine& machine, const TargetAtRest& target);
   void solve_floating(const MovingMachine& machine);
   void solve(const TargetAtRest& target);
   void find_charges();
@@ -74,6 +76,8 @@ class MovingFormula {
   /// functions of unit energy. The right sides are the loads, the unit potentials of what floats in the
   /// machine, and those of what floats among the targets.
   PackedFactor factor_;
+  std::optional<float> ridge_;            ///< part that was added to the machine's diagonal
+  std::optional<float> ridge_of_target_;  ///< the same for the target
   Eigen::Index first_target_ = 0;
   Eigen::Index floating_ = 0;       ///< number of conductors of the machine that float
   Eigen::MatrixXd floating_block_;  ///< of their net charges

@@ -212,32 +212,32 @@ void MovingReadings::refuse_contacts(const PoseOfMachine& pose) const {
 
 void MovingReadings::write_pose(MovingFormula& formula, const PoseOfMachine& pose,
                                 std::vector<ReadingAnswer>& answers) const {
-  const std::vector<CompanyFormula::Change>& changes = formula.solved(*machine_, *tables_, *target_, pose);
-  answers.resize(changes.size());
-  for (std::size_t k = 0; k < changes.size(); ++k) {
-    ReadingAnswer& answer = answers[k];
-    answer.name = readings_[k].name;
-    answer.answered_by = CompanyReadings::name;
-    answer.value = answer.background = {};
-    answer.change = Estimate{unit_ * changes[k].value, unit_ * changes[k].error};
-    answer.derivatives.clear();
+  answers.resize(readings_.size());
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    answers[k].name = readings_[k].name;
+    answers[k].answered_by = CompanyReadings::name;
+    answers[k].value = answers[k].background = answers[k].change = {};
+    answers[k].derivatives.clear();
   }
-  bool is_unknown = false;
+  std::vector<bool> are_shorted(answers.size(), false);
+  bool is_joined = false;
   for (std::size_t link = 0; link < links_.size(); ++link) {
     const TargetContacts touching =
         contacts_of(links_[link].bodies, links_[link].boxes, target_group_->bodies, target_group_->boxes,
                     pose.links[link].inverse(Eigen::Isometry) * pose.target);
-    is_unknown = is_unknown || touching.is_unknown;
+    if (touching.is_unknown)
+      return;
+    is_joined = is_joined || touching.is_joined;
     for (const std::size_t conductor : touching.grounded)
       for (std::size_t k = 0; k < answers.size(); ++k) {
         const ChargedReading& reading = machine_->readings_on(link)[k];
-        if (reading.sense[index_of(conductor)] != 0 || reading.drive[index_of(conductor)] != 0)
-          answers[k].change = Estimate{infinity, 0};
+        are_shorted[k] = are_shorted[k] || reading.sense[index_of(conductor)] != 0 ||
+                         reading.drive[index_of(conductor)] != 0;
       }
   }
-  if (is_unknown)
-    for (ReadingAnswer& answer : answers)
-      answer.change = {};
+  const std::vector<CompanyFormula::Change>& changes = formula.solved(*machine_, *tables_, *target_, pose);
+  for (std::size_t k = 0; k < answers.size(); ++k)
+    answers[k].change = are_shorted[k] ? Estimate{infinity, 0} : estimate_of(changes[k], unit_, is_joined);
 }
 
 std::optional<std::vector<std::vector<ReadingAnswer>>>
@@ -319,6 +319,8 @@ bool MovingReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answe
 }
 
 void MovingReadings::write_derivatives(std::vector<ReadingAnswer>& answers) {
+  if (!is_any_known(answers))
+    return;
   const std::vector<MovingFormula::GroupWrenches> wrenches =
       formula_.wrenches(*machine_, *tables_, *target_, pose_);
   std::vector<PairWrench> pairs = unknown_pairs(target_group_->bodies);

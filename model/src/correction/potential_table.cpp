@@ -30,6 +30,11 @@ constexpr unsigned axis_bits = 20;
 
 constexpr std::size_t per_side = PotentialTable::nodes_per_side;
 
+/// Tells whether the cell around a point has a number of its own along every axis.
+bool is_numbered(const Vector3d& point, double side) {
+  return (point / side).cwiseAbs().maxCoeff() < static_cast<double>(std::int64_t{1} << (axis_bits - 1));
+}
+
 /// Returns Chebyshev's polynomials of degree 1 and more.
 std::array<double, per_side - 1> chebyshev_polynomials(double at) {
   std::array<double, per_side - 1> values{};
@@ -112,7 +117,7 @@ std::uint64_t PotentialTable::key(const Vector3d& point, unsigned level, double 
 
 void PotentialTable::add(const Vector3d& point) {
   double side = largest_;
-  for (unsigned level = 0; level <= most_cell_levels; ++level, side /= 2) {
+  for (unsigned level = 0; level <= most_cell_levels && is_numbered(point, side); ++level, side /= 2) {
     const auto [entry, is_new] = places_.try_emplace(key(point, level, side), divided_cell);
     if (is_new) {
       const Vector3d centre = side * ((point / side).array().floor() + 0.5);
@@ -157,8 +162,11 @@ std::vector<Vector3d> PotentialTable::centres() const {
 }
 
 void PotentialTable::fill(const Eigen::MatrixXf& charges, std::size_t threads) {
+  // Fields in the table need their width also where there is no cell.
+  const Index given = potentials_.given();
+  width_ = static_cast<std::size_t>(whole_blocks(given + charges.cols()));
   const std::size_t filled = width_ > 0 ? values_.size() / (nodes * width_) : 0;
-  if (filled == cells_.size())
+  if (filled == cells_.size() || width_ == 0)
     return;
   std::vector<Vector3d> points;
   points.reserve((cells_.size() - filled) * nodes);
@@ -168,8 +176,6 @@ void PotentialTable::fill(const Eigen::MatrixXf& charges, std::size_t threads) {
                                                              chebyshev_node(k / per_side % per_side),
                                                              chebyshev_node(k / (per_side * per_side))));
   const OutsidePotentials::Values values = potentials_.at(points, charges.cols() > 0, &charges, threads);
-  const Index given = values.of_given.cols();
-  width_ = static_cast<std::size_t>(whole_blocks(given + charges.cols()));
   values_.resize(cells_.size() * nodes * width_, 0.0F);
   Eigen::Map<TrianglePotentials> rows(values_.data() + filled * nodes * width_, values.of_given.rows(),
                                       static_cast<Index>(width_));
@@ -179,7 +185,7 @@ void PotentialTable::fill(const Eigen::MatrixXf& charges, std::size_t threads) {
 
 std::optional<std::size_t> PotentialTable::find(const Vector3d& point) const {
   double side = largest_;
-  for (unsigned level = 0; level <= most_cell_levels; ++level, side /= 2) {
+  for (unsigned level = 0; level <= most_cell_levels && is_numbered(point, side); ++level, side /= 2) {
     const auto entry = places_.find(key(point, level, side));
     if (entry == places_.end() || entry->second == no_cell)
       return std::nullopt;

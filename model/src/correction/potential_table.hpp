@@ -25,8 +25,8 @@ class PotentialTable {
   /// @param largest side of the largest cells, m
   PotentialTable(const OutsidePotentials& potentials, double largest);
 
-  /// Makes sure that there is a cell around a point, unless the point is too close to the machine or there
-  /// are too many cells. The cell is empty until fill() is called.
+  /// Makes sure that there is a cell around a point, unless the point is too close to the machine or too far
+  /// from the origin, or there are too many cells. The cell is empty until fill() is called.
   void add(const Eigen::Vector3d& point);
   /// Returns the centres of all cells.
   std::vector<Eigen::Vector3d> centres() const;

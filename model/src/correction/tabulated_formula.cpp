@@ -148,7 +148,7 @@ const std::vector<CompanyFormula::Change>& TabulatedFormula::solved(const Tabula
 
 /// Gives all arrays the sizes that the machine and the targets may need.
 void TabulatedFormula::prepare(const TabulatedMachine& machine, const TargetAtRest& target) {
-  constexpr std::size_t most_points = ChargeFunctions::points_per_function.back();
+  const std::size_t most_points = target.functions().most_points();
   const Index functions = index_of(target.functions().count()), loads = machine.machine().loads(),
               floating = index_of(target.floating().size()), sides = loads + floating,
               width = whole_blocks(machine.machine().given() + machine.modes().charges.cols()),
@@ -162,6 +162,7 @@ void TabulatedFormula::prepare(const TabulatedMachine& machine, const TargetAtRe
   of_rows_.resize(std::max(target.functions().count(), PotentialTable::nodes));
   outside_.reserve(most_points);
   cells_.reserve(most_points);
+  // Each point of a function may lie in a cell of its own.
   weights_.resize(most_points);
   right_.resize(functions, sides);
   residual_.resize(functions, sides);

@@ -1,5 +1,6 @@
 #include "numeric/interruption.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "fringe/interruption.hpp"
@@ -8,18 +9,18 @@
 namespace fringe {
 namespace {
 
-/// The question of the innermost scope of this thread; null without a scope.
+/// The question of the innermost scope of this thread and those around it; null without a scope.
 thread_local const std::function<bool()>* question = nullptr;
-
-/// True if limits of time count on this thread.
-thread_local bool limits_count = true;
 
 }  // namespace
 
 Interrupted::Interrupted() : std::runtime_error("interrupted before there was an answer") {}
 
 InterruptionScope::InterruptionScope(std::function<bool()> is_to_end)
-    : is_to_end_(std::move(is_to_end)), outer_(std::exchange(question, &is_to_end_)) {}
+    : is_to_end_([own = std::move(is_to_end), outer = question] {
+        return own() || (outer != nullptr && (*outer)());
+      }),
+      outer_(std::exchange(question, &is_to_end_)) {}
 
 InterruptionScope::~InterruptionScope() {
   question = outer_;
@@ -31,18 +32,14 @@ void detail::check_interruption() {
 }
 
 detail::TimeLimit::TimeLimit(double seconds)
-    : start_(std::chrono::steady_clock::now()), seconds_(seconds), scope_([this, outer = question] {
-        return (limits_count && is_over()) || (outer != nullptr && (*outer)());
-      }) {}
+    : start_(std::chrono::steady_clock::now()), seconds_(seconds), scope_([this] { return is_over(); }) {}
 
 double detail::TimeLimit::seconds_left() const {
   return seconds_ - std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
 }
 
-detail::WithoutTimeLimit::WithoutTimeLimit() : before_(std::exchange(limits_count, false)) {}
-
-detail::WithoutTimeLimit::~WithoutTimeLimit() {
-  limits_count = before_;
+void detail::TimeLimit::grant(double seconds) {
+  seconds_ += std::max(seconds - seconds_left(), 0.0);
 }
 
 }  // namespace fringe

@@ -1,39 +1,129 @@
 #include "numeric/parallel.hpp"
 
 #include <algorithm>
-#include <thread>
+#include <atomic>
+#include <chrono>
+#include <condition_variable>
+#include <exception>
+#include <mutex>
 
 #include <tbb/info.h>
-#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+#include <tbb/task_group.h>
 
+#include "fringe/interruption.hpp"
 #include "numeric/interruption.hpp"
 #include "numeric/loop_order.hpp"
 
 namespace fringe::detail {
+namespace {
+
+/// Number of threads that a loop may use; 0: all.
+std::size_t threads_of(std::size_t threads) {
+  const auto offered = static_cast<std::size_t>(tbb::info::default_concurrency());
+  return threads == 0 ? offered : std::min(threads, offered);
+}
+
+/// A loop of which each thread takes the next call until none is left or one has failed.
+class SharedLoop {
+ public:
+  SharedLoop(std::size_t count, const std::function<void(std::size_t)>& task) : count_(count), task_(task) {}
+
+  /// Takes part on a thread that may not ask the caller's question: ends with the others.
+  void help() {
+    {
+      const std::lock_guard lock(mutex_);
+      ++helping_;
+    }
+    {
+      const InterruptionScope scope([&] { return has_failed_.load(); });
+      take_calls();
+    }
+    const std::lock_guard lock(mutex_);
+    if (--helping_ == 0)
+      none_helps_.notify_all();
+  }
+
+  /// Takes part on the calling thread, which asks whether to end also while it waits for the others.
+  void lead() {
+    /// Time between two questions while the others work.
+    constexpr std::chrono::milliseconds pause{10};
+    take_calls();
+    std::unique_lock lock(mutex_);
+    while (!none_helps_.wait_for(lock, pause, [&] { return helping_ == 0; })) {
+      if (has_failed_)
+        continue;
+      lock.unlock();
+      guarded([] { check_interruption(); });
+      lock.lock();
+    }
+  }
+
+  /// Throws what one of the calls has thrown, if any.
+  void rethrow() const {
+    order_.loop_ended();
+    if (failure_)
+      std::rethrow_exception(failure_);
+  }
+
+ private:
+  void take_calls() {
+    order_.part_begins();
+    guarded([&] {
+      for (std::size_t k = next_++; k < count_ && !has_failed_; k = next_++) {
+        check_interruption();
+        task_(k);
+      }
+    });
+    order_.part_ends();
+  }
+
+  /// Keeps what an action throws first; then the others end.
+  template <typename Action>
+  void guarded(const Action& action) {
+    try {
+      action();
+    } catch (...) {
+      const std::lock_guard lock(mutex_);
+      if (!failure_)
+        failure_ = std::current_exception();
+      has_failed_ = true;
+    }
+  }
+
+  std::size_t count_;
+  const std::function<void(std::size_t)>& task_;
+  LoopOrder order_;
+  std::atomic<std::size_t> next_ = 0;
+  std::atomic<bool> has_failed_ = false;
+  std::mutex mutex_;
+  std::condition_variable none_helps_;
+  std::size_t helping_ = 0;  ///< number of threads beside the calling one
+  std::exception_ptr failure_;
+};
+
+}  // namespace
 
 void parallel_for(std::size_t count, std::size_t threads, const std::function<void(std::size_t)>& task) {
-  if (threads == 1 || count <= 1) {
+  const std::size_t together = count <= 1 ? 1 : std::min(threads_of(threads), count);
+  if (together == 1) {
     for (std::size_t k = 0; k < count; ++k) {
       check_interruption();
       task(k);
     }
     return;
   }
-  const int offered = tbb::info::default_concurrency();
-  tbb::task_arena arena(threads == 0 ? offered : std::min(static_cast<int>(threads), offered));
-  const std::thread::id caller = std::this_thread::get_id();
-  const LoopOrder order;
+  SharedLoop loop(count, task);
+  tbb::task_arena arena(static_cast<int>(together));
   arena.execute([&] {
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t k) {
-      order.part_begins();
-      if (std::this_thread::get_id() == caller)
-        check_interruption();
-      task(k);
-      order.part_ends();
-    });
+    tbb::task_group helpers;
+    for (std::size_t k = 1; k < together; ++k)
+      helpers.run([&] { loop.help(); });
+    loop.lead();
+    // Those that have not begun find nothing left.
+    helpers.wait();
   });
-  order.loop_ended();
+  loop.rethrow();
 }
 
 }  // namespace fringe::detail

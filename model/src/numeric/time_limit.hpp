@@ -17,23 +17,13 @@ class TimeLimit {
   bool is_over() const { return seconds_left() <= 0; }
   double seconds_left() const;
 
+  /// Makes sure that so many seconds are left: for what is needed although the time is over.
+  void grant(double seconds);
+
  private:
   std::chrono::steady_clock::time_point start_;
   double seconds_;
   InterruptionScope scope_;
-};
-
-/// While it exists, no TimeLimit outside of it ends anything: for what may be late because it is short. Other
-/// scopes do.
-class WithoutTimeLimit {
- public:
-  WithoutTimeLimit();
-  ~WithoutTimeLimit();
-  WithoutTimeLimit(const WithoutTimeLimit&) = delete;
-  WithoutTimeLimit& operator=(const WithoutTimeLimit&) = delete;
-
- private:
-  bool before_;
 };
 
 }  // namespace fringe::detail

@@ -89,6 +89,19 @@ void answer(const InsulatedResponse& response, const Outermost& outermost, const
   body.coarse_energies = symmetric(outermost.means(outer).transpose() * coarse);
 }
 
+/// Returns a body on whose surface nothing changes, as one of the medium's permittivity: it answers nothing.
+InsulatedBody without_response(const InsulatedBodies& bodies, const OuterPotentials& potentials) {
+  InsulatedBody body;
+  for (const Insulator& insulator : bodies.insulators)
+    for (const Triangle& triangle : insulator.surface)
+      body.panels.push_back(make_panel(triangle));
+  const Index columns = potentials(body.panels).cols() + 1;
+  body.responses = MatrixXd::Zero(index_of(body.panels.size()), columns);
+  body.energies = body.coarse_energies = MatrixXd::Zero(columns, columns);
+  body.free_charges = MatrixXd::Zero(0, columns);
+  return body;
+}
+
 }  // namespace
 
 InsulatedBody solve_insulated_body(const InsulatedBodies& bodies, double accuracy, std::size_t most_panels,
@@ -104,6 +117,8 @@ InsulatedBody solve_insulated_body(const InsulatedBodies& bodies, double accurac
   InsulatedSystem system(bodies, {}, {grading_part * accuracy, most_panels / most_graded}, 0);
   if (system.panels() > most_panels)
     throw InputError("it has too many triangles with its insulators for the reduced method");
+  if (system.panels() == 0)
+    return without_response(bodies, potentials);
   InsulatedBody body;
   Outermost outermost;
   while (true) {
@@ -114,6 +129,9 @@ InsulatedBody solve_insulated_body(const InsulatedBodies& bodies, double accurac
     answer(response, outermost, plain, body);
     VectorXd own = body.energies.diagonal();
     own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
+    // Of almost the medium's permittivity, it may answer nothing but rounding.
+    if (!(own.maxCoeff() > 0))
+      break;
     const VectorXd change = body.energies.diagonal() - body.coarse_energies.diagonal();
     const double error = (change.array().abs() / own.array()).maxCoeff();
     if (error <= accuracy || system.panels() >= most_panels)

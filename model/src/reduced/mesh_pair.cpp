@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bem/panel.hpp"
+#include "numeric/interruption.hpp"
 #include "reduced/node_rules.hpp"
 #include "simd/dispatch.hpp"
 
@@ -314,6 +315,7 @@ void MeshPair::fill(Band& band, const NodePoints& inner) {
   }
   float* to = band.matrix.data();
   for (const MeshPart& part : band.outer) {
+    check_interruption();
     const NodePoints points = part.points(outer_.panels());
     best_kernels<NodeKernels>().fill(points, inner, to);
     to += static_cast<std::size_t>(points.count) * columns;

@@ -77,6 +77,7 @@ Loads principal_loads(const SingleBodySystem& panels, const MatrixXd& potentials
 
 /// Computes the combinations of a constant and of other potentials (rows) to which a body's responses are
 /// orthonormal in the energy: first the constant, if it has an energy, then the principal ones of the others.
+/// For a body that answers nothing, as one of the medium's permittivity, it is one that is zero.
 MatrixXd principal_loads(const MatrixXd& energies, Index most) {
   /// Least eigenvalue, relative to the largest: the panels' errors are larger than smaller ones.
   constexpr double least_energy = 1e-6;
@@ -93,7 +94,7 @@ MatrixXd principal_loads(const MatrixXd& energies, Index most) {
   while (count < std::min(most, sources + first) &&
          solver.eigenvalues()[sources - 1 - count + first] > least_energy * largest)
     ++count;
-  MatrixXd loads = MatrixXd::Zero(sources + 1, count);
+  MatrixXd loads = MatrixXd::Zero(sources + 1, std::max(count, Index{1}));
   if (own > 0)
     loads(0, 0) = 1 / std::sqrt(own);
   for (Index k = first; k < count; ++k) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "numeric/interruption.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {
@@ -174,6 +175,7 @@ void ReducedSystem::apply_off_diagonal_blocks(std::size_t active) {
           of_b.push_back(k);
       }
       for (std::size_t k = 0; k < std::max(of_a.size(), of_b.size()); ++k) {
+        check_interruption();
         float *on_a = slot(), *on_b = slot();
         pair(a, b).potentials(k < of_a.size() ? vectors_[of_a[k]].charge : zero,
                               k < of_b.size() ? vectors_[of_b[k]].charge : zero, on_a, on_b);

@@ -220,6 +220,10 @@ class LiveScene::Implementation {
   Evaluation answer_;
 };
 
+bool formula_takes_rtol(const Scene& scene) {
+  return detail::InsulatedReadings::takes_rtol(scene);
+}
+
 LiveScene::LiveScene(Scene scene) : implementation_(std::make_unique<Implementation>(std::move(scene))) {}
 LiveScene::~LiveScene() = default;
 LiveScene::LiveScene(LiveScene&&) noexcept = default;

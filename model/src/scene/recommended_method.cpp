@@ -19,6 +19,8 @@
 namespace fringe::detail {
 namespace {
 
+using Eigen::Index;
+
 /// Largest number of triangles that the reduced method may have to prepare, of all bodies that are neither
 /// plates nor boxes: some seconds, once for all poses.
 constexpr std::size_t most_prepared_triangles = 4'000;
@@ -35,6 +37,10 @@ constexpr std::size_t most_unknowns = 1'000;
 /// actual error is a quarter of what is stated, so that beyond this the 2 % (rms) of the formula are no
 /// worse.
 constexpr double most_unreached_error = 0.1;
+
+/// Largest stated error, relative, of a matrix that says anything. Where the formula knows nothing, beyond it
+/// boundary elements of all unknowns are tried.
+constexpr double most_useful_error = 0.5;
 
 /// Returns the number of steps with which the reduced method begins.
 int first_steps(double rtol) {
@@ -65,24 +71,53 @@ bool reduction_is_bounded(const Scene& scene) {
   return triangles_to_prepare(scene) <= most_prepared_triangles && bodies <= most_bodies;
 }
 
-/// Returns the largest relative error of the entries that tell what a sensor feels: its own, and those of the
-/// objects in its row; and of the changes of readings, if the scene asks for these. Infinity if one of them
-/// is not known.
-double largest_error(const MaxwellMatrix& matrix, const Scene& scene) {
+/// Returns the conductors of electrodes in a matrix; all if there are none.
+std::vector<Index> electrodes(const MaxwellMatrix& matrix, const Scene& scene) {
+  std::vector<Index> rows, all;
+  for (std::size_t k = 0; k < matrix.members.size(); ++k) {
+    all.push_back(static_cast<Index>(k));
+    const auto object = std::ranges::find(scene.objects, matrix.members[k].front(), &Object::name);
+    if (object != scene.objects.end() && std::holds_alternative<Electrode>(object->role))
+      rows.push_back(all.back());
+  }
+  return rows.empty() ? all : rows;
+}
+
+/// Returns the largest relative error of the entries that tell what is felt: a sensor's own, and those of the
+/// objects in its row; without sensors those in the rows of electrodes, relative to what boundary elements
+/// refine.
+double largest_error_of_entries(const MaxwellMatrix& matrix, const Scene& scene) {
+  /// Part of the diagonal entries below which those between electrodes need not be accurate.
+  constexpr double least_part = 1e-3;
   double largest = 0;
+  const auto add = [&](Index row, Index column, double scale) {
+    const double error = matrix.errors(row, column) / scale;
+    largest = std::isnan(error) ? infinity : std::max(largest, error);
+  };
+  const auto sensors = static_cast<Index>(matrix.sensors);
+  for (Index sensor = 0; sensor < sensors; ++sensor)
+    for (Index other = 0; other < matrix.values.cols(); ++other)
+      if (other >= sensors || other == sensor)
+        add(sensor, other, std::abs(matrix.values(sensor, other)));
+  if (sensors > 0)
+    return largest;
+  const Eigen::VectorXd roots = matrix.values.diagonal().cwiseAbs().cwiseSqrt();
+  for (const Index row : electrodes(matrix, scene))
+    for (Index column = 0; column < matrix.values.cols(); ++column)
+      add(row, column,
+          std::max(std::abs(matrix.values(row, column)), least_part * roots[row] * roots[column]));
+  return largest;
+}
+
+/// Returns the largest relative error of the entries that tell what is felt; and of the changes of readings,
+/// if the scene asks for these. Infinity if one of them is not known, or nothing is known of another entry.
+double largest_error(const MaxwellMatrix& matrix, const Scene& scene) {
+  if (!matrix.errors.allFinite())
+    return infinity;
+  double largest = largest_error_of_entries(matrix, scene);
   if (asks_for_changes(scene))
     for (const double error : errors_of_changes(matrix.readings))
-      largest = std::max(largest, error);
-  const auto sensors = static_cast<Eigen::Index>(matrix.sensors);
-  for (Eigen::Index sensor = 0; sensor < sensors; ++sensor)
-    for (Eigen::Index other = 0; other < matrix.values.cols(); ++other) {
-      if (other < sensors && other != sensor)
-        continue;
-      const double error = matrix.errors(sensor, other) / std::abs(matrix.values(sensor, other));
-      if (std::isnan(error))
-        return infinity;
-      largest = std::max(largest, error);
-    }
+      largest = std::isnan(error) ? infinity : std::max(largest, error);
   return largest;
 }
 
@@ -106,7 +141,15 @@ double largest_error_of_changes(const std::vector<ReadingAnswer>& readings) {
   if (std::ranges::any_of(readings,
                           [](const ReadingAnswer& reading) { return !reading.change.error.has_value(); }))
     return infinity;
-  return errors_of_changes(readings).maxCoeff();
+  double largest = 0;
+  for (const double error : errors_of_changes(readings))
+    largest = std::isnan(error) ? infinity : std::max(largest, error);
+  return largest;
+}
+
+/// Tells whether the formula has anything to say of a scene.
+bool formula_answers(const Scene& scene) {
+  return !scene.sensors.empty() || InsulatedReadings::knows(scene);
 }
 
 }  // namespace
@@ -118,7 +161,7 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene, std::optional<double>
   std::optional<TimeLimit> limited;
   if (max_seconds)
     limited.emplace(*max_seconds);
-  const TimeLimit* const limit = limited ? &*limited : nullptr;
+  TimeLimit* const limit = limited ? &*limited : nullptr;
   refusal_.clear();
   std::optional<Candidate> best =
       in_time(limit, seconds_of_reduced_method(scene), [&] { return by_reduced_method(scene); });
@@ -130,37 +173,58 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene, std::optional<double>
   if (goes_on_ && (!best || !(best->error <= rtol_)) && !(limit != nullptr && limit->is_over()))
     if (std::optional<Evaluation> answer = by_going_on(scene, best, limit))
       return *std::move(answer);
-  if (!best || !(best->error <= std::max(rtol_, most_unreached_error))) {
+  if (best && best->error <= std::max(rtol_, most_unreached_error))
+    return answer_of(scene, *std::move(best));
+  std::string refusal_of_formula;
+  if (formula_answers(scene)) {
     try {
-      const WithoutTimeLimit unlimited;
-      return by_formula(scene);
+      if (std::optional<Evaluation> answer = by_formula(scene, limit))
+        return *std::move(answer);
     } catch (const InputError& error) {
-      if (!best && refusal_.empty())
-        throw InputError(fmt::format("{:g} s suffice for no method but the formula: {}",
-                                     max_seconds.value_or(0), error.what()));
-      if (!best)
-        throw InputError(
-            refusal_ == error.what() ? refusal_ : fmt::format("{}; the formula: {}", refusal_, error.what()));
+      refusal_of_formula = error.what();
     }
   }
+  find_something(scene, best, limit);
+  if (!best || std::isinf(best->error))
+    throw InputError(refusal(refusal_of_formula, max_seconds.value_or(0)));
   return answer_of(scene, *std::move(best));
+}
+
+/// Tries all unknowns of boundary elements where the best matrix says nothing, unless this has been done.
+void RecommendedMethod::find_something(const Scene& scene, std::optional<Candidate>& best, TimeLimit* limit) {
+  if (goes_on_ || (best && best->error <= most_useful_error))
+    return;
+  if (std::optional<Candidate> other = in_time(
+          limit, 0, [&] { return by_boundary_elements(scene, BoundaryElementOptions{}.most_unknowns); });
+      other && (!best || other->error < best->error))
+    best = std::move(other);
+}
+
+/// Says why no method has an answer.
+std::string RecommendedMethod::refusal(const std::string& of_formula, double seconds) const {
+  if (refusal_.empty())
+    return seconds > 0 ? fmt::format("{:g} s suffice for no method{}", seconds,
+                                     of_formula.empty() ? "" : " but the formula: " + of_formula)
+                       : "no method knows an error of its answer: the bodies are too close to each other";
+  return of_formula.empty() || of_formula == refusal_
+             ? refusal_
+             : fmt::format("{}; the formula: {}", refusal_, of_formula);
 }
 
 /// Tries what takes up to minutes; returns the formula's answer if it states less than the best matrix, which
 /// may become that of all unknowns. Nothing if the computation is interrupted before.
 std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std::optional<Candidate>& best,
-                                                         const TimeLimit* limit) {
+                                                         TimeLimit* limit) {
   std::optional<Evaluation> formula;
   try {
     if (InsulatedReadings::knows(scene)) {
-      {
-        const WithoutTimeLimit unlimited;
-        formula = by_formula(scene);
-      }
-      if (std::optional<Evaluation> accurate = in_time(limit, seconds_of_accurate_formula(scene),
-                                                       [&] { return by_accurate_formula(scene, *formula); }))
-        formula = std::move(accurate);
-      if (formula->reached)
+      formula = by_formula(scene, limit);
+      if (formula)
+        if (std::optional<Evaluation> accurate = in_time(limit, seconds_of_accurate_formula(scene), [&] {
+              return by_accurate_formula(scene, *formula);
+            }))
+          formula = std::move(accurate);
+      if (formula && formula->reached)
         return formula;
     }
   } catch (const InputError&) {
@@ -172,7 +236,7 @@ std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std
         other && (!best || other->error < best->error))
       best = std::move(other);
   } catch (const Interrupted&) {
-    if (!best && !formula)
+    if (!best && !formula && !(limit != nullptr && limit->is_over()))
       throw;
   }
   if (!formula || (best && best->error <= largest_error_of_changes(formula->readings)))
@@ -238,6 +302,25 @@ std::optional<RecommendedMethod::Candidate> RecommendedMethod::by_boundary_eleme
     refusal_ = error.what();
     return std::nullopt;
   }
+}
+
+/// Answers by the formula in closed form, which gets some seconds even where the time is over; nothing if
+/// these do not suffice.
+std::optional<Evaluation> RecommendedMethod::by_formula(const Scene& scene, TimeLimit* limit) {
+  /// Several times what it takes for machines of some ten thousand triangles.
+  constexpr double enough_seconds = 10;
+  if (limit != nullptr)
+    limit->grant(enough_seconds);
+  return in_time(limit, 0, [&]() -> std::optional<Evaluation> {
+    try {
+      return by_formula(scene);
+    } catch (const Interrupted&) {
+      // Preparations that an interruption leaves incomplete must not serve the next answer.
+      formula_.reset();
+      company_ = InsulatedReadings(poses_);
+      throw;
+    }
+  });
 }
 
 Evaluation RecommendedMethod::by_formula(const Scene& scene) {

@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import textwrap
+import threading
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -199,6 +200,39 @@ def test_stopping_kills_the_running_processes_and_their_children(tmp_path: Path)
         scheduler.run_all([job("first", 2, sleep), job("second", 1, interrupt)], workers=2)
     for pid in pids.read_text().split():
         wait_until(lambda: has_ended(pid), f"the end of process {pid}")
+
+
+def test_stopping_ends_what_the_jobs_compute_themselves(tmp_path: Path) -> None:
+    """Boundary elements to 1e-5 of many triangles would take minutes."""
+    module = model_stage.model_module()
+    text = """
+[[object]]
+name = "ball"
+shape = { type = "sphere", radius = 1, segments = 40 }
+potential = "electrode"
+"""
+    begun, ended = threading.Event(), threading.Event()
+
+    def compute(_: processes.Processes) -> store.Document:
+        begun.set()
+        try:
+            module.Scene.loads(text).maxwell(rtol=1e-5)
+        except processes.Stopped:
+            ended.set()
+            raise
+        return {}
+
+    def interrupt(_: processes.Processes) -> store.Document:
+        begun.wait()
+        raise KeyboardInterrupt
+
+    jobs = [
+        Stage("first", "", tmp_path / "first", "key", 2, compute),
+        Stage("second", "", tmp_path / "second", "key", 1, interrupt),
+    ]
+    with pytest.raises(KeyboardInterrupt):
+        scheduler.run_all(jobs, workers=2)
+    assert ended.is_set()
 
 
 def test_a_terminated_run_says_so_and_keeps_what_is_finished(tmp_path: Path) -> None:

@@ -106,5 +106,12 @@ TEST(BoundaryElements, SayWhenTheErrorWasNotReached) {
   EXPECT_GT(answer.errors(0, 0), 1e-5 * answer.values(0, 0));
 }
 
+TEST(BoundaryElementRefusals, ABodySoFarAwayThatRoundingChangesItsShape) {
+  for (const double place : {1e15, 1e20, 1e30})
+    EXPECT_THAT(refusal([&](Scene& scene) { scene.objects[0].pose = at(0, 0, place); }),
+                HasSubstr("object \"target\": it is 0.141 m long and"))
+        << place;
+}
+
 }  // namespace
 }  // namespace fringe::FRINGE_TEST_FILE

@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
+#include "fringe/interruption.hpp"
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
 
@@ -64,6 +65,12 @@ TEST(Simplification, IsCoarserWhereFewTrianglesAreAllowed) {
   EXPECT_LE(triangles_of_ball(few.bodies()), 1500U);
   EXPECT_GT(triangles_of_ball(some.bodies()), 1500U);
   EXPECT_GT(few.deviation(1, Vector3d(0, 0, radius)), some.deviation(1, Vector3d(0, 0, radius)));
+}
+
+TEST(Simplification, EndsWhereItIsAskedTo) {
+  const detail::ChargedBodies bodies = charged_bodies(ball_beside_sensor(96));
+  const InterruptionScope scope([] { return true; });
+  EXPECT_THROW(Simplification(bodies, 0.1, any_number), Interrupted);
 }
 
 /// The capacitance of a ball, 4πεR, is greater than that of its triangles by twice their mean depth at most.

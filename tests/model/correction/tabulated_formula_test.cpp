@@ -125,5 +125,46 @@ TEST_F(TabulatedFormulaTest, IsGalerkinsAnswer) {
   EXPECT_LT(found.error, 0.3 * expected);
 }
 
+// The surface of a rounded hand has functions of 33 to 63 triangles, whose points are four times as many.
+TEST_F(TabulatedFormulaTest, HasRoomForEveryPointOfAFunction) {
+  Scene scene = hand_scene();
+  scene.objects[0].shape = RoundedCuboid{0.03, 0.09, 0.18, 0.01, 24};
+  const TargetAtRest rounded(charged_bodies(scene), {5e-2, 1000, 16});
+  ASSERT_GT(rounded.functions().most_points(), ChargeFunctions::points_per_function.back());
+  const Eigen::Isometry3d near = pose_from_axis({0, 0, 1}, 0, {0.02, 0.01, 0.094});
+  TabulatedMachine tabulated(machine, rounded);
+  tabulated.extend(rounded, std::vector{near}, 1);
+  TabulatedFormula formula;
+  const CompanyFormula::Change found = formula.solved(tabulated, rounded, near, 1e-1)[0];
+  EXPECT_GT(found.value, 0);
+  EXPECT_GT(found.error, 0);
+  // Another target after it, whose functions have fewer points.
+  EXPECT_GT(formula.solved(tabulated, target, pose, 1e-1)[0].value, 0);
+}
+
+TEST_F(TabulatedFormulaTest, HasForcesWhereNoPointLiesInACell) {
+  // Within the housing nothing is clear of the machine.
+  const Eigen::Isometry3d inside = pose_from_axis({0, 0, 1}, 0, {0, 0, -0.028});
+  Scene scene = hand_scene();
+  scene.objects[0].shape = Cuboid{0.002, 0.002, 0.002};
+  const TargetAtRest grain(charged_bodies(scene), {5e-2, 1000, 16});
+  TabulatedMachine tabulated(machine, grain);
+  tabulated.extend(grain, std::vector{inside}, 1);
+  TabulatedFormula formula;
+  formula.solved(tabulated, grain, inside, 1e-1);
+  EXPECT_EQ(formula.wrenches(tabulated, grain, inside).size(), 1U);
+}
+
+TEST_F(TabulatedFormulaTest, PointsFarAwayHaveNoCell) {
+  PotentialTable table(potentials, 0.1);
+  table.add({0, 0, 0.1});
+  const Vector3d far(0, 0, 1e15);
+  table.add(far);
+  EXPECT_FALSE(table.find(far));
+  EXPECT_FALSE(table.find({0, 1e30, 0}));
+  // As far away as the cells' numbers along an axis reach, and then as far as the first point.
+  EXPECT_FALSE(table.find({0, 0, 0.1 + 0.1 * (1 << 20)}));
+}
+
 }  // namespace
 }  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -5,11 +5,13 @@
 
 #include <atomic>
 #include <stdexcept>
+#include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "fringe/interruption.hpp"
+#include "numeric/interruption.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
@@ -41,6 +43,31 @@ TEST(ParallelFor, EndsWhenTheCallingThreadIsInterrupted) {
   const InterruptionScope scope([&] { return calls > 10; });
   EXPECT_THROW(parallel_for(1'000'000, 2, [&](std::size_t) { ++calls; }), Interrupted);
   EXPECT_LT(calls, 1'000'000);
+}
+
+TEST(ParallelFor, EndsTheTasksOfOtherThreadsWhenTheCallingOneIsInterrupted) {
+  if (std::thread::hardware_concurrency() < 2)
+    GTEST_SKIP() << "one processor";
+  const std::thread::id caller = std::this_thread::get_id();
+  std::atomic<bool> is_other_busy = false;
+  // Once another thread is at work, the calling one has nothing to do but to wait for it.
+  const InterruptionScope scope([&] { return is_other_busy.load(); });
+  EXPECT_THROW(parallel_for(2, 2,
+                            [&](std::size_t) {
+                              while (std::this_thread::get_id() == caller && !is_other_busy)
+                                std::this_thread::yield();
+                              while (std::this_thread::get_id() != caller) {
+                                is_other_busy = true;
+                                detail::check_interruption();
+                              }
+                            }),
+               Interrupted);
+}
+
+TEST(ParallelFor, AsksTheScopesAroundTheInnermostOne) {
+  const InterruptionScope outer([] { return true; });
+  const InterruptionScope inner([] { return false; });
+  EXPECT_THROW(detail::check_interruption(), Interrupted);
 }
 
 }  // namespace

@@ -203,5 +203,49 @@ TEST(RecommendedMethod, RefusesWhatAllMethodsRefuseWithTheReasons) {
               ThrowsMessage<InputError>(AllOf(HasSubstr("room"), HasSubstr("floating"))));
 }
 
+Object electrode(const std::string& name, const Shape& shape, const Eigen::Vector3d& place) {
+  Object result = object_of(name, shape, place);
+  result.role = Electrode{};
+  return result;
+}
+
+TEST(RecommendedMethod, AnswersForElectrodesWithoutSensors) {
+  Scene scene;
+  scene.objects = {electrode("a", Cuboid{0.1, 0.1, 0.1}, {0, 0, 0}),
+                   electrode("b", Cuboid{0.1, 0.1, 0.1}, {0, 0, 0.5})};
+  const MaxwellMatrix known = maxwell(scene, {.rtol = 1e-2});
+  for (const ElectricalRole& role : {ElectricalRole(Electrode{}), ElectricalRole(Grounded{})}) {
+    scene.objects[1].role = role;
+    const Evaluation answer = evaluate(scene, {.method = Recommended{}});
+    ASSERT_TRUE(answer.matrix);
+    EXPECT_TRUE(answer.reached);
+    EXPECT_NEAR(answer.matrix->values(0, 1), known.values(0, 1),
+                answer.matrix->errors(0, 1) + known.errors(0, 1));
+  }
+  scene.objects[1].role = Floating{};
+  EXPECT_EQ(evaluate(scene, {.method = Recommended{}}).matrix.value().values.size(), 1);
+}
+
+TEST(RecommendedMethod, GoesOnWhereNothingElseAnswersWithoutSensors) {
+  // More triangles than the reduced method prepares, and than boundary elements may have unknowns at first.
+  Scene scene;
+  scene.objects = {electrode("a", Sphere{0.1, 48}, {0, 0, 0}), electrode("b", Sphere{0.1, 48}, {0, 0, 0.5})};
+  const Evaluation answer = evaluate(scene, {.method = Recommended{}, .rtol = 0.1});
+  EXPECT_TRUE(answer.matrix.has_value());
+  EXPECT_TRUE(evaluate(scene, {.method = Recommended{}}).matrix.has_value());
+}
+
+TEST(RecommendedMethod, HasNotReachedWhatItKnowsNothingOf) {
+  // Ten micrometres between two discs of 14 mm: too narrow for the functions of the reduced method.
+  Scene scene;
+  scene.objects = {electrode("a", Cylinder{0.007, 0.001, 16}, {0, 0, 0}),
+                   electrode("b", Cylinder{0.007, 0.001, 16}, {0, 0, 0.00101})};
+  const Evaluation answer = evaluate(scene, {.method = Recommended{}});
+  ASSERT_TRUE(answer.matrix);
+  EXPECT_TRUE(answer.matrix->errors.allFinite());
+  // The faces alone have 133 pF.
+  EXPECT_NEAR(answer.matrix->values(0, 1), -133.5e-12, answer.matrix->errors(0, 1));
+}
+
 }  // namespace
 }  // namespace fringe::FRINGE_TEST_FILE
