@@ -138,10 +138,9 @@ class Reader {
     }
     if (scene_ == nullptr)
       throw InputError(one_line(importer_.GetErrorString()));
-    if (scene_->mNumMeshes == 0)
-      throw InputError("holds no triangles");
+    // The library makes a mesh of its own of the nodes where there is none.
     if ((scene_->mFlags & AI_SCENE_FLAGS_INCOMPLETE) != 0 || scene_->mRootNode == nullptr)
-      throw InputError("was read in part only");
+      throw InputError("holds no triangles");
     if (upright)
       // The library turns what is up to y.
       root_.linear() =

@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -100,11 +101,12 @@ MeshContent read_stl(std::string_view content) {
           binary_facet(content.substr(header_size + number * facet_size, facet_size), number));
     return mesh;
   }
-  std::string_view begin = content;
+  const std::string text = plain_text(content);
+  std::string_view begin = text;
   if (!take_word(begin).starts_with("solid"))
     throw InputError("is neither text that begins with 'solid' nor binary data of the length that its number "
                      "of triangles requires");
-  return {read_text(content), {}};
+  return {read_text(text), {}};
 }
 
 }  // namespace fringe::detail
