@@ -20,12 +20,15 @@ from geometries.scene.scene import Scene
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
+_ROUNDING = 1e-9
+"""Largest rounding error of the potential of a conductor that is driven, in volts."""
+
 
 def write_field_file(scene: Scene, target: Path, source: str = "scene") -> None:
     """Write the field with the first sensor at 1 V on the coarsest mesh, with straight tetrahedra; leaves no incomplete file behind.
 
     Every other conductor is grounded or, if it is floating, uncharged. Coordinates are in metres. The file has the `potential` (V) at
-    the nodes, the `field` (V/m) in the middle of the tetrahedra (NaN on the triangles of plates), and the `body` of tetrahedra and
+    the nodes, which of them are at `1 V: NAME` (1, else 0), NAME the conductor that is driven, the `field` (V/m) in the middle of the tetrahedra (NaN on the triangles of plates), and the `body` of tetrahedra and
     triangles: 0 in free space, else one more than the position in the answer's `conductors`, `floating` and `dielectrics`, in this
     order. Raises InputError as `conductors` does, RuntimeError when the mesher or the solver fails, OSError when the file cannot be
     written.
@@ -35,10 +38,14 @@ def write_field_file(scene: Scene, target: Path, source: str = "scene") -> None:
     cells = tagged.mesh.geometry.dofmap.array.reshape(-1, 4)
     plates, plate_bodies = _plates(tagged, problem)
     field = _field_in_cells(potential) / problem.unit
+    at_nodes = _at_nodes(potential)
     content = meshio.Mesh(
         problem.centre + problem.unit * tagged.mesh.geometry.x,
         [("tetra", cells), ("triangle", plates)],
-        point_data={"potential": _at_nodes(potential)},
+        point_data={
+            "potential": at_nodes,
+            f"1 V: {problem.names[0]}": np.isclose(at_nodes, 1, rtol=0, atol=_ROUNDING).astype(np.float64),
+        },
         cell_data={
             "field": [field, np.full((len(plates), 3), np.nan)],
             "body": [_bodies_of_cells(tagged, problem), plate_bodies],

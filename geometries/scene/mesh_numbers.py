@@ -1,7 +1,8 @@
-"""Reads numbers of text mesh files: decimal and finite, without the other forms that Python accepts."""
+"""Reads the text of mesh files, and its numbers: decimal and finite, without the other forms that Python accepts."""
 
 from __future__ import annotations
 
+import codecs
 import re
 from collections.abc import Iterable
 
@@ -15,6 +16,17 @@ _DIGIT = re.compile(rb"[1-9]")
 
 class Damaged(Exception):
     """A mesh file is not what its format asks for; the message says where and why."""
+
+
+def plain_text(content: bytes) -> bytes:
+    """Returns a text in UTF-8 without a byte order mark, whose lines end in a line feed; it may be in UTF-16, or have carriage returns only."""
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        try:
+            content = content.decode("utf-16").encode()
+        except UnicodeError as error:
+            raise Damaged("is damaged text in UTF-16") from error
+    content = content.removeprefix(codecs.BOM_UTF8)
+    return content if b"\n" in content else content.replace(b"\r", b"\n")
 
 
 def shown(word: bytes) -> str:

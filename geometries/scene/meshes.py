@@ -17,22 +17,29 @@ from geometries.common.errors import InputError
 from geometries.common.files import whole_file
 from geometries.common.tables import is_file
 from geometries.scene import obj, ply, stl
+from geometries.scene.faces import Surface, divided, name_points
 from geometries.scene.mesh_numbers import Damaged
 
 Array = NDArray[np.float64]
 
 # The formats that the scene file allows, because the C++ reader knows them as well.
-_READERS: dict[str, Callable[[bytes], Array]] = {
-    ".stl": stl.triangles,
-    ".obj": obj.triangles,
-    ".ply": ply.triangles,
+_READERS: dict[str, Callable[[bytes], Surface]] = {
+    ".stl": stl.surface,
+    ".obj": obj.surface,
+    ".ply": ply.surface,
 }
 SCENE_FORMATS = tuple(_READERS)
-_SURFACE_CELLS = ("triangle", "quad", "polygon")
+# Surface cells by their names without a count of points, and how many of their points are corners; those of higher order have more.
+_SURFACE_CELLS = {"triangle": 3, "quad": 4, "polygon": None}
 
 
 def read_triangles(path: Path, key: str = "") -> Array:
-    """Returns the triangles (n, 3, 3) of a mesh file, in the file's order and unit; polygons as fans from their first vertex.
+    """Returns the triangles (n, 3, 3) of a mesh file, as `read_surface` does."""
+    return read_surface(path, key).triangles
+
+
+def read_surface(path: Path, key: str = "") -> Surface:
+    """Returns the faces of a mesh file, in the file's order and unit.
 
     Volume meshes give the surface cells that they hold. InputError, naming `key`, when the file is missing, unreadable,
     or has no triangles, or when a vertex is missing or not finite.
@@ -43,15 +50,29 @@ def read_triangles(path: Path, key: str = "") -> Array:
     if own is None:
         return _read_by_meshio(path, key)
     try:
-        triangles = own(path.read_bytes())
+        content = path.read_bytes()
+        _require_content(content)
+        surface = own(content)
     except OSError as error:
         raise InputError(str(path), key, f"cannot be read: {error.strerror}") from error
     except Damaged as damage:
         raise InputError(str(path), key, f"is not a mesh that can be read: it {damage}") from damage
-    return _checked(triangles, path, key)
+    if not len(surface.triangles):
+        raise InputError(str(path), key, "holds no triangles")
+    if not np.isfinite(surface.triangles).all():
+        raise InputError(str(path), key, "contains a vertex that is not finite")
+    return surface
 
 
-def _read_by_meshio(path: Path, key: str) -> Array:
+def _require_content(content: bytes) -> None:
+    """Damaged if a file's content is not there; a pointer of Git LFS stands for a file that was not fetched."""
+    if not content.strip(b"\0"):
+        raise Damaged("holds nothing but zeros" if content else "is empty")
+    if content.startswith(b"version https://git-lfs.github.com/spec/"):
+        raise Damaged("is a pointer of Git LFS, whose content has to be fetched: git lfs pull")
+
+
+def _read_by_meshio(path: Path, key: str) -> Surface:
     # Imported here: it takes a third of a second, and most scenes have no mesh.
     import meshio
 
@@ -69,25 +90,19 @@ def _read_by_meshio(path: Path, key: str) -> Array:
     if len(points):
         coordinates = np.asarray(mesh.points, dtype=np.float64)
         points[:, : coordinates.shape[1]] = coordinates
-    fans = [
-        _fan(np.asarray(block.data))
+    faces = [
+        [int(corner) for corner in face[: _SURFACE_CELLS[kind]]]
         for block in mesh.cells
-        if block.type.rstrip("0123456789") in _SURFACE_CELLS
+        if (kind := block.type.rstrip("0123456789")) in _SURFACE_CELLS
+        for face in np.asarray(block.data)
     ]
-    indices = np.concatenate(fans) if fans else np.empty((0, 3), dtype=np.int64)
-    if not len(indices):
+    if not faces:
         raise InputError(str(path), key, "holds no triangles")
-    if indices.min() < 0 or indices.max() >= len(points):
+    if not name_points(faces, len(points)):
         raise InputError(str(path), key, "refers to a vertex that does not exist")
-    return _checked(points[indices], path, key)
-
-
-def _checked(triangles: Array, path: Path, key: str) -> Array:
-    if not len(triangles):
-        raise InputError(str(path), key, "holds no triangles")
-    if not np.isfinite(triangles).all():
+    if not np.isfinite(points).all():
         raise InputError(str(path), key, "contains a vertex that is not finite")
-    return triangles
+    return divided(points, faces)
 
 
 def convert(source: Path, target: Path) -> int:
@@ -118,10 +133,3 @@ def write(triangles: Array, target: Path) -> None:
             meshio.write(unfinished, mesh)
     except (Exception, SystemExit) as error:
         raise InputError(str(target), "", f"cannot be written: {error}") from error
-
-
-def _fan(polygons: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Returns polygons (n, m) as fans of triangles (n·(m − 2), 3) from their first vertex."""
-    last = polygons.shape[1] - 1
-    fans = np.stack([polygons[:, [0, k, k + 1]] for k in range(1, last)], axis=1)
-    return np.asarray(fans.reshape(-1, 3), dtype=np.int64)

@@ -7,35 +7,47 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from geometries.scene.mesh_numbers import Damaged, decimals, shown, whole
+from geometries.scene.faces import Surface, divided
+from geometries.scene.mesh_numbers import Damaged, decimals, plain_text, shown, whole
 
 Array = NDArray[np.float64]
 
-# Numbers of a vertex: its coordinates, and a colour that some programs add.
-_NUMBERS_OF_VERTEX = (3, 6)
+# Numbers of a vertex: its coordinates, and a weight or a colour.
+_NUMBERS_OF_VERTEX = (3, 4, 6)
 
 
-def triangles(content: bytes) -> Array:
-    """Returns the triangles (n, 3, 3) of a file's bytes in their order, polygons as fans; Damaged when there is something else."""
+def surface(content: bytes) -> Surface:
+    """Returns the faces of a file's bytes in their order; Damaged when there is something else."""
+    content = plain_text(content)
     vertices: list[Array] = []
-    faces: list[tuple[int, list[int]]] = []
+    faces: list[list[int]] = []
+    lines: list[int] = []
     for line, words in _statements(content):
         if words[0] == b"v":
-            if len(words) - 1 not in _NUMBERS_OF_VERTEX:
-                raise Damaged(f"has a vertex of {len(words) - 1} numbers in line {line}")
-            vertices.append(decimals(words[1:4]))
+            vertices.append(_vertex(words, line))
         elif words[0] == b"f":
-            faces.append((line, [_index(corner, len(vertices), line) for corner in words[1:]]))
-    indices = []
-    for line, corners in faces:
+            faces.append([_index(corner, len(vertices), line) for corner in words[1:]])
+            lines.append(line)
+    for line, corners in zip(lines, faces):
         if len(corners) < 3:
             raise Damaged(f"has a face of fewer than three vertices in line {line}")
         if max(corners) >= len(vertices):
             raise Damaged(f"refers to a vertex that does not exist in line {line}")
-        indices += [(corners[0], here, after) for here, after in zip(corners[1:], corners[2:])]
-    if not indices:
-        return np.empty((0, 3, 3))
-    return np.asarray(np.array(vertices)[np.array(indices)])
+    return divided(np.array(vertices).reshape(-1, 3), faces)
+
+
+def _vertex(words: list[bytes], line: int) -> Array:
+    """Returns the point of a vertex x y z, to which a weight or, by some programs, a colour may be added."""
+    numbers = len(words) - 1
+    if numbers not in _NUMBERS_OF_VERTEX:
+        raise Damaged(f"has a vertex of {numbers} numbers in line {line}")
+    try:
+        found = decimals(words[1:5] if numbers == 4 else words[1:4])
+    except Damaged as damage:
+        raise Damaged(f"{damage} in line {line}") from damage
+    if numbers == 4 and found[3] != 1:
+        raise Damaged(f"has a vertex of the weight {shown(words[4])} in line {line}; only 1 is read")
+    return found[:3]
 
 
 def _statements(content: bytes) -> Iterator[tuple[int, list[bytes]]]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from geometries.scene.faces import Surface, divided, name_points
 from geometries.scene.mesh_numbers import Damaged, decimals, shown, whole
 
 Array = NDArray[np.float64]
@@ -37,26 +38,26 @@ class _Element:
     properties: list[_Property] = field(default_factory=list)
 
 
-def triangles(content: bytes) -> Array:
-    """Returns the triangles (n, 3, 3) of a file's bytes in their order, polygons as fans; Damaged when there is something else."""
+def surface(content: bytes) -> Surface:
+    """Returns the faces of a file's bytes in their order; Damaged when there is something else."""
     order, elements, body = _header(content)
     vertices = _only(elements, b"vertex", (b"x", b"y", b"z"))
     faces = _only(elements, b"face", ())
     source: _Source = _Bytes(body, order) if order else _Words(body.split())
-    points, indices = np.empty((0, 3)), []
+    points: Array = np.empty((0, 3))
+    outlines: list[list[int]] = []
     for element in elements:
         if element is vertices:
             points = _points(element, source)
         elif element is faces:
-            indices = _fans(element, source)
+            outlines = _outlines(element, source)
         else:
             _skip(element, source)
-    if not indices:
-        return np.empty((0, 3, 3))
-    corners = np.array(indices)
-    if corners.min() < 0 or corners.max() >= len(points):
+    if not name_points(outlines, len(points)):
         raise Damaged("refers to a vertex that does not exist")
-    return np.asarray(points[corners])
+    if not np.isfinite(points).all():
+        raise Damaged("contains a vertex that is not finite")
+    return divided(points, outlines)
 
 
 def _header(content: bytes) -> tuple[str, list[_Element], bytes]:
@@ -101,6 +102,8 @@ def _property(words: list[bytes]) -> _Property:
 def _only(elements: list[_Element], name: bytes, scalars: tuple[bytes, ...]) -> _Element:
     """Returns the one element of a name, which must have these numbers, or the list of a face's vertices."""
     found = [element for element in elements if element.name == name]
+    if not found and name == b"face":
+        raise Damaged("holds no triangles: it has no element face")
     if len(found) != 1:
         raise Damaged(f"has {len(found)} elements {name.decode()}, not one")
     properties = found[0].properties
@@ -195,18 +198,17 @@ def _points(element: _Element, source: _Source) -> Array:
     return np.array(points)
 
 
-def _fans(element: _Element, source: _Source) -> list[tuple[int, int, int]]:
-    triangles: list[tuple[int, int, int]] = []
+def _outlines(element: _Element, source: _Source) -> list[list[int]]:
+    found = []
     for face in range(element.count):
         for known in element.properties:
             if known.name in _LISTS and known.length:
-                corners = source.numbers(known.type, _length(known, source))
-                if len(corners) < 3:
+                found.append(source.numbers(known.type, _length(known, source)))
+                if len(found[-1]) < 3:
                     raise Damaged(f"has face {face} of fewer than three vertices")
-                triangles += [(corners[0], here, after) for here, after in zip(corners[1:], corners[2:])]
             else:
                 _skip_value(known, source)
-    return triangles
+    return found
 
 
 def _skip(element: _Element, source: _Source) -> None:

@@ -7,8 +7,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
 
 Point = tuple[float, float]
+_T = TypeVar("_T", float, NDArray[np.float64])
 
 MOST_VERTICES = 500
 """Largest number of vertices: the time to check and divide a polygon grows with its square."""
@@ -20,13 +25,18 @@ _UNDERFLOW = 1e-290
 
 def turn(a: Point, b: Point, c: Point) -> int:
     """Returns 1 if the way from a over b to c turns left, -1 if it turns right, and 0 if the points lie on a line."""
-    first, second = (b[0] - a[0]) * (c[1] - a[1]), (b[1] - a[1]) * (c[0] - a[0])
-    doubled = first - second
-    if not abs(doubled) > _ROUNDING * (abs(first) + abs(second)) + _UNDERFLOW:
+    doubled, bound = turn_and_bound(*a, *b, *c)
+    if not abs(doubled) > bound:
         (ax, ay), (bx, by), (cx, cy) = ((Fraction(x), Fraction(y)) for x, y in (a, b, c))
         exact = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
         return (exact > 0) - (exact < 0)
     return 1 if doubled > 0 else -1
+
+
+def turn_and_bound(ax: _T, ay: _T, bx: _T, by: _T, cx: _T, cy: _T) -> tuple[_T, _T]:
+    """Returns twice the area of the triangle a b c, positive to the left, and a bound of its rounding error; numbers or arrays."""
+    first, second = (bx - ax) * (cy - ay), (by - ay) * (cx - ax)
+    return first - second, _ROUNDING * (abs(first) + abs(second)) + _UNDERFLOW
 
 
 def defect(vertices: Sequence[Point]) -> str | None:
@@ -78,23 +88,47 @@ def anticlockwise(vertices: Sequence[Point]) -> tuple[Point, ...]:
 
 
 def ears(vertices: Sequence[Point]) -> list[tuple[Point, Point, Point]]:
-    """Returns the triangles, anticlockwise, into which clipping ears divides a simple polygon given anticlockwise.
+    """Returns the triangles, anticlockwise, into which clipping ears divides a simple polygon given anticlockwise."""
+    found, rest = clipped(vertices)
+    assert not rest
+    return [(vertices[i], vertices[j], vertices[k]) for i, j, k in found]
 
-    The next triangle is that of the first vertex, in the order of the list, at which the outline turns left and whose triangle with
-    its two neighbours contains no other vertex, not even on its sides; this vertex is then taken out.
+
+def clipped(vertices: Sequence[Point]) -> tuple[list[tuple[int, int, int]], list[int]]:
+    """Clips the ears of an outline given anticlockwise; returns their triangles, and what is left of an outline that is not simple.
+
+    Both are indices of vertices. The next triangle is that of the first vertex, in the order of the list, at which the outline turns
+    left and whose triangle with its two neighbours contains no other vertex, not even on its sides; this vertex is then taken out. An
+    outline may touch itself in vertices at one place, as one around a hole does.
     """
-    left = list(vertices)
-    found = []
+    left = list(range(len(vertices)))
+    found: list[tuple[int, int, int]] = []
     while len(left) > 3:
-        k = next(k for k in range(len(left)) if _is_ear(left, k))
+        k = next((k for k in range(len(left)) if _is_ear(vertices, left, k)), None)
+        if k is None:
+            return found, left
         found.append((left[k - 1], left[k], left[(k + 1) % len(left)]))
         del left[k]
-    return [*found, (left[2], left[0], left[1])]
+    return [*found, (left[2], left[0], left[1])], []
 
 
-def _is_ear(vertices: Sequence[Point], k: int) -> bool:
-    a, b, c = vertices[k - 1], vertices[k], vertices[(k + 1) % len(vertices)]
+def _is_ear(vertices: Sequence[Point], left: Sequence[int], k: int) -> bool:
+    n = len(left)
+    a, b, c = vertices[left[k - 1]], vertices[left[k]], vertices[left[(k + 1) % n]]
     if turn(a, b, c) <= 0:
         return False
-    others = (vertex for vertex in vertices if vertex not in (a, b, c))
-    return not any(turn(a, b, p) >= 0 and turn(b, c, p) >= 0 and turn(c, a, p) >= 0 for p in others)
+    low_x, high_x = min(a[0], b[0], c[0]), max(a[0], b[0], c[0])
+    low_y, high_y = min(a[1], b[1], c[1]), max(a[1], b[1], c[1])
+    for j in range(n):
+        p = vertices[left[j]]
+        if not (low_x <= p[0] <= high_x and low_y <= p[1] <= high_y) or p == a or p == c:
+            continue
+        if p != b:
+            if turn(a, b, p) >= 0 and turn(b, c, p) >= 0 and turn(c, a, p) >= 0:
+                return False
+        elif j != k:
+            # Another part of the outline touches this vertex, perhaps from within the triangle.
+            beside = (vertices[left[j - 1]], vertices[left[(j + 1) % n]])
+            if any(turn(a, b, q) > 0 and turn(b, c, q) > 0 for q in beside):
+                return False
+    return True

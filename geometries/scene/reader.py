@@ -17,7 +17,7 @@ from geometries.scene.conductor_checks import check_conductors, check_readings, 
 from geometries.scene import polygons
 from geometries.scene.covers import read_cover
 from geometries.scene.joints import PRISMATIC, Joint, Mimic, resolved
-from geometries.scene.meshes import SCENE_FORMATS, read_triangles
+from geometries.scene.meshes import SCENE_FORMATS, read_surface
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3
 from geometries.scene.rectangles import (
     LARGEST_COSINE_OF_ROUNDING,
@@ -87,6 +87,12 @@ def loads(text: str, source: str = "scene") -> Scene:
     )
     medium.finish()
     root.finish()
+    changes += (
+        f'object "{body.name}": {remark}'
+        for body in scene.objects
+        if isinstance(body.shape, MeshShape)
+        for remark in body.shape.remarks
+    )
     whole = replace(scene, changes=tuple(changes), objects=(*covers, *scene.objects))
     _check_names(whole, source)
     _check_links(scene, source)
@@ -444,14 +450,14 @@ def _mesh(table: Table) -> MeshShape:
             "file", f"must end in one of {', '.join(SCENE_FORMATS)}; `geometries convert` makes one"
         )
     try:
-        surface = read_triangles(file)
+        surface = read_surface(file)
     except InputError as error:
         raise table.error("file", f"{error.file}: {error.reason}") from error
     scale = table.positive("scale", 1.0 / table.units_per_metre)
-    if np.abs(surface).max() * scale > LARGEST_NUMBER:
+    if np.abs(surface.triangles).max() * scale > LARGEST_NUMBER:
         raise table.error("file", f"{file}: the mesh is larger than {LARGEST_NUMBER:g}")
     digest = hashlib.sha256(file.read_bytes()).hexdigest()
-    return MeshShape(str(file), digest, scale, surface)
+    return MeshShape(str(file), digest, scale, surface.triangles, surface.remarks(scale))
 
 
 def _person(table: Table) -> Person:

@@ -230,6 +230,8 @@ class MeshShape:
     digest: str
     scale: float
     surface: Array = field(compare=False, repr=False)
+    remarks: tuple[str, ...] = field(default=(), compare=False, repr=False)
+    """Sentences on the file's faces."""
 
     def triangles(self) -> Array:
         """Returns the file's triangles (n, 3, 3), scaled, in the file's order."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from geometries.scene.faces import Surface
 from geometries.scene.mesh_numbers import Damaged, decimals, shown
 
 Array = NDArray[np.float64]
@@ -19,19 +20,19 @@ _WORDS = (
 _CORNERS = [at for at, word in enumerate(_WORDS) if word is None and at > _WORDS.index(b"outer")]
 
 
-def triangles(content: bytes) -> Array:
-    """Returns the triangles (n, 3, 3) of a file's bytes, in their order; Damaged when there is something else."""
+def surface(content: bytes) -> Surface:
+    """Returns the triangles of a file's bytes, in their order; Damaged when there is something else."""
     if len(content) >= _HEADER:
         count = int.from_bytes(content[_HEADER - 4 : _HEADER], "little")
         if len(content) == _HEADER + count * _FACET.itemsize:
             facets = np.frombuffer(content, _FACET, count, _HEADER)
             with np.errstate(invalid="ignore"):  # Values that are not finite are refused with their mesh.
-                return np.asarray(facets["corners"], dtype=np.float64)
+                return Surface(np.asarray(facets["corners"], dtype=np.float64))
     if not content.lstrip().startswith(b"solid"):
         raise Damaged(
             "is neither text that begins with 'solid' nor a binary file of the length that its count of triangles requires"
         )
-    return _of_text(content)
+    return Surface(_of_text(content))
 
 
 def _of_text(content: bytes) -> Array:

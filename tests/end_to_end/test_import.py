@@ -150,7 +150,7 @@ WRONG_ROBOTS = {
     "no links": ('<robot name="r"/>', "No link elements found in urdf file"),
     "no geometry": ('<robot name="r"><link name="a"/></robot>', "robot: no link has a collision geometry"),
     "two roots": ('<robot name="r"><link name="a"/><link name="b"/></robot>', "Two root links found: [a] and [b]"),
-    "box of no height": (ROBOT.replace("0.4 0.3 0.2", "0.4 0.3 0"), 'link "base": box: a size must be greater'),
+    "box inside out": (ROBOT.replace("0.4 0.3 0.2", "0.4 0.3 -1"), 'link "base": box: a size must not be less than zero'),
     "sphere inside out": (ROBOT.replace('radius="0.07"', 'radius="-1"'), 'link "upper arm": sphere: a size'),
     "unknown shape": (ROBOT.replace("<sphere radius=", "<capsule radius="), "capsule"),
     "no number": (ROBOT.replace("0.4 0.3 0.2", "0.4 0.3 big"), "big"),
@@ -229,7 +229,7 @@ def test_links_in_a_circle_beside_the_root_are_refused(robot: Path) -> None:
     )
     text = ROBOT.replace("</robot>", f'<link name="x"/><link name="y"/>{joints}</robot>')
     robot.write_text(text)
-    assert_refused(robot, 'link "x": the root does not lead to it')
+    assert_refused(robot, 'the links "x", "y" are each other\'s parents, in a circle')
 
 
 def model(nodes: list[dict[str, Any]], **changes: Any) -> dict[str, Any]:
@@ -345,6 +345,12 @@ def test_indices_are_whole_numbers_of_any_width(tmp_path: Path, component: int, 
     assert imported(written(tmp_path, document)).conductors()["node 0"] == pytest.approx(TRIANGLES)
 
 
+def test_extensions_for_looks_are_not_needed(tmp_path: Path) -> None:
+    names = ["KHR_materials_unlit", "KHR_texture_transform", "KHR_lights_punctual"]
+    document = model(MESH, extensionsRequired=names, extensionsUsed=names)
+    assert imported(written(tmp_path, document)).conductors()["node 0"] == pytest.approx(TRIANGLES)
+
+
 def test_names_of_any_letters_come_through(tmp_path: Path) -> None:
     name = 'left "arm" \\ 1\t\x7fé'
     scene = imported(written(tmp_path, model([{"name": name, "mesh": 0}])))
@@ -414,6 +420,10 @@ WRONG_MODELS = {
         model(MESH, extensionsRequired=["KHR_draco_mesh_compression"], extensionsUsed=["KHR_draco_mesh_compression"]),
         "needs the extension KHR_draco_mesh_compression",
     ),
+    "needs an extension for its data": (
+        model(MESH, accessors=[{"componentType": 5126, "count": 3, "type": "VEC3"}] * 2, extensionsRequired=["KHR_draco_mesh_compression"]),
+        "needs the extension KHR_draco_mesh_compression",
+    ),
     "beyond the buffer": (model(MESH, accessors=_accessor(0, count=5)), "accessor 0: reaches beyond its buffer"),
     "far beyond": (model(MESH, accessors=_accessor(0, byteOffset=4294967292)), "accessor 0: reaches beyond its buffer"),
     "index too large": (
@@ -456,7 +466,7 @@ def test_a_file_of_another_kind_is_refused(robot: Path) -> None:
 
 def test_options_that_would_change_nothing_are_refused(tmp_path: Path, robot: Path) -> None:
     path = written(tmp_path, model(MESH))
-    for option in (("--geometry", "visual"), ("--package-path", tmp_path)):
+    for option in (("--geometry", "visual"), ("--missing", "refuse"), ("--package-path", tmp_path)):
         done = fringe_import(path, tmp_path / "scene.toml", *option)
         assert done.returncode == 2 and "options for URDF" in done.stderr
     done = fringe_import(robot, tmp_path / "scene.toml", "--geometry", "inner")

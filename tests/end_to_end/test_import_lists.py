@@ -117,11 +117,13 @@ _NESTED = (
 
 
 WRONG = {
+    "no z": ("C square.qui 1.0 0 0\n", "x.lst:1: has x and y only, as two-dimensional lists do"),
+    "no z but a +": ("* t\nC square.qui 1.0 0 0 +\n", "x.lst:2: has x and y only, as two-dimensional lists do"),
     "no file": ("* t\nC nothing.qui 1 0 0 0\n", "x.lst:2: the file {folder}/nothing.qui does not exist"),
     "no number": ("* t\nC square.qui 1 0 0 zero\n", "x.lst:2: holds 'zero' instead of a finite number"),
     "not finite": ("* t\nC square.qui 1 0 0 nan\n", "x.lst:2: holds 'nan' instead of a finite number"),
     "beyond numbers": ("* t\nC square.qui 1 0 0 1e999\n", "x.lst:2: holds '1e999'"),
-    "too short": ("C square.qui 1 0 0\n", "x.lst:1: ends too early; it must be C FILE PERMITTIVITY X Y Z"),
+    "too short": ("C square.qui 1 0\n", "x.lst:1: ends too early; it must be C FILE PERMITTIVITY X Y Z"),
     "permittivity": ("* t\nC square.qui 0 0 0 0\n", "x.lst:2: has the permittivity 0"),
     "complex": ("* t\nC square.qui 3-j0.1 0 0 0\n", "x.lst:2: has the complex permittivity 3-j0.1"),
     "statement": (C + "Z 1 2 3\n", "x.lst:2: begins with 'Z', which is no statement"),
@@ -153,7 +155,7 @@ def test_a_damaged_list_is_refused(tmp_path: Path, text: str, told: str) -> None
             "2: ends too early; it must be Q CONDUCTOR and the coordinates of four",
         ),
         ("0 title\nN 9 8\n", "2: there is no conductor '9' to be renamed"),
-        ("25 0 0 1\nPATRAN\n", "2: begins with 'PATRAN', which is no statement"),
+        ("25 0 0 1\nPATRAN\n", "2: the file seems to be a neutral file of PATRAN, which is not read"),
     ],
 )
 def test_what_is_wrong_in_a_file_of_panels_is_told_with_its_line(

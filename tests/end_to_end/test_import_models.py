@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import zipfile
 from pathlib import Path
 
@@ -93,6 +94,38 @@ def volume(triangles: np.ndarray) -> float:
     return float(np.linalg.det(triangles).sum() / 6)
 
 
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_what_bounds_no_body_does_not_matter_in_collada(tmp_path: Path, encoding: str) -> None:
+    """Colours and lights with blanks or without numbers, cameras of one name, and extras of other programs."""
+    looks = (
+        '<library_effects><effect id="e"><profile_COMMON><technique sid="c"><phong><diffuse><color>  0 0 0 1  </color></diffuse>'
+        "<emission><color></color></emission></phong></technique></profile_COMMON></effect></library_effects>"
+        '<library_lights><light id="l"><technique_common><ambient><color>  1 1 </color></ambient></technique_common></light></library_lights>'
+        '<library_cameras><camera id="c" name="Cam"><optics/></camera></library_cameras><extra><technique profile="x">?</technique></extra>'
+    )
+    nodes = "".join(
+        f'<node id="c{k}" name="Cam"><instance_camera url="#c"/><instance_light url="#l"/></node>'
+        for k in (1, 2)
+    )
+    text = collada().replace("<library_geometries>", looks + "<library_geometries>")
+    text = text.replace('<node id="n1"', nodes + '<node id="n1"').replace(
+        'encoding="utf-8"', f'encoding="{encoding}"'
+    )
+    path = tmp_path / "model.dae"
+    path.write_text(text, encoding=encoding)
+    found = imported(path).conductors()
+    assert list(found) == ["base", "arm"]
+    assert found["base"] == pytest.approx(SOLID + [10, 0, 0], rel=1e-6, abs=1e-6)
+
+
+def test_polygons_of_collada_are_divided_as_those_of_meshes_are(tmp_path: Path) -> None:
+    path = tmp_path / "model.dae"
+    polygon = '<polylist count="1"><input semantic="VERTEX" source="#corners" offset="0"/><vcount>4</vcount><p>0 1 2 3</p></polylist>'
+    text = collada(vertices="2 0 0 1 .2 0 1 2 0 0 0 0")
+    path.write_text(re.sub("<triangles.*</triangles>", polygon, text))
+    assert area(imported(path).conductors()["base"]) == pytest.approx(1.1, rel=1e-6)
+
+
 WRONG_COLLADA = {
     "cut off": (collada()[:900], "model.dae: "),
     "no XML": ("solid", "model.dae: "),
@@ -103,6 +136,11 @@ WRONG_COLLADA = {
     "endless": (collada(vertices="0 0 0 1 0 0 0 2 0 0 0 1e999"), "is not finite"),
     "no such geometry": (collada(geometry="sphere"), 'geometry for ID "sphere"'),
     "nothing": (collada(faces="", count=0), "model.dae: "),
+    "lights only": (re.sub("<instance_geometry[^>]*>", "", collada()), "holds no triangles"),
+    "no file, but a pointer": (
+        "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n",
+        "is a pointer of Git LFS",
+    ),
 }
 
 
@@ -151,11 +189,47 @@ def test_a_missing_file_of_materials_does_not_matter(tmp_path: Path) -> None:
     assert list(imported(path).conductors()) == ["housing", "plate"]
 
 
+CORNERS = "v 2 0 0\nv 1 .2 0 1\nv 1 2 0\nv 0 0 0\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "names"),
+    [
+        (CORNERS + "f 1 2 3 4\n", ["model"]),
+        (CORNERS + "g left side\nf 2 3 4\ng\nf 4 1 2\n", ["model", "left side"]),
+        (CORNERS + "o a\nf 2 3 4\no b\no a\nf 4 1 2\n", ["a"]),
+        ("\ufeff" + CORNERS + "f 1 2 3 4\n", ["model"]),
+    ],
+)
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
+def test_obj_is_read_as_the_mesh_of_a_scene_is(
+    tmp_path: Path, text: str, names: list[str], encoding: str
+) -> None:
+    """Also an arrowhead, which a fan from its first corner leaves, weights of 1, and numbers that begin with their point."""
+    path = tmp_path / "model.obj"
+    path.write_text(text, encoding=encoding)
+    found = imported(path).conductors()
+    assert list(found) == names
+    assert sum(map(area, found.values())) == pytest.approx(1.1, rel=1e-6)
+
+
+def area(triangles: np.ndarray) -> float:
+    sides = triangles[:, 1:] - triangles[:, :1]
+    return float(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2)
+
+
+def test_faces_that_are_bent_are_told(tmp_path: Path) -> None:
+    path = tmp_path / "model.obj"
+    path.write_text("o roof\n" + CORNERS.replace("1 2 0", "1 2 1") + "f 1 2 3 4\n")
+    imported(path, warnings='"roof": faces whose corners are not in one plane: 1, by up to')
+
+
 @pytest.mark.parametrize(
     ("text", "told"),
     [
         (OBJ.replace("f 2 3 4", "f 2 3 44"), "refers to vertex 44"),
-        (OBJ.replace("v 0 0 3", "v 0 0 nan"), "model.obj"),
+        (OBJ.replace("v 0 0 3", "v 0 0 nan"), "holds 'nan' instead of a finite number in line 6"),
+        (OBJ.replace("v 0 0 3", "v 0 0 3 2"), "has a vertex of the weight '2'; only 1 is read in line 6"),
         (OBJ.replace("v 0 0 3", "v 0 0"), "has a vertex of 2 coordinates"),
         ("# nothing\n", "model.obj"),
     ],
@@ -172,15 +246,31 @@ RELATIONS = """<?xml version="1.0" encoding="UTF-8"?>
 </Relationships>"""
 
 
-def write_3mf(path: Path, unit: str | None, vertices: str = "", index: int = 3) -> None:
-    """A tetrahedron at (10, 0, 0)."""
+CORE = 'xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02"'
+PRODUCTION = (
+    'xmlns:p="http://schemas.microsoft.com/3dmanufacturing/production/2015/06" requiredextensions="p"'
+)
+
+
+def model_3mf(resources: str, build: str, more: str = "") -> str:
+    return (
+        f'<?xml version="1.0" encoding="UTF-8"?><model {more} {CORE}><resources>{resources}</resources>'
+        f"<build>{build}</build></model>"
+    )
+
+
+def object_3mf(number: int = 1, kind: str = "model", vertices: str = "", index: int = 3) -> str:
+    """A tetrahedron."""
     points = vertices or "".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in VERTICES)
     faces = "".join(f'<triangle v1="{a}" v2="{b}" v3="{c}"/>' for a, b, c in FACES[:3])
-    model = f"""<?xml version="1.0" encoding="UTF-8"?>
-<model {f'unit="{unit}"' if unit else ''} xml:lang="en-US" xmlns="http://schemas.microsoft.com/3dmanufacturing/core/2015/02">
-<resources><object id="1" type="model" name="part"><mesh><vertices>{points}</vertices>
-<triangles>{faces}<triangle v1="1" v2="2" v3="{index}"/></triangles></mesh></object></resources>
-<build><item objectid="1" transform="1 0 0 0 1 0 0 0 1 10 0 0"/></build></model>"""
+    return (
+        f'<object id="{number}" type="{kind}" name="part {number}"><mesh><vertices>{points}</vertices>'
+        f'<triangles>{faces}<triangle v1="1" v2="2" v3="{index}"/></triangles></mesh></object>'
+    )
+
+
+def archive_3mf(path: Path, parts: dict[str, str | bytes], *, wide: bool = False) -> None:
+    """Writes an archive; `wide`: with sizes of 64 bits in its entries, as some programs always have them."""
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr(
             "[Content_Types].xml",
@@ -189,7 +279,16 @@ def write_3mf(path: Path, unit: str | None, vertices: str = "", index: int = 3) 
             '<Default Extension="model" ContentType="application/vnd.ms-package.3dmanufacturing-3dmodel+xml"/></Types>',
         )
         archive.writestr("_rels/.rels", RELATIONS)
-        archive.writestr("3D/3dmodel.model", model)
+        for name, content in parts.items():
+            with archive.open(name, "w", force_zip64=wide) as part:
+                part.write(content.encode() if isinstance(content, str) else content)
+
+
+def write_3mf(path: Path, unit: str | None, vertices: str = "", index: int = 3) -> None:
+    """A tetrahedron at (10, 0, 0)."""
+    item = '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 10 0 0"/>'
+    model = model_3mf(object_3mf(1, "model", vertices, index), item, f'unit="{unit}"' if unit else "")
+    archive_3mf(path, {"3D/3dmodel.model": model})
 
 
 @pytest.mark.parametrize(
@@ -201,6 +300,84 @@ def test_3mf_has_its_own_unit(tmp_path: Path, unit: str | None, metres: float) -
     write_3mf(path, unit)
     (found,) = imported(path).conductors().values()
     assert found == pytest.approx(metres * (SOLID + [10, 0, 0]), rel=1e-6, abs=1e-6 * metres)
+
+
+def test_an_archive_of_3mf_may_have_a_thumbnail_and_sizes_of_64_bits(tmp_path: Path) -> None:
+    path = tmp_path / "model.3mf"
+    model = model_3mf(object_3mf(), '<item objectid="1"/>')
+    for wide in (False, True):
+        archive_3mf(
+            path, {"Metadata/thumbnail.png": b"\x89PNG" + bytes(400), "3D/3dmodel.model": model}, wide=wide
+        )
+        assert imported(path).conductors()["part 1"] == pytest.approx(1e-3 * SOLID, rel=1e-6)
+
+
+def test_parts_of_3mf_are_links_with_their_places_also_from_other_models(tmp_path: Path) -> None:
+    """A turn by a quarter about z; x is mapped to y."""
+    path = tmp_path / "model.3mf"
+    components = (
+        '<object id="2"><components><component p:path="/3D/Objects/a.model" objectid="1"/>'
+        '<component objectid="1" transform="0 1 0 -1 0 0 0 0 1 5 0 0"/></components></object>'
+    )
+    root = model_3mf(
+        object_3mf() + components, '<item objectid="2" transform="2 0 0 0 2 0 0 0 2 0 0 1"/>', PRODUCTION
+    )
+    other = model_3mf(
+        object_3mf(vertices="".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in 2 * VERTICES)), ""
+    )
+    archive_3mf(path, {"3D/3dmodel.model": root, "3D/Objects/a.model": other})
+    scene = imported(path)
+    assert {link.name: link.parent for link in scene.links} == {
+        "model": None, "object 2": "model", "part 1": "object 2", "part 1 2": "object 2",
+    }  # fmt: skip
+    found = scene.conductors()
+    assert found["part 1"] == pytest.approx(1e-3 * (4 * SOLID + [0, 0, 1]), rel=1e-6)
+    turned = SOLID @ np.array([[0, 1, 0], [-1, 0, 0], [0, 0, 1.0]])
+    assert found["part 1 2"] == pytest.approx(1e-3 * (2 * turned + [10, 0, 1]), rel=1e-6, abs=1e-9)
+
+
+def test_supports_of_3mf_are_left_out_with_a_warning(tmp_path: Path) -> None:
+    path = tmp_path / "model.3mf"
+    items = "".join(f'<item objectid="{k}"/>' for k in (1, 2, 2))
+    archive_3mf(path, {"3D/3dmodel.model": model_3mf(object_3mf() + object_3mf(2, "support"), items)})
+    scene = imported(
+        path, warnings='object "part 2": is of the type support, no part of the model, and is left out'
+    )
+    assert list(scene.conductors()) == ["part 1"]
+
+
+WRONG_3MF = {
+    "an unknown extension": (
+        model_3mf(object_3mf(), '<item objectid="1"/>', 'xmlns:b="http://x/beamlattice/2017/02" requiredextensions="b"'),
+        "needs the extension b (http://x/beamlattice/2017/02), which is not read",
+    ),
+    "no such object": (model_3mf(object_3mf(), '<item objectid="7"/>'), "object 7: does not exist"),
+    "no such model": (
+        model_3mf('<object id="2"><components><component p:path="/a.model" objectid="1"/></components></object>',
+                  '<item objectid="2"/>', PRODUCTION),
+        'object "object 2": holds no model /a.model',
+    ),
+    "within itself": (
+        model_3mf('<object id="2"><components><component objectid="2"/></components></object>', '<item objectid="2"/>'),
+        "is below more than 1000 others",
+    ),
+    "more than any": (
+        model_3mf("".join(
+            f'<object id="{k}"><components><component objectid="{k + 1}"/><component objectid="{k + 1}"/></components></object>'
+            for k in range(40)) + object_3mf(40), '<item objectid="0"/>'),
+        "there are more than 100000 parts",
+    ),
+    "nothing to build": (model_3mf(object_3mf(), ""), "holds no triangles"),
+    "no XML": ("<model><resources>", "3D/3dmodel.model: is damaged XML"),
+    "a place of few numbers": (model_3mf(object_3mf(), '<item objectid="1" transform="1 0 0"/>'), "instead of a finite number"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("model", "told"), WRONG_3MF.values(), ids=WRONG_3MF)
+def test_wrong_models_of_3mf_are_refused(tmp_path: Path, model: str, told: str) -> None:
+    path = tmp_path / "model.3mf"
+    archive_3mf(path, {"3D/3dmodel.model": model})
+    assert_refused(path, told)
 
 
 def test_damaged_3mf_is_refused(tmp_path: Path) -> None:

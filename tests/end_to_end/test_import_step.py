@@ -109,6 +109,59 @@ def test_triangles_are_as_near_to_the_surface_as_is_asked_and_told(
     assert depth.max() >= 0.5 * float(told[1])
 
 
+# A ball, a cone with its apex, a torus, and a surface whose parameters are uneven: a B-spline turned about an axis.
+MAKE_ROUND = """
+import gmsh, sys
+gmsh.initialize()
+occ = gmsh.model.occ
+kind = sys.argv[2]
+if kind == "ball":
+    occ.addSphere(0, 0, 0, 10)
+elif kind == "cone":
+    occ.addCone(0, 0, 0, 0, 0, 20, 10, 0)
+elif kind == "torus":
+    occ.addTorus(0, 0, 0, 10, 3)
+else:
+    points = [occ.addPoint(*p) for p in ((4, 0, 0), (12, 0, 0.1), (12, 0, 19.9), (4, 0, 20))]
+    occ.revolve([(1, occ.addBSpline(points))], 0, 0, 0, 0, 0, 1, 3)
+occ.synchronize()
+gmsh.write(sys.argv[1])
+"""
+
+
+@pytest.mark.parametrize("asked", [1e-4, 1e-5])
+@pytest.mark.parametrize("kind", ["ball", "cone", "torus", "vase"])
+def test_the_distance_that_is_told_is_that_of_the_surface(tmp_path: Path, kind: str, asked: float) -> None:
+    """Also where parameters are singular or uneven. Two digits are told."""
+    path = tmp_path / "model.step"
+    subprocess.run(
+        [sys.executable, "-c", MAKE_ROUND, path, kind], check=True, capture_output=True, timeout=60
+    )
+    done = fringe_import(path, tmp_path / "scene.toml", "--deflection", str(asked))
+    told = re.search(r"triangles up to (\S+) m off the surface", done.stdout)
+    assert told and asked / 10 < float(told[1]) < 3 * asked
+    (found,) = imported(path, "--deflection", str(asked)).conductors().values()
+    middles = np.concatenate([(found[:, i] + found[:, i - 1]) / 2 for i in range(3)] + [found.mean(axis=1)])
+    radius, z = np.hypot(middles[:, 0], middles[:, 1]), middles[:, 2]
+    if kind == "ball":
+        off = np.abs(np.hypot(radius, z) - 0.01)
+    elif kind == "cone":
+        off = np.minimum(np.abs(2 * radius + z - 0.02) / math.sqrt(5), np.abs(z))
+    elif kind == "torus":
+        off = np.abs(np.hypot(radius - 0.01, z) - 0.003)
+    else:
+        return
+    assert float(told[1]) == pytest.approx(off.max(), rel=0.05, abs=1e-8)
+
+
+def test_a_part_in_another_file_is_named(tmp_path: Path, text: str) -> None:
+    document = "#9001=DOCUMENT_TYPE('');\n#9002=DOCUMENT_FILE('part.stp','','',#9001,'',$);\nENDSEC;\nEND-ISO"
+    assert_refused(
+        written(tmp_path, text.replace("ENDSEC;\nEND-ISO", document)),
+        "a part of the assembly is in the file part.stp, which is not read",
+    )
+
+
 def test_the_default_is_told(tmp_path: Path, text: str) -> None:
     done = fringe_import(written(tmp_path, text), tmp_path / "scene.toml")
     # The diagonal of a box of 55 x 25 x 40 mm.

@@ -78,6 +78,10 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--help": SAID,
         "--version": SAID,
         "--geometry": (IMPORT, "test_visual_geometries_are_taken_when_asked_for"),
+        "--missing": (
+            "end_to_end/test_import_robots.py",
+            "test_one_bad_mesh_is_told_and_stops_the_rest_only_if_it_shall",
+        ),
         "--package-path": (IMPORT, "test_packages_are_found_by_a_path"),
         "--joints": ("end_to_end/test_import_joints.py", "test_joints_are_set_and_those_that_mimic_follow"),
         "--deflection": ("end_to_end/test_import_step.py", "test_deflection_is_for_step_and_greater_than_zero"),

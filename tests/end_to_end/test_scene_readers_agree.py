@@ -88,6 +88,25 @@ f 1 2 3 5 4
 f 1 2 6
 f 3 2 6
 """
+# In the planes of the axes and across them: an arrowhead, a comb, a square around a hole, a bow tie, and one that is bent.
+POLYGONS = (
+    [(2, 0, 0), (1, 0.25, 0), (1, 2, 0), (0, 0, 0)],
+    [(0, 0, 0), (0, 4, 1), (0, 4, 4), (0, 0, 4), (0, 0, 3), (0, 3, 3), (0, 3, 1), (0, 0, 1)],
+    [
+        (0, 1, 0),
+        (0, 1, 4),
+        (4, 1, 4),
+        (4, 1, 0),
+        (0, 1, 0),
+        (1, 1, 1),
+        (3, 1, 1),
+        (3, 1, 3),
+        (1, 1, 3),
+        (1, 1, 1),
+    ],
+    [(0, 0, 5), (1, 1, 6), (1, 0, 6), (0, 1, 5)],
+    [(0, 0, 7), (0.3, 0.1, 7.2), (1, 0, 7.1), (0.1, 1, 7.3), (0, 0.7, 6)],
+)
 # Binary fractions: in a mesh file the model's reader keeps seven digits of a decimal number.
 TRIANGLES = [((0, 0, 0), (0.75, 0, 0), (0, 0.75, 0)), ((0, 0, 0.25), (0.75, 0, 0), (0, 0.5, 0.125))]
 CONSTRUCTED, SINGLE_PRECISION = 1e-12, 2e-7
@@ -186,6 +205,32 @@ def test_mesh_files_with_decimal_coordinates_agree_to_single_precision(folder: P
     body = f'[[object]]\nname = "body"\nshape = {{ {SHAPES[shape]} }}\n'
     (folder / "scene.toml").write_text(SENSOR + body)
     assert_same_conductors(folder / "scene.toml", SINGLE_PRECISION)
+
+
+@pytest.mark.parametrize("suffix", ["obj", "ply"])
+def test_polygons_are_divided_alike_and_have_the_same_remarks(folder: Path, suffix: str) -> None:
+    random = np.random.default_rng(3)
+    frames = [np.eye(3), *(np.linalg.qr(random.normal(size=(3, 3)))[0] for _ in range(20))]
+    faces = [np.array(face) @ frame for frame in frames for face in POLYGONS]
+    faces += [random.normal(size=(n, 3)) * [1, 1, flat] for n in range(4, 12) for flat in (1, 0.1, 0)]
+    points, ends = np.concatenate(faces), np.cumsum([len(face) for face in faces])
+    rows = [" ".join(map(repr, row)) for row in points.tolist()]
+    corners = [list(range(end - len(face), end)) for face, end in zip(faces, ends)]
+    if suffix == "obj":
+        text = "".join(f"v {row}\n" for row in rows)
+        text += "".join(f"f {' '.join(str(k + 1) for k in face)}\n" for face in corners)
+    else:
+        text = f"ply\nformat ascii 1.0\nelement vertex {len(rows)}\nproperty double x\nproperty double y\nproperty double z\n"
+        text += f"element face {len(corners)}\nproperty list uchar int vertex_indices\nend_header\n"
+        text += "".join(f"{row}\n" for row in rows)
+        text += "".join(f"{len(face)} {' '.join(map(str, face))}\n" for face in corners)
+    (folder / f"faces.{suffix}").write_text(text)
+    (folder / "scene.toml").write_text(
+        f'{SENSOR}[[object]]\nname = "body"\nshape = {{ type = "mesh", file = "faces.{suffix}", scale = 0.01 }}\n'
+    )
+    here, there = reader.load(folder / "scene.toml"), model_module().Scene.load(str(folder / "scene.toml"))
+    assert np.array_equal(here.conductors()["body"], there.conductors()["body"])
+    assert len(here.changes) == 2 and remarks(here) == there.remarks
 
 
 def test_sensors_on_links(folder: Path) -> None:

@@ -242,6 +242,10 @@ def test_the_field_is_written_for_paraview(scene: Path, tmp_path: Path) -> None:
     sensor = found.points[triangles[bodies["triangle"] == 1]]
     np.testing.assert_allclose(np.abs(sensor).max(axis=(0, 1)), [0.05, 0.05, 0], atol=1e-9)
     np.testing.assert_allclose(potential[triangles[bodies["triangle"] == 1]], 1, atol=1e-9)
+    (driven,) = (name for name in found.point_data if name != "potential")
+    assert driven == "1 V: front"
+    assert set(found.point_data[driven][triangles[bodies["triangle"] == 1]].ravel()) == {1}
+    assert set(found.point_data[driven][triangles[bodies["triangle"] == 2]].ravel()) == {0}
     target = potential[triangles[bodies["triangle"] == 2]]
     assert np.ptp(target) < 1e-9 and 0.3 < target.min() < 0.9
     ball = np.linalg.norm(found.points[tetrahedra[bodies["tetra"] == 3]] - [0, 0, -0.06], axis=2)

@@ -48,7 +48,7 @@ def test_it_depends_on_the_libraries_and_the_python_it_was_built_with(fields: di
         "libassimp5",
     ):
         assert needed in fields["Depends"]
-    for needed in ("libocct-data-exchange-7.6", "libtinyxml2.6.2v5", "liburdfdom-model3.0", "libminizip1"):
+    for needed in ("libocct-data-exchange-7.6", "libpugixml1v5", "liburdfdom-model3.0", "zlib1g"):
         assert needed in fields["Depends"]
     assert "python3 (>= 3.11), python3 (<< 3.12~), python3-numpy" in fields["Depends"]
     assert "python3-dolfinx" in fields["Recommends"]

@@ -1,26 +1,60 @@
 #include "import/gltf.hpp"
 
 #include <algorithm>
-#include <cctype>
+#include <cstdint>
+#include <cstring>
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "import/gltf_triangles.hpp"
 #include "import/link_tree.hpp"
+#include "import/model_file.hpp"
 
 namespace fringe::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
+/// Returns the extensions that a model needs. The library does not get to them where data have another form.
+std::vector<std::string> needed_extensions(const std::string& content, bool is_binary) {
+  // The text of a binary file follows five numbers of four bytes, of which the fourth is its length.
+  constexpr std::size_t length_at = 12, text_at = 20;
+  std::string_view text = content;
+  if (is_binary && content.size() > text_at) {
+    std::uint32_t length = 0;
+    std::memcpy(&length, content.data() + length_at, sizeof length);
+    text = text.substr(text_at, length);
+  }
+  const auto document = nlohmann::json::parse(text, nullptr, false);
+  std::vector<std::string> needed;
+  if (document.is_object() && document.contains("extensionsRequired"))
+    for (const auto& name : document["extensionsRequired"])
+      if (name.is_string())
+        needed.push_back(name.get<std::string>());
+  return needed;
+}
+
+/// Returns whether an extension is about looks only.
+bool is_about_looks(std::string_view extension) {
+  return extension.find("_materials_") != std::string_view::npos ||
+         extension.find("_texture_") != std::string_view::npos ||
+         extension.find("_lights_") != std::string_view::npos;
+}
+
 tinygltf::Model parse(const fs::path& path) {
-  if (!fs::is_regular_file(path))
-    throw InputError("the file does not exist or is not a file");
+  const std::string content = content_of(path);
+  const bool is_binary = extension_of(path) == ".glb";
+  for (const std::string& extension : needed_extensions(content, is_binary))
+    if (!is_about_looks(extension))
+      throw InputError(fmt::format("needs the extension {}, which is not read", extension));
   tinygltf::TinyGLTF loader;
   // Images are not needed.
   loader.SetImageLoader([](tinygltf::Image*, const int, std::string*, std::string*, int, int,
@@ -29,18 +63,12 @@ tinygltf::Model parse(const fs::path& path) {
   tinygltf::Model model;
   std::string errors;
   std::string warnings;
-  std::string extension = path.extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char letter) { return static_cast<char>(std::tolower(letter)); });
-  const bool read = extension == ".glb" ? loader.LoadBinaryFromFile(&model, &errors, &warnings, path.string())
-                                        : loader.LoadASCIIFromFile(&model, &errors, &warnings, path.string());
+  const bool read = is_binary ? loader.LoadBinaryFromFile(&model, &errors, &warnings, path.string())
+                              : loader.LoadASCIIFromFile(&model, &errors, &warnings, path.string());
   if (!read || !errors.empty()) {
     std::replace(errors.begin(), errors.end(), '\n', ' ');
     throw InputError(errors.empty() ? "is not a model in glTF" : errors);
   }
-  if (!model.extensionsRequired.empty())
-    throw InputError(
-        fmt::format("needs the extension {}, which is not read", model.extensionsRequired.front()));
   return model;
 }
 

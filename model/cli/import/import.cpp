@@ -52,8 +52,9 @@ std::map<std::string, double> positions(const std::vector<std::string>& lists) {
 
 /// Refuses options that would change nothing.
 void require_urdf(const ImportRequest& request, bool is_urdf) {
-  if (!is_urdf && (request.geometry || !request.package_paths.empty() || !request.joints.empty()))
-    throw InputError("--geometry, --package-path and --joints are options for URDF");
+  if (!is_urdf &&
+      (request.geometry || request.missing || !request.package_paths.empty() || !request.joints.empty()))
+    throw InputError("--geometry, --missing, --package-path and --joints are options for URDF");
 }
 
 void require_step(const ImportRequest& request, bool is_step) {
@@ -81,7 +82,8 @@ ImportReport import_scene(const ImportRequest& request) {
   Scene scene;
   if (extension == ".urdf") {
     const UrdfRequest robot{parse_urdf_geometry(request.geometry.value_or("collision")),
-                            request.package_paths, positions(request.joints)};
+                            parse_missing_mesh(request.missing.value_or("refuse")), request.package_paths,
+                            positions(request.joints)};
     scene = read_urdf(request.source, robot, report.warnings);
   } else if (extension == ".gltf" || extension == ".glb") {
     scene = read_gltf(request.source);
@@ -95,8 +97,9 @@ ImportReport import_scene(const ImportRequest& request) {
     scene = read_panel_list(request.source, report.warnings);
   } else {
     throw InputError(
-        fmt::format("{}: must end in .urdf, .gltf, .glb, .dae, .obj, .3mf, .step, .stp, .lst or .qui",
-                    request.source.string()));
+        fmt::format("{}: must end in .urdf, .gltf, .glb, .dae, .obj, .3mf, .step, .stp, .lst or .qui{}",
+                    request.source.string(),
+                    extension == ".xacro" ? "; xacro makes URDF of it: xacro FILE > robot.urdf" : ""));
   }
   const auto meshes = std::count_if(scene.objects.begin(), scene.objects.end(), [](const Object& object) {
     return std::holds_alternative<Mesh>(object.shape);

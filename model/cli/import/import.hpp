@@ -12,6 +12,7 @@ struct ImportRequest {
   std::filesystem::path source;
   std::filesystem::path target;
   std::optional<std::string> geometry;               ///< of URDF: collision (default) or visual
+  std::optional<std::string> missing;                ///< of URDF: refuse (default) or leave-out
   std::vector<std::filesystem::path> package_paths;  ///< of URDF
   std::vector<std::string> joints;                   ///< of URDF: lists NAME=POSITION,…; rad or m
   std::optional<double> deflection;                  ///< of STEP: m

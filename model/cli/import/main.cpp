@@ -31,6 +31,9 @@ void add_options(CLI::App& program, cli::ImportRequest& request) {
   program.add_option(
       "--geometry", request.geometry,
       "collision or visual: which geometry of a robot's links to take; if not given collision");
+  program.add_option("--missing", request.missing,
+                     "refuse or leave-out: what becomes of a robot with a mesh that is missing or cannot be "
+                     "read; if not given refuse");
   program
       .add_option("--package-path", request.package_paths,
                   "A folder that holds packages which package:// names; may be given several times")

@@ -11,11 +11,14 @@ namespace fringe::cli {
 /// Returns a file's extension in small letters, with its dot.
 std::string extension_of(const std::filesystem::path& path);
 
+/// Returns the content of a file. Throws InputError with the reason if it is not there.
+std::string content_of(const std::filesystem::path& path);
+
 /// Returns whether a file is COLLADA (.dae), OBJ or 3MF, by its extension.
 bool is_model_file(const std::filesystem::path& path);
 
-/// Reads the nodes of a COLLADA, OBJ or 3MF file as links and their triangles as meshes in metres, by Assimp.
-/// The upward axis of COLLADA becomes z. Appends the library's remarks to `warnings`. Throws
+/// Reads the nodes of a COLLADA, OBJ or 3MF file as links and their triangles as meshes in metres.
+/// The upward axis of COLLADA becomes z. Appends remarks to `warnings`. Throws
 /// InputError with file, element and reason.
 Scene read_model(const std::filesystem::path& path, std::vector<std::string>& warnings);
 

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
+#include "import/model_file.hpp"
 #include "import/panel_statement.hpp"
 #include "io/input_file.hpp"
 #include "io/mesh_words.hpp"
@@ -47,20 +48,26 @@ using Section = std::vector<std::pair<Place, PanelStatement>>;
 /// The sections of a file: its own, without a name, and those of the files within it.
 using File = std::map<std::string, Section>;
 
-/// Returns the content of a file. Throws InputError with its name.
-std::string content_of(const fs::path& path) {
+/// Returns the text of a file. Throws InputError with its name.
+std::string text_of(const fs::path& path) {
   try {
-    return detail::file_content(path);
+    return detail::plain_text(content_of(path));
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path.string(), error.what()));
   }
+}
+
+/// Returns whether a text begins as neutral files of PATRAN do, with the packet 25, their title, or 26.
+bool seems_to_be_patran(std::string_view text) {
+  const std::string_view packet = detail::take_word(text);
+  return packet == "25" || packet == "26";
 }
 
 File read_file(const fs::path& path) {
   File file;
   // Between the files in a file, where anything may stand, there is no section.
   Section* section = &file[""];
-  const std::string content = content_of(path);
+  const std::string content = text_of(path);
   std::string_view rest = content;
   Place place{std::make_shared<const std::string>(path.string()), 0};
   while (!rest.empty()) {
@@ -70,6 +77,8 @@ File read_file(const fs::path& path) {
     try {
       statement = parse_panel_statement(line, place.line == 1);
     } catch (const InputError& error) {
+      if (section != nullptr && seems_to_be_patran(content))
+        fail(place, "the file seems to be a neutral file of PATRAN, which is not read");
       if (section != nullptr)
         fail(place, error.what());
     }
@@ -265,8 +274,6 @@ std::vector<ListedConductor> ListReader::conductors() const {
 }  // namespace
 
 Scene read_panel_list(const fs::path& path, std::vector<std::string>& warnings) {
-  if (!detail::is_file(path))
-    throw InputError(fmt::format("{}: the file does not exist or is not a file", path.string()));
   ListReader reader(warnings);
   reader.read(path);
   Scene scene;

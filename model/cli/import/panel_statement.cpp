@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
+#include "geometry/face_division.hpp"
 #include "io/mesh_words.hpp"
 
 namespace fringe::cli {
@@ -34,6 +35,15 @@ class Parts {
     return {x, y, number()};
   }
 
+  /// Takes a place in a list of files. One without z is that of a two-dimensional list.
+  Vector3d place() {
+    const double x = number(), y = number();
+    const std::string z = std::string(detail::take_word(rest_));
+    if (z.empty() || z == "+")
+      throw InputError("has x and y only, as two-dimensional lists do, which are not read");
+    return {x, y, detail::parse_number(z)};
+  }
+
   double permittivity() {
     const std::string found = word();
     if (found.find_first_of("jJ") != std::string::npos)
@@ -52,21 +62,19 @@ class Parts {
   std::string_view form_;
 };
 
-/// Divides a quadrilateral along the diagonal that is inside it.
-std::vector<Triangle> divided(const std::array<Vector3d, 4>& p) {
-  const auto normal = [&](std::size_t a, std::size_t b, std::size_t c) {
-    return Vector3d((p[b] - p[a]).cross(p[c] - p[a]));
-  };
-  if (normal(0, 1, 2).dot(normal(0, 2, 3)) >= 0)
-    return {{p[0], p[1], p[2]}, {p[0], p[2], p[3]}};
-  if (normal(1, 2, 3).dot(normal(1, 3, 0)) >= 0)
-    return {{p[1], p[2], p[3]}, {p[1], p[3], p[0]}};
-  throw InputError("has corners that do not follow each other around the quadrilateral");
+/// Divides a quadrilateral inside it.
+std::vector<Triangle> divided(const std::array<Vector3d, 4>& corners) {
+  std::vector<Triangle> triangles;
+  detail::FaceDefects defects;
+  detail::append_face(triangles, corners, defects);
+  if (defects.crossing > 0)
+    throw InputError("has corners that do not follow each other around the quadrilateral");
+  return triangles;
 }
 
 IncludedConductor included(std::string_view line) {
   Parts parts(line, "C FILE PERMITTIVITY X Y Z, or this and a +");
-  IncludedConductor result{parts.word(), parts.permittivity(), parts.point()};
+  IncludedConductor result{parts.word(), parts.permittivity(), parts.place()};
   result.continues = parts.next() == "+";
   return result;
 }

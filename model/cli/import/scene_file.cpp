@@ -76,12 +76,18 @@ std::string link_text(const Link& link, const Scene& scene) {
   return text + (link.joint ? pose_text(link.joint->rest) + joint_text(*link.joint) : pose_text(link.pose));
 }
 
-/// Writes the shapes that imports produce; plates, cones and arcs are not among them.
+/// Writes the shapes that imports produce; cones and arcs are not among them.
 struct ShapeText {
   std::string mesh_file;
 
   std::string operator()(const Cuboid& cuboid) const {
     return fmt::format("type = \"cuboid\", size = [{}, {}, {}]", cuboid.size_x, cuboid.size_y, cuboid.size_z);
+  }
+  std::string operator()(const Plate& plate) const {
+    return fmt::format("type = \"plate\", size = [{}, {}]", plate.size_x, plate.size_y);
+  }
+  std::string operator()(const Disc& disc) const {
+    return fmt::format("type = \"disc\", radius = {}", disc.radius);
   }
   std::string operator()(const Cylinder& cylinder) const {
     return fmt::format("type = \"cylinder\", radius = {}, height = {}", cylinder.radius, cylinder.height);

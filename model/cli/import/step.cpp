@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <fstream>
-#include <iterator>
 #include <map>
+#include <regex>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -18,7 +18,9 @@
 #include <Interface_Static.hxx>
 #include <Message.hxx>
 #include <Message_Messenger.hxx>
+#include <NCollection_DataMap.hxx>
 #include <Poly_Triangulation.hxx>
+#include <STEPCAFControl_ExternFile.hxx>
 #include <STEPCAFControl_Reader.hxx>
 #include <StepShape_FaceSurface.hxx>
 #include <StepShape_ManifoldSolidBrep.hxx>
@@ -38,26 +40,28 @@
 
 #include "fringe/error.hpp"
 #include "import/link_tree.hpp"
+#include "import/model_file.hpp"
+#include "import/surface_distance.hpp"
 
 namespace fringe::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
+using ExternFiles = NCollection_DataMap<TCollection_AsciiString, Handle(STEPCAFControl_ExternFile)>;
+
 /// Length of the library's unit, the millimetre, in metres.
 constexpr double unit = 1e-3;
 
-/// Throws InputError unless a file begins and ends as STEP does; the library reads files that end early
-/// without a word.
-void require_whole(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!fs::is_regular_file(path) || !file)
-    throw InputError("the file does not exist or cannot be read");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
+/// Returns the text of a file. Throws InputError unless it begins and ends as STEP does; the library reads
+/// files that end early without a word.
+std::string whole_text(const fs::path& path) {
+  std::string text = content_of(path);
   if (text.find("ISO-10303-21;") == std::string::npos)
     throw InputError("is not a STEP file");
   if (text.find("END-ISO-10303-21;") == std::string::npos)
     throw InputError("ends early: END-ISO-10303-21 is missing");
+  return text;
 }
 
 std::string name_of(const TDF_Label& label) {
@@ -85,7 +89,7 @@ Eigen::Vector3d metres(const gp_Pnt& point) {
 class Reader {
  public:
   Reader(const fs::path& path, std::optional<double> deflection) : path_(path) {
-    require_whole(path);
+    const std::string text = whole_text(path);
     // It would print its messages on standard output.
     Message::DefaultMessenger()->ChangePrinters().Clear();
     reader_.SetColorMode(false);
@@ -97,8 +101,11 @@ class Reader {
     XCAFApp_Application::GetApplication()->NewDocument("MDTV-XCAF", document);
     if (!reader_.Transfer(document))
       throw InputError("holds no shapes that can be read");
+    require_parts(text);
     tool_ = XCAFDoc_DocumentTool::ShapeTool(document->Main());
-    read_names();
+    read_names(reader_.Reader().WS());
+    for (const auto& part : parts_in_files())
+      read_names(part->GetWS());
     tool_->GetFreeShapes(roots_);
     import_.deflection = deflection ? *deflection : default_deflection * diagonal();
     if (!(import_.deflection > 0))
@@ -116,9 +123,34 @@ class Reader {
   }
 
  private:
-  /// Stores the names of solids and faces. Throws InputError if a face is lost.
-  void read_names() {
-    const Handle(XSControl_WorkSession) session = reader_.Reader().WS();
+  /// Returns the files with parts that the library has found.
+  std::vector<Handle(STEPCAFControl_ExternFile)> parts_in_files() const {
+    std::vector<Handle(STEPCAFControl_ExternFile)> found;
+    for (ExternFiles::Iterator each(reader_.ExternFiles()); each.More(); each.Next())
+      found.push_back(each.Value());
+    return found;
+  }
+
+  /// Throws InputError if a part of the assembly is in a file of STEP that was not read.
+  void require_parts(const std::string& text) const {
+    std::set<std::string> read;
+    for (const auto& part : parts_in_files())
+      if (part->GetLoadStatus() == IFSelect_RetDone)
+        read.insert(part->GetName()->ToCString());
+    static const std::regex named(R"(DOCUMENT_FILE\s*\(\s*'([^']*)')");
+    for (std::sregex_iterator each(text.begin(), text.end(), named), end; each != end; ++each) {
+      const std::string name = (*each)[1];
+      if (const std::string extension = extension_of(name);
+          !read.contains(name) && (extension == ".step" || extension == ".stp"))
+        throw InputError(fmt::format(
+            "a part of the assembly is in the file {}, which is not read: import it by itself, or "
+            "save the assembly with its parts in one file",
+            name));
+    }
+  }
+
+  /// Stores the names of solids and faces of a file. Throws InputError if a face is lost.
+  void read_names(const Handle(XSControl_WorkSession) & session) {
     const Handle(Transfer_TransientProcess) process = session->TransferReader()->TransientProcess();
     const Handle(Interface_InterfaceModel) model = session->Model();
     for (int i = 1; i <= model->NbEntities(); ++i) {
@@ -208,6 +240,7 @@ class Reader {
     if (mesh.IsNull() || mesh->NbTriangles() == 0)
       throw InputError(fmt::format("face {} cannot be divided into triangles", faces_));
     const BRepAdaptor_Surface surface(face, false);
+    const SurfaceDistance distance(surface, smallest_part * import_.deflection / unit);
     for (int i = 1; i <= mesh->NbTriangles(); ++i) {
       std::array<int, 3> nodes{};
       mesh->Triangle(i).Get(nodes[0], nodes[1], nodes[2]);
@@ -218,26 +251,24 @@ class Reader {
         triangle[corner] = metres(mesh->Node(nodes[corner]).Transformed(location.Transformation()));
       triangles.push_back(triangle);
       if (mesh->HasUVNodes())
-        measure(triangle, {mesh->UVNode(nodes[0]), mesh->UVNode(nodes[1]), mesh->UVNode(nodes[2])}, surface);
+        measure(triangle, {mesh->UVNode(nodes[0]), mesh->UVNode(nodes[1]), mesh->UVNode(nodes[2])}, distance);
     }
   }
 
-  /// Compares the middles of a triangle and of its edges with the surface at the mean of their parameters.
+  /// Measures how far the middles of a triangle and of its edges are from the surface.
   void measure(const Triangle& triangle, const std::array<gp_Pnt2d, 3>& parameters,
-               const BRepAdaptor_Surface& surface) {
-    constexpr double third = 1. / 3;
-    for (const Eigen::Vector3d& weights : {Eigen::Vector3d(third, third, third), Eigen::Vector3d(0.5, 0.5, 0),
-                                           Eigen::Vector3d(0, 0.5, 0.5), Eigen::Vector3d(0.5, 0, 0.5)}) {
-      Eigen::Vector3d middle = Eigen::Vector3d::Zero();
-      gp_XY parameter(0, 0);
-      for (std::size_t corner = 0; corner < 3; ++corner) {
-        middle += weights[static_cast<Eigen::Index>(corner)] * triangle[corner];
-        parameter += weights[static_cast<Eigen::Index>(corner)] * parameters[corner].XY();
-      }
+               const SurfaceDistance& distance) {
+    const auto& [a, b, c] = triangle;
+    for (const Eigen::Vector3d& middle : {Eigen::Vector3d((a + b + c) / 3), Eigen::Vector3d((a + b) / 2),
+                                          Eigen::Vector3d((b + c) / 2), Eigen::Vector3d((c + a) / 2)}) {
+      const Eigen::Vector3d point = middle / unit;
       import_.error =
-          std::max(import_.error, (metres(surface.Value(parameter.X(), parameter.Y())) - middle).norm());
+          std::max(import_.error, unit * distance.of({point.x(), point.y(), point.z()}, parameters));
     }
   }
+
+  /// Part of the deflection asked for below which a distance from the surface need not be exact.
+  static constexpr double smallest_part = 0.1;
 
   /// Largest angle in rad between the edges and the surface: a cylinder has at least 13 sides, however small
   /// it is.

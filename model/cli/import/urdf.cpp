@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <optional>
@@ -13,16 +11,16 @@
 #include <console_bridge/console.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <tinyxml.h>
 #include <urdf_model/model.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include "fringe/error.hpp"
-#include "fringe/mesh_file.hpp"
 #include "fringe/pose.hpp"
 #include "import/gltf.hpp"
 #include "import/link_tree.hpp"
 #include "import/model_file.hpp"
+#include "import/urdf_text.hpp"
+#include "io/mesh_formats.hpp"
 #include "unique_names.hpp"
 
 namespace fringe::cli {
@@ -51,49 +49,13 @@ class Told final : public console_bridge::OutputHandler {
   std::string text_;
 };
 
-std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!fs::is_regular_file(path) || !file)
-    throw InputError(fmt::format("{}: the file does not exist or cannot be read", path.string()));
-  return {std::istreambuf_iterator<char>(file), {}};
-}
-
-/// Removes all elements of a name below an element.
-void remove_all(TiXmlNode& element, const char* name) {
-  for (TiXmlElement* child = element.FirstChildElement(); child != nullptr;) {
-    TiXmlElement* const next = child->NextSiblingElement();
-    if (child->ValueStr() == name)
-      element.RemoveChild(child);
-    else
-      remove_all(*child, name);
-    child = next;
-  }
-}
-
-/// Returns a robot without what the parser refuses and no scene needs: materials are left out, and a robot
-/// without a name gets one.
-std::string simplified(const std::string& text, const fs::path& path, std::vector<std::string>& warnings) {
-  TiXmlDocument document;
-  document.Parse(text.c_str());
-  TiXmlElement* const robot = document.Error() ? nullptr : document.FirstChildElement("robot");
-  if (robot == nullptr)
-    return text;
-  const char* const name = robot->Attribute("name");
-  if (name == nullptr || *name == 0) {
-    robot->SetAttribute("name", "robot");
-    warnings.push_back(fmt::format("{}: robot: has no name", path.string()));
-  }
-  remove_all(*robot, "material");
-  TiXmlPrinter printer;
-  document.Accept(&printer);
-  return printer.Str();
-}
-
-urdf::ModelInterfaceSharedPtr parse(const fs::path& path, std::vector<std::string>& warnings) {
+urdf::ModelInterfaceSharedPtr parse(const fs::path& path, UrdfGeometry geometry,
+                                    std::vector<std::string>& warnings) {
   const Told told;
   urdf::ModelInterfaceSharedPtr model;
   try {
-    model = urdf::parseURDF(simplified(text_of(path), path, warnings));
+    model = urdf::parseURDF(
+        simplified_urdf(path, geometry == UrdfGeometry::collision ? "collision" : "visual", warnings));
   } catch (const InputError&) {
     throw;
   } catch (const std::exception& error) {
@@ -116,7 +78,8 @@ Eigen::Isometry3d pose_of(const urdf::Pose& pose) {
 class Reader {
  public:
   Reader(const fs::path& path, const UrdfRequest& request, std::vector<std::string>& warnings)
-      : path_(path), request_(request), warnings_(warnings), model_(parse(path, warnings)) {}
+      : path_(path), request_(request), warnings_(warnings), model_(parse(path, request.geometry, warnings)) {
+  }
   Reader(const Reader&) = delete;
   Reader& operator=(const Reader&) = delete;
   /// Breaks the parser's ownership of children by their parents: links in a circle would never be freed.
@@ -259,35 +222,79 @@ class Reader {
     const std::string what = fmt::format("link \"{}\"", link);
     if (!geometry)
       fail(what, unknown_geometry);
-    scene_.objects.push_back({names_.take(link), index, shape_of(*geometry, what), pose_of(origin)});
+    if (std::optional<Placed> body = body_of(*geometry, what))
+      scene_.objects.push_back(
+          {names_.take(link), index, std::move(body->shape), pose_of(origin) * body->pose});
   }
 
-  Shape shape_of(const urdf::Geometry& geometry, const std::string& what) const {
+  /// A shape and its pose in the frame of its geometry.
+  struct Placed {
+    Shape shape;
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  };
+
+  /// Returns the shape of a geometry; none, with a warning, if it is left out.
+  std::optional<Placed> body_of(const urdf::Geometry& geometry, const std::string& what) const {
     switch (geometry.type) {
     case urdf::Geometry::BOX: {
       const urdf::Vector3& size = static_cast<const urdf::Box&>(geometry).dim;
-      return Cuboid{positive(size.x, what, "box"), positive(size.y, what, "box"),
-                    positive(size.z, what, "box")};
+      return box_of({size.x, size.y, size.z}, what);
     }
     case urdf::Geometry::CYLINDER: {
       const auto& cylinder = static_cast<const urdf::Cylinder&>(geometry);
-      return Cylinder{positive(cylinder.radius, what, "cylinder"),
-                      positive(cylinder.length, what, "cylinder"), default_segments};
+      require_sizes({cylinder.radius, cylinder.length}, what, "cylinder");
+      if (cylinder.radius == 0)
+        return left_out(what, "cylinder");
+      if (cylinder.length == 0)
+        return Placed{Disc{cylinder.radius, default_segments}};
+      return Placed{Cylinder{cylinder.radius, cylinder.length, default_segments}};
     }
-    case urdf::Geometry::SPHERE:
-      return Sphere{positive(static_cast<const urdf::Sphere&>(geometry).radius, what, "sphere"),
-                    default_segments};
+    case urdf::Geometry::SPHERE: {
+      const double radius = static_cast<const urdf::Sphere&>(geometry).radius;
+      require_sizes({radius}, what, "sphere");
+      return radius == 0 ? left_out(what, "sphere") : std::optional(Placed{Sphere{radius, default_segments}});
+    }
     case urdf::Geometry::MESH:
-      return mesh_of(static_cast<const urdf::Mesh&>(geometry), what);
+      try {
+        return Placed{mesh_of(static_cast<const urdf::Mesh&>(geometry), what)};
+      } catch (const InputError& error) {
+        if (request_.missing == MissingMesh::refuse)
+          throw InputError(fmt::format("{}; --missing leave-out imports the robot without it", error.what()));
+        warnings_.push_back(fmt::format("{}; it is left out", error.what()));
+        return std::nullopt;
+      }
     }
     fail(what, unknown_geometry);
   }
 
-  /// Returns a size; throws InputError unless it is positive and finite.
-  double positive(double size, const std::string& what, std::string_view shape) const {
-    if (!(size > 0) || !std::isfinite(size))
-      fail(what, fmt::format("{}: a size must be greater than zero, not {}", shape, size));
-    return size;
+  /// Returns a box, or a plate in place of one without thickness.
+  std::optional<Placed> box_of(const Eigen::Vector3d& size, const std::string& what) const {
+    require_sizes({size.x(), size.y(), size.z()}, what, "box");
+    const auto flat = (size.array() == 0).count();
+    if (flat > 1)
+      return left_out(what, "box");
+    if (flat == 0)
+      return Placed{Cuboid{size.x(), size.y(), size.z()}};
+    // The normal of a plate is z.
+    Eigen::Index normal = 0;
+    size.minCoeff(&normal);
+    const Eigen::Index u = (normal + 1) % 3, v = (normal + 2) % 3;
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() << Eigen::Vector3d::Unit(u), Eigen::Vector3d::Unit(v), Eigen::Vector3d::Unit(normal);
+    return Placed{Plate{size[u], size[v]}, pose};
+  }
+
+  /// Throws InputError unless all sizes are finite and none is negative.
+  void require_sizes(const std::vector<double>& sizes, const std::string& what,
+                     std::string_view shape) const {
+    for (const double size : sizes)
+      if (!(size >= 0) || !std::isfinite(size))
+        fail(what, fmt::format("{}: a size must not be less than zero, but is {}", shape, size));
+  }
+
+  std::optional<Placed> left_out(const std::string& what, std::string_view shape) const {
+    warn(what, fmt::format("{}: has no size, and is left out", shape));
+    return std::nullopt;
   }
 
   /// Reads and scales a mesh file.
@@ -313,8 +320,11 @@ class Reader {
     const std::string extension = extension_of(file);
     if (extension == ".gltf" || extension == ".glb")
       return triangles_in_world(read_gltf(file));
-    if (extension == ".stl" || extension == ".obj" || extension == ".ply")
-      return read_mesh_file(file);
+    if (extension == ".stl" || extension == ".obj" || extension == ".ply") {
+      detail::MeshContent content = detail::read_mesh_content(file);
+      remarks = detail::remarks_on_faces(content.defects, 1);
+      return std::move(content.triangles);
+    }
     if (!is_model_file(file))
       throw InputError(
           fmt::format("{}: must end in .stl, .obj, .ply, .dae, .3mf, .gltf or .glb", file.string()));
@@ -327,6 +337,12 @@ class Reader {
     constexpr std::string_view file = "file://";
     const fs::path folder = fs::absolute(path_).parent_path();
     if (!name.starts_with(package)) {
+      if (name.starts_with("http://") || name.starts_with("https://"))
+        fail(what, fmt::format("mesh: {} is on the web; only files of this computer are read", name));
+      if (name.find("://") != std::string::npos && !name.starts_with(file))
+        fail(what,
+             fmt::format("mesh: {} is none of the addresses that are read: package://, file:// and paths",
+                         name));
       fs::path found = folder / (name.starts_with(file) ? name.substr(file.size()) : name);
       if (!fs::is_regular_file(found))
         fail(what, fmt::format("mesh: there is no file {}", found.string()));
@@ -386,6 +402,14 @@ UrdfGeometry parse_urdf_geometry(const std::string& name) {
   if (name == "visual")
     return UrdfGeometry::visual;
   throw InputError(fmt::format("--geometry: must be collision or visual, not {}", name));
+}
+
+MissingMesh parse_missing_mesh(const std::string& name) {
+  if (name == "refuse")
+    return MissingMesh::refuse;
+  if (name == "leave-out")
+    return MissingMesh::leave_out;
+  throw InputError(fmt::format("--missing: must be refuse or leave-out, not {}", name));
 }
 
 Scene read_urdf(const fs::path& path, const UrdfRequest& request, std::vector<std::string>& warnings) {

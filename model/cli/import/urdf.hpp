@@ -15,9 +15,16 @@ enum class UrdfGeometry { collision, visual };
 /// Reads "collision" or "visual"; throws InputError for anything else.
 UrdfGeometry parse_urdf_geometry(const std::string& name);
 
+/// What becomes of a robot with a mesh that is missing or cannot be read.
+enum class MissingMesh { refuse, leave_out };
+
+/// Reads "refuse" or "leave-out"; throws InputError for anything else.
+MissingMesh parse_missing_mesh(const std::string& name);
+
 /// The part of a robot to import, and the positions of its joints.
 struct UrdfRequest {
   UrdfGeometry geometry = UrdfGeometry::collision;
+  MissingMesh missing = MissingMesh::refuse;
   std::vector<std::filesystem::path> package_paths;  ///< searched first for packages
   std::map<std::string, double> joints;              ///< positions by name, rad or m; 0 for all others
 };
@@ -25,8 +32,8 @@ struct UrdfRequest {
 /// Reads the links, joints and bodies of a robot. Joints that mimic others follow them. Meshes are in metres.
 /// A file in `package://NAME/…` is searched as NAME/… first in each folder of `package_paths`, then in the
 /// folders that contain the URDF file, where the package's folder may also have another name. What is missing
-/// but not needed, and positions beyond the limits, are appended to `warnings` with file and element. Throws
-/// InputError with file, element and reason.
+/// but not needed, what has no size, and positions beyond the limits, are appended to `warnings` with file
+/// and element. Throws InputError with file, element and reason.
 Scene read_urdf(const std::filesystem::path& path, const UrdfRequest& request,
                 std::vector<std::string>& warnings);
 

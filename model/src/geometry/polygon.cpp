@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <numeric>
+#include <utility>
 
+#include <Eigen/Geometry>
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
@@ -17,20 +20,6 @@ using Outline = std::span<const Vector2d>;
 
 /// Largest number of vertices: the time to check and divide a polygon grows with its square.
 constexpr std::size_t most_vertices = 500;
-
-/// Returns 1 if the way from a over b to c turns left, −1 if it turns right, and 0 if the points lie on a
-/// line.
-int orientation(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
-  /// Bound of the rounding error, over the sum of the magnitudes of the two products (Shewchuk 1997).
-  constexpr double rounding = 4 * 0x1p-53;
-  constexpr double underflow = 1e-290;  ///< below this a product may have lost digits
-  const double first = (b.x() - a.x()) * (c.y() - a.y()), second = (b.y() - a.y()) * (c.x() - a.x());
-  const double doubled = first - second;
-  if (std::abs(doubled) > rounding * (std::abs(first) + std::abs(second)) + underflow)
-    return doubled > 0 ? 1 : -1;
-  const Dyadic ax(a.x()), ay(a.y());
-  return ((Dyadic(b.x()) - ax) * (Dyadic(c.y()) - ay) - (Dyadic(b.y()) - ay) * (Dyadic(c.x()) - ax)).sign();
-}
 
 /// Tests whether a point is on the segment from a to b.
 bool is_on(const Vector2d& point, const Vector2d& a, const Vector2d& b) {
@@ -74,18 +63,65 @@ std::vector<Vector2d> made_anticlockwise(Outline vertices) {
   return result;
 }
 
-/// Tests whether the outline turns left at a vertex whose triangle with its neighbours contains no other
-/// vertex, not even on its sides.
-bool is_ear(Outline vertices, std::size_t k) {
-  const std::size_t n = vertices.size();
-  const Vector2d &a = vertices[(k + n - 1) % n], &b = vertices[k], &c = vertices[(k + 1) % n];
-  return orientation(a, b, c) > 0 && std::ranges::none_of(vertices, [&](const Vector2d& p) {
-           return p != a && p != b && p != c && orientation(a, b, p) >= 0 && orientation(b, c, p) >= 0 &&
-                  orientation(c, a, p) >= 0;
-         });
+/// Tests whether the outline of the vertices that are left turns left at the k-th of them, and the triangle
+/// with its neighbours contains no other vertex, not even on its sides.
+bool is_ear(Outline vertices, std::span<const std::size_t> left, std::size_t k) {
+  const std::size_t n = left.size();
+  const auto vertex = [&](std::size_t j) -> const Vector2d& { return vertices[left[j % n]]; };
+  const Vector2d &a = vertex(k + n - 1), &b = vertex(k), &c = vertex(k + 1);
+  if (orientation(a, b, c) <= 0)
+    return false;
+  const Eigen::AlignedBox2d box(a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c));
+  for (std::size_t j = 0; j < n; ++j) {
+    const Vector2d& p = vertex(j);
+    if (!box.contains(p) || p == a || p == c)
+      continue;
+    if (p != b) {
+      if (orientation(a, b, p) >= 0 && orientation(b, c, p) >= 0 && orientation(c, a, p) >= 0)
+        return false;
+    } else if (j != k) {
+      // Another part of the outline touches this vertex, perhaps from within the triangle.
+      for (const Vector2d& q : {vertex(j + n - 1), vertex(j + 1)})
+        if (orientation(a, b, q) > 0 && orientation(b, c, q) > 0)
+          return false;
+    }
+  }
+  return true;
 }
 
 }  // namespace
+
+int orientation(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+  /// Bound of the rounding error, over the sum of the magnitudes of the two products (Shewchuk 1997).
+  constexpr double rounding = 4 * 0x1p-53;
+  constexpr double underflow = 1e-290;  ///< below this a product may have lost digits
+  const double first = (b.x() - a.x()) * (c.y() - a.y()), second = (b.y() - a.y()) * (c.x() - a.x());
+  const double doubled = first - second;
+  if (std::abs(doubled) > rounding * (std::abs(first) + std::abs(second)) + underflow)
+    return doubled > 0 ? 1 : -1;
+  const Dyadic ax(a.x()), ay(a.y());
+  return ((Dyadic(b.x()) - ax) * (Dyadic(c.y()) - ay) - (Dyadic(b.y()) - ay) * (Dyadic(c.x()) - ax)).sign();
+}
+
+ClippedOutline clip_ears(Outline vertices) {
+  ClippedOutline clipped;
+  std::vector<std::size_t> left(vertices.size());
+  std::iota(left.begin(), left.end(), std::size_t{0});
+  while (left.size() > 3) {
+    const std::size_t n = left.size();
+    std::size_t k = 0;
+    while (k < n && !is_ear(vertices, left, k))
+      ++k;
+    if (k == n) {
+      clipped.rest = std::move(left);
+      return clipped;
+    }
+    clipped.ears.push_back({left[(k + n - 1) % n], left[k], left[(k + 1) % n]});
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  clipped.ears.push_back({left[2], left[0], left[1]});
+  return clipped;
+}
 
 std::optional<std::string> defect_of_polygon(Outline vertices) {
   const std::size_t n = vertices.size();
@@ -107,18 +143,11 @@ std::optional<std::string> defect_of_polygon(Outline vertices) {
 std::vector<Triangle> triangles_of_polygon(Outline vertices) {
   if (const std::optional<std::string> defect = defect_of_polygon(vertices))
     throw InputError(fmt::format("a polygon's vertices: {}", *defect));
-  std::vector<Vector2d> left = made_anticlockwise(vertices);
+  const std::vector<Vector2d> outline = made_anticlockwise(vertices);
   const auto lifted = [](const Vector2d& p) { return Eigen::Vector3d(p.x(), p.y(), 0); };
   std::vector<Triangle> triangles;
-  while (left.size() > 3) {
-    std::size_t k = 0;
-    while (!is_ear(left, k))
-      ++k;
-    const std::size_t n = left.size();
-    triangles.push_back({lifted(left[(k + n - 1) % n]), lifted(left[k]), lifted(left[(k + 1) % n])});
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(k));
-  }
-  triangles.push_back({lifted(left[2]), lifted(left[0]), lifted(left[1])});
+  for (const auto& [i, j, k] : clip_ears(outline).ears)
+    triangles.push_back({lifted(outline[i]), lifted(outline[j]), lifted(outline[k])});
   return triangles;
 }
 

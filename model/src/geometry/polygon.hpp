@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,6 +14,23 @@
 /// Simple polygons in a plane. Every decision is exact: it is made in floating point where rounding cannot
 /// change it, and otherwise in integers.
 namespace fringe::detail {
+
+/// Returns 1 if the way from a over b to c turns left, −1 if it turns right, and 0 if the points lie on a
+/// line.
+int orientation(const Eigen::Vector2d& a, const Eigen::Vector2d& b, const Eigen::Vector2d& c);
+
+/// The indices of a triangle's corners in an outline.
+using CornersOfEar = std::array<std::size_t, 3>;
+
+/// The triangles of an outline, and the indices of what is left of one that is not simple; empty otherwise.
+struct ClippedOutline {
+  std::vector<CornersOfEar> ears;
+  std::vector<std::size_t> rest;
+};
+
+/// Clips the ears of an outline of more than two vertices, given anticlockwise, in the order that
+/// geometries/SCENE.md fixes. It may touch itself in vertices at one place, as one around a hole does.
+ClippedOutline clip_ears(std::span<const Eigen::Vector2d> vertices);
 
 /// Returns why these vertices, in their order, are not those of a simple polygon; nothing if they are.
 std::optional<std::string> defect_of_polygon(std::span<const Eigen::Vector2d> vertices);

@@ -23,4 +23,13 @@ std::string file_content(const std::filesystem::path& path) {
   return content;
 }
 
+void require_content(std::string_view content) {
+  if (content.empty())
+    throw InputError("it is empty");
+  if (content.find_first_not_of('\0') == std::string_view::npos)
+    throw InputError("it holds nothing but zeros");
+  if (content.starts_with("version https://git-lfs.github.com/spec/"))
+    throw InputError("it is a pointer of Git LFS, whose content has to be fetched: git lfs pull");
+}
+
 }  // namespace fringe::detail

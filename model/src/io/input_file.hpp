@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 
 namespace fringe::detail {
 
@@ -11,5 +12,9 @@ bool is_file(const std::filesystem::path& path);
 
 /// Reads the bytes of a file. Throws InputError when it cannot be read.
 std::string file_content(const std::filesystem::path& path);
+
+/// Throws InputError if a file's content is not there: for an empty one, one of zeros, and for a pointer of
+/// Git LFS, which stands for a file that was not fetched.
+void require_content(std::string_view content);
 
 }  // namespace fringe::detail

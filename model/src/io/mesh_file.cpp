@@ -21,7 +21,7 @@ std::string lower_case_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-using Reader = std::vector<Triangle> (*)(std::string_view);
+using Reader = detail::MeshContent (*)(std::string_view);
 
 Reader reader_for(const std::filesystem::path& path) {
   const std::string extension = lower_case_extension(path);
@@ -38,18 +38,27 @@ Reader reader_for(const std::filesystem::path& path) {
 }  // namespace
 
 std::vector<Triangle> read_mesh_file(const std::filesystem::path& path) {
+  return detail::read_mesh_content(path).triangles;
+}
+
+namespace detail {
+
+MeshContent read_mesh_content(const std::filesystem::path& path) {
   const Reader reader = reader_for(path);
-  if (!detail::is_file(path))
+  if (!is_file(path))
     throw InputError(fmt::format("the mesh file {} does not exist", path.string()));
-  std::vector<Triangle> triangles;
+  MeshContent mesh;
   try {
-    triangles = reader(detail::file_content(path));
+    const std::string content = file_content(path);
+    require_content(content);
+    mesh = reader(content);
   } catch (const InputError& error) {
     throw InputError(fmt::format("the mesh file {} cannot be read: {}", path.string(), error.what()));
   }
-  if (triangles.empty())
+  if (mesh.triangles.empty())
     throw InputError(fmt::format("the mesh file {} has no faces", path.string()));
-  return triangles;
+  return mesh;
 }
 
+}  // namespace detail
 }  // namespace fringe

@@ -1,6 +1,7 @@
 #include "io/mesh_words.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 
@@ -18,7 +19,59 @@ std::string_view without_plus(std::string_view word) {
   return word.size() > 1 && word[0] == '+' && word[1] != '-' ? word.substr(1) : word;
 }
 
+void append_utf8(std::string& text, std::uint32_t code) {
+  constexpr std::uint32_t tail = 0x3F,
+                          mark = 0x80;  // Six bits in each further byte, and the bit that marks it.
+  if (code < 0x80) {
+    text += static_cast<char>(code);
+    return;
+  }
+  const int further = code < 0x800 ? 1 : code < 0x10000 ? 2 : 3;
+  constexpr std::array<std::uint32_t, 4> first{0, 0xC0, 0xE0, 0xF0};
+  text += static_cast<char>(first[static_cast<std::size_t>(further)] | code >> (6 * further));
+  for (int i = further - 1; i >= 0; --i)
+    text += static_cast<char>(mark | (code >> (6 * i) & tail));
+}
+
+/// Returns a text in UTF-16, which begins with its byte order mark, as UTF-8.
+std::string from_utf16(std::string_view content) {
+  const bool is_little = content[0] == '\xFF';
+  const auto unit = [&](std::size_t at) {
+    const auto low = static_cast<unsigned char>(content[is_little ? at : at + 1]);
+    const auto high = static_cast<unsigned char>(content[is_little ? at + 1 : at]);
+    return static_cast<std::uint32_t>(high) << 8U | low;
+  };
+  const auto is_surrogate = [](std::uint32_t code, std::uint32_t first) { return (code & 0xFC00U) == first; };
+  constexpr std::uint32_t leading = 0xD800, trailing = 0xDC00;
+  std::string text;
+  bool is_sound = content.size() % 2 == 0;
+  for (std::size_t at = 2; is_sound && at < content.size(); at += 2) {
+    std::uint32_t code = unit(at);
+    if (is_surrogate(code, leading) && at + 2 < content.size() && is_surrogate(unit(at + 2), trailing)) {
+      at += 2;
+      code = 0x10000 + ((code - leading) << 10U) + (unit(at) - trailing);
+    } else if (is_surrogate(code, leading) || is_surrogate(code, trailing)) {
+      is_sound = false;
+    }
+    append_utf8(text, code);
+  }
+  if (!is_sound)
+    throw InputError("is damaged text in UTF-16");
+  return text;
+}
+
 }  // namespace
+
+std::string plain_text(std::string_view content) {
+  constexpr std::string_view mark = "\xEF\xBB\xBF";
+  const bool is_utf16 = content.starts_with("\xFF\xFE") || content.starts_with("\xFE\xFF");
+  std::string text = is_utf16 ? from_utf16(content) : std::string(content);
+  if (text.starts_with(mark))
+    text.erase(0, mark.size());
+  if (text.find('\n') == std::string::npos)
+    std::replace(text.begin(), text.end(), '\r', '\n');
+  return text;
+}
 
 std::string_view take_line(std::string_view& text) {
   const std::size_t end = std::min(text.find('\n'), text.size());

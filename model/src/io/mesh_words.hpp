@@ -7,6 +7,10 @@
 /// Functions that the readers of text mesh files share.
 namespace fringe::detail {
 
+/// Returns a text in UTF-8 without a byte order mark, whose lines end in a line feed. It may be given in
+/// UTF-16, or with carriage returns only.
+std::string plain_text(std::string_view content);
+
 /// Removes the next line from a text and returns it without its line end.
 std::string_view take_line(std::string_view& text);
 

@@ -215,7 +215,7 @@ const Element& only_element(const Header& header, std::string_view name, std::st
       found = &element;
     }
   if (found == nullptr)
-    fail_header(fmt::format("there is no element {}", name));
+    throw InputError(fmt::format("holds no triangles: the PLY file has no element {}", name));
   const auto holds_once = [&](const auto& predicate) {
     return std::count_if(found->properties.begin(), found->properties.end(), predicate) == 1;
   };
@@ -246,32 +246,27 @@ std::vector<Eigen::Vector3d> read_vertices(const Element& element, Values& value
   return vertices;
 }
 
-/// Three vertex indices per triangle, checked once all vertices are known.
-struct FanCorners {
+/// The vertex indices of all faces, checked once all vertices are known, and where each face ends in them.
+struct FaceCorners {
   std::vector<std::int64_t> vertices;
-  std::vector<std::uint64_t> faces;
+  std::vector<std::size_t> ends;
 };
 
-void append_fan(FanCorners& corners, std::uint64_t face, std::int64_t length, const Type& type,
-                Values& values) {
+void append_corners(FaceCorners& corners, std::uint64_t face, std::int64_t length, const Type& type,
+                    Values& values) {
   if (length < 3)
     throw InputError(fmt::format("face {} has fewer than three vertices", face));
-  const std::int64_t first = values.integer(type);
-  std::int64_t before = values.integer(type);
-  for (std::int64_t i = 2; i < length; ++i) {
-    const std::int64_t here = values.integer(type);
-    corners.vertices.insert(corners.vertices.end(), {first, before, here});
-    corners.faces.push_back(face);
-    before = here;
-  }
+  for (std::int64_t i = 0; i < length; ++i)
+    corners.vertices.push_back(values.integer(type));
+  corners.ends.push_back(corners.vertices.size());
 }
 
-FanCorners read_faces(const Element& element, Values& values) {
-  FanCorners corners;
+FaceCorners read_faces(const Element& element, Values& values) {
+  FaceCorners corners;
   for (std::uint64_t face = 0; face < element.count; ++face)
     for (const Property& property : element.properties) {
       if (is_vertex_list(property))
-        append_fan(corners, face, values.length(property), property.type, values);
+        append_corners(corners, face, values.length(property), property.type, values);
       else
         values.skip(property);
     }
@@ -286,21 +281,27 @@ void skip_element(const Element& element, Values& values) {
       values.skip(property);
 }
 
-std::vector<Triangle> assemble(const std::vector<Eigen::Vector3d>& vertices, const FanCorners& corners) {
-  std::vector<Triangle> triangles(corners.faces.size());
-  for (std::size_t i = 0; i < corners.vertices.size(); ++i) {
-    const std::int64_t vertex = corners.vertices[i];
-    if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertices.size())
-      throw InputError(fmt::format("face {} refers to vertex {}; there are {} vertices", corners.faces[i / 3],
-                                   vertex, vertices.size()));
-    triangles[i / 3][i % 3] = vertices[static_cast<std::size_t>(vertex)];
+MeshContent assemble(const std::vector<Eigen::Vector3d>& vertices, const FaceCorners& corners) {
+  MeshContent mesh;
+  std::vector<Eigen::Vector3d> face;
+  std::size_t begin = 0;
+  for (std::size_t number = 0; number < corners.ends.size(); ++number) {
+    face.clear();
+    for (; begin < corners.ends[number]; ++begin) {
+      const std::int64_t vertex = corners.vertices[begin];
+      if (vertex < 0 || static_cast<std::size_t>(vertex) >= vertices.size())
+        throw InputError(fmt::format("face {} refers to vertex {}; there are {} vertices", number, vertex,
+                                     vertices.size()));
+      face.push_back(vertices[static_cast<std::size_t>(vertex)]);
+    }
+    append_face(mesh.triangles, face, mesh.defects);
   }
-  return triangles;
+  return mesh;
 }
 
 }  // namespace
 
-std::vector<Triangle> read_ply(std::string_view content) {
+MeshContent read_ply(std::string_view content) {
   const Header header = read_header(content);
   const Element& vertex_element = only_element(header, "vertex", "the numbers x, y and z", coordinate("x"),
                                                coordinate("y"), coordinate("z"));
@@ -310,7 +311,7 @@ std::vector<Triangle> read_ply(std::string_view content) {
       fail_header("vertex indices must be integers");
   Values values(content, *header.format);
   std::vector<Eigen::Vector3d> vertices;
-  FanCorners corners;
+  FaceCorners corners;
   for (const Element& element : header.elements) {
     if (&element == &vertex_element)
       vertices = read_vertices(element, values);

@@ -11,10 +11,10 @@
 #include <fmt/ranges.h>
 
 #include "fringe/error.hpp"
-#include "fringe/mesh_file.hpp"
 #include "geometry/person.hpp"
 #include "geometry/polygon.hpp"
 #include "io/conductor_checks.hpp"
+#include "io/mesh_formats.hpp"
 #include "io/pose_reader.hpp"
 #include "io/table_reader.hpp"
 
@@ -313,10 +313,13 @@ Polygon read_polygon(TableReader& table) {
   return polygon;
 }
 
-Mesh read_mesh(TableReader& table, const std::filesystem::path& folder) {
+/// Reads a mesh, and remarks on its faces.
+Mesh read_mesh(TableReader& table, const std::filesystem::path& folder, std::vector<std::string>& remarks) {
   Mesh mesh{folder / table.name("file"), table.positive_number_or("scale", 1 / table.units_per_metre()), {}};
   try {
-    mesh.triangles = read_mesh_file(mesh.file);
+    detail::MeshContent content = detail::read_mesh_content(mesh.file);
+    mesh.triangles = std::move(content.triangles);
+    remarks = detail::remarks_on_faces(content.defects, mesh.scale);
   } catch (const InputError& error) {
     table.fail("file", error.what());
   }
@@ -345,7 +348,8 @@ Mesh read_person(TableReader& table) {
                                                             : detail::Posture::arm_stretched)};
 }
 
-Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
+/// Reads a shape, and remarks on the faces of a mesh.
+Shape read_shape(TableReader& table, const std::filesystem::path& folder, std::vector<std::string>& remarks) {
   const std::string type = table.text("type");
   if (type == "plate" || type == "plane") {
     const std::vector<double> size = table.positive_lengths("size", 2);
@@ -378,7 +382,7 @@ Shape read_shape(TableReader& table, const std::filesystem::path& folder) {
   if (type == "polygon")
     return read_polygon(table);
   if (type == "mesh")
-    return read_mesh(table, folder);
+    return read_mesh(table, folder, remarks);
   if (type == "person")
     return read_person(table);
   table.fail("type",
@@ -408,12 +412,15 @@ ElectricalRole read_role(TableReader& table) {
 }
 
 Object read_object(TableReader& table, const LinkIndices& links, Names& used_names,
-                   const std::filesystem::path& folder) {
+                   const std::filesystem::path& folder, std::vector<std::string>& changes) {
   std::string name = read_name(table, "object", used_names);
   const std::optional<std::size_t> link = read_link_reference(table, "link", links);
   TableReader shape_table = table.table("shape");
-  Shape shape = read_shape(shape_table, folder);
+  std::vector<std::string> remarks;
+  Shape shape = read_shape(shape_table, folder, remarks);
   shape_table.finish();
+  for (const std::string& remark : remarks)
+    changes.push_back(fmt::format("object \"{}\": {}", name, remark));
   Object object{std::move(name),  link,
                 std::move(shape), read_pose(table),
                 read_role(table), table.boolean_or("collides", true)};
@@ -456,7 +463,7 @@ Scene read_scene(const toml::table& document, const std::string& source,
     scene.distance_sensors.push_back(read_distance_sensor(table, links, used_names));
   std::vector<TableReader> objects = root.tables("object");
   for (TableReader& table : objects)
-    scene.objects.push_back(read_object(table, links, used_names, folder));
+    scene.objects.push_back(read_object(table, links, used_names, folder, scene.changes));
   std::vector<TableReader> readings = root.tables("reading");
   Names names_of_readings;
   for (TableReader& table : readings)

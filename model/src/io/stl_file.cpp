@@ -2,6 +2,7 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -91,20 +92,21 @@ std::vector<Triangle> read_text(std::string_view text) {
 
 }  // namespace
 
-std::vector<Triangle> read_stl(std::string_view content) {
+MeshContent read_stl(std::string_view content) {
   if (const std::optional<std::size_t> count = binary_count(content)) {
-    std::vector<Triangle> triangles;
-    triangles.reserve(*count);
+    MeshContent mesh;
+    mesh.triangles.reserve(*count);
     for (std::size_t number = 0; number < *count; ++number)
-      triangles.push_back(
+      mesh.triangles.push_back(
           binary_facet(content.substr(header_size + number * facet_size, facet_size), number));
-    return triangles;
+    return mesh;
   }
-  std::string_view begin = content;
+  const std::string text = plain_text(content);
+  std::string_view begin = text;
   if (!take_word(begin).starts_with("solid"))
     throw InputError("is neither text that begins with 'solid' nor binary data of the length that its number "
                      "of triangles requires");
-  return read_text(content);
+  return {read_text(text), {}};
 }
 
 }  // namespace fringe::detail

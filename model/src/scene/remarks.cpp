@@ -326,8 +326,10 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
     return found;
   if (scene.sensors.empty())
     found.emplace_back(
-        "the scene has no sensor, so that there is nothing to answer: add a [[sensor]] and its "
-        "plates");
+        scene.readings.empty()
+            ? "the scene has no sensor, so that there is nothing to answer: add a [[sensor]] and its plates"
+            : "the scene has no sensor, and this method does not know the electrodes of its readings: "
+              "boundary-elements and reduced:K do");
   if (options.faces == FaceRule::facing)
     remark_on_backs(answer.capacitance, found);
   remark_on_insulators(scene, answer, found);

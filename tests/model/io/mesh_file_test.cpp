@@ -1,5 +1,6 @@
 #include "fringe/mesh_file.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <string>
@@ -119,11 +120,52 @@ TEST_F(MeshFile, BinaryStlIsReadWhateverTheCaseOfItsExtension) {
   EXPECT_THAT(triangles, testing::ElementsAre(Triangle{Vector3d{0, 0, 0}, {2, 0, 0}, {0, 3, 0}}));
 }
 
-TEST_F(MeshFile, ObjPolygonsBecomeFansFromTheirFirstVertexAndLinesAreSkipped) {
+TEST_F(MeshFile, ConvexPolygonsOfObjBecomeFansFromTheirFirstVertexAndLinesAreSkipped) {
   const std::vector<Triangle> triangles = read_mesh_file(write("five.obj", obj));
   const Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0), e(0.5, 2, 0);
   EXPECT_THAT(triangles, testing::ElementsAre(Triangle{a, b, c}, Triangle{a, c, e}, Triangle{a, e, d},
                                               Triangle{c, b, a}));
+}
+
+TEST_F(MeshFile, PolygonsThatAreNotConvexKeepTheirArea) {
+  const std::string corners = "2 0 0\n1 0.2 0\n1 2 0\n0 0 0\n";
+  std::string ply = ascii_ply;
+  ply.replace(ply.find("face 2"), 6, "face 1");
+  EXPECT_DOUBLE_EQ(
+      area(read_mesh_file(write("dart.ply", ply.substr(0, ply.find("0 0 0\n")) + corners + "4 0 1 2 3\n"))),
+      1.1);
+  EXPECT_DOUBLE_EQ(
+      area(read_mesh_file(write("dart.obj", "v 2 0 0\nv 1 0.2 0\nv 1 2 0\nv 0 0 0\nf 1 2 3 4\n"))), 1.1);
+}
+
+TEST_F(MeshFile, ObjMayHaveWeightsOfOneColoursAndNumbersThatBeginWithTheirPoint) {
+  const Triangle triangle{Vector3d{.5, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  EXPECT_THAT(read_mesh_file(write("w.obj", "v .5 0 0 1\nv 1 0 0 1.0\nv 0 1 0 0.1 0.2 0.3\nf 1 2 3\n")),
+              testing::ElementsAre(triangle));
+  expect_refused("w.obj", "v 0 0 0 2\n", "has a vertex of the weight '2'; only 1 is read in line 1");
+}
+
+TEST_F(MeshFile, ObjMayBeInUtf16AndHaveAMarkAndCarriageReturnsOnly) {
+  const std::string text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  std::string little = "\xFF\xFE", big = "\xFE\xFF", old = text;
+  for (const char letter : text) {
+    little += std::string{letter, '\0'};
+    big += std::string{'\0', letter};
+  }
+  std::replace(old.begin(), old.end(), '\n', '\r');
+  for (const std::string& content : {little, big, old, "\xEF\xBB\xBF" + text})
+    EXPECT_EQ(read_mesh_file(write("text.obj", content)).size(), 1U);
+  expect_refused("text.obj", little + "v", "is damaged text in UTF-16");
+  expect_refused("text.obj", little + std::string("\0\xD8", 2), "is damaged text in UTF-16");
+}
+
+TEST_F(MeshFile, WithoutContentIsToldApart) {
+  for (const char* name : {"body.obj", "body.ply", "body.stl"}) {
+    expect_refused(name, "", "it is empty");
+    expect_refused(name, std::string(80, '\0'), "it holds nothing but zeros");
+    expect_refused(name, "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 684\n",
+                   "it is a pointer of Git LFS");
+  }
 }
 
 TEST_F(MeshFile, PlyIsReadAsTextAndAsBytes) {
@@ -138,7 +180,9 @@ TEST_F(MeshFile, MustExistAndHaveAKnownExtension) {
 }
 
 TEST_F(MeshFile, MustHaveFaces) {
-  expect_refused("empty.stl", "", "cannot be read");
+  std::string ply = ascii_ply;
+  expect_refused("points.ply", ply.replace(ply.find("element face"), 12, "element edge"),
+                 "holds no triangles: the PLY file has no element face");
   expect_refused("points.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "has no faces");
 }
 
@@ -175,6 +219,7 @@ TEST_F(MeshFile, ObjFacesMayCountVerticesBackwardsAndReferToLaterOnes) {
 TEST_F(MeshFile, MustBeFinite) {
   std::string ply = ascii_ply;
   expect_refused("nan.ply", ply.replace(ply.find("1 1 0"), 5, "nan 1 0"), "");
+  expect_refused("nan.obj", "v 0 0 0\nv 0 0 nan\n", "holds 'nan' instead of a finite number in line 2");
   std::string stl = ascii_stl;
   expect_refused("nan.stl", stl.replace(stl.find("vertex 1 0 0"), 12, "vertex nan 0 1"),
                  "holds 'nan' instead of a finite number");

@@ -103,6 +103,9 @@ TEST(Remarks, SayThatThereIsNoSensor) {
   EXPECT_THAT(remarks_on(scene, {}), ElementsAre(StartsWith("the scene has no sensor")));
   EXPECT_THAT(remarks_on(scene, {.method = BoundaryElements{}}), IsEmpty())
       << "which finds the object's own capacitance";
+  scene.objects[0].role = Electrode{};
+  scene.readings = {{.name = "r", .sense = "hand", .drive = {"hand"}}};
+  EXPECT_THAT(remarks_on(scene, {}), ElementsAre(HasSubstr("boundary-elements and reduced:K do")));
 }
 
 TEST(Remarks, NameSheetsOfWhichOnlyBacksAreSeen) {
