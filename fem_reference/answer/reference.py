@@ -212,16 +212,18 @@ def maxwell(
     symmetry: bool = True,
     geometry: Geometry = Geometry(),
     only_readings: bool = False,
+    prepared: Callable[[], None] = lambda: None,
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
     `error` selects the kind of error: half the width of an interval that is proven to contain the true value, or an estimate from
     successive levels, which is several times faster. The refinement stops early (`reached` is False, the errors are those
-    reached) when the next level would end after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes.
-    `progress` is called after each level with the answer so far; `source` names the scene in error messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
+    reached) when the next level would end `max_seconds` after the start, wraps included, have more than `max_unknowns` or take more than `max_memory` bytes.
+    `prepared` is called when the bodies, perhaps wrapped, are ready to be meshed, `progress` after each level with the answer so far; `source` names the scene in error messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
     grounded. Without `symmetry` the whole of space is meshed even if the scene is its own mirror image. `geometry` says which bodies
     are wrapped, and how closely. With `only_readings` the accuracy is asked of the readings and their changes, and not of every entry. Raises InputError for scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
     """
+    start = time.monotonic()
     limits = Limits(max_seconds, max_unknowns, max_memory)
     geometry = replace(geometry, rtol=rtol)
     problem = conductors(scene, source, columns, geometry)
@@ -232,6 +234,7 @@ def maxwell(
     coarser = None
     if problem.wraps:
         coarser = conductors(scene, source, columns, replace(geometry, coarseness=2 * geometry.coarseness))
+    prepared()
     return solve_conductors(
         problem,
         scene.medium.relative_permittivity,
@@ -242,6 +245,7 @@ def maxwell(
         symmetry,
         coarser,
         only_readings,
+        start,
     )
 
 
@@ -255,9 +259,11 @@ def solve_conductors(
     symmetry: bool = True,
     coarser: Conductors | None = None,
     only_readings: bool = False,
+    start: float | None = None,
 ) -> Reference:
-    """Solve as `maxwell` does, for conductors given as bodies; `coarser` are the same, with wraps of twice the offset."""
-    start = time.monotonic()
+    """Solve as `maxwell` does, for conductors given as bodies; `coarser` are the same, with wraps of twice the offset. The time counts from `start`
+    on the monotonic clock, or from now."""
+    start = time.monotonic() if start is None else start
     whole = problem
     problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
     planes = _planes(problem, symmetry)

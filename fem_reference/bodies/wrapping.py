@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import subprocess
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -21,6 +20,7 @@ from fem_reference.bodies.shapes import Body
 from fem_reference.bodies.polyhedron import Polyhedron, connected_parts, smallest_width
 from fem_reference.bodies.triangle_distances import soup_distance
 from geometries.common import installation
+from geometries.common.children import ending_with_this, temporary_folder
 from geometries.scene import shapes
 from geometries.scene.shapes import Shape
 
@@ -127,15 +127,15 @@ def _lengths(
 def _run(triangles: Vector, others: Vector, lengths: Sequence[float]) -> tuple[Vector, Indices]:
     """Run fringe-wrap; returns the vertices and triangles of its surface."""
     program = installation.wrap_program()
-    with tempfile.TemporaryDirectory() as folder:
-        names = [Path(folder) / name for name in ("in.off", "others.off", "out.off")]
+    with temporary_folder() as folder:
+        names = [folder / name for name in ("in.off", "others.off", "out.off")]
         _write_off(names[0], triangles)
         _write_off(names[1], others)
-        words = [str(program), *map(str, names), *(repr(float(length)) for length in lengths)]
         try:
-            done = subprocess.run(words, capture_output=True, text=True, check=False)
+            words = ending_with_this([program, *names, *(repr(float(length)) for length in lengths)])
         except FileNotFoundError as missing:
             raise RuntimeError(f"wrapping failed: {program} is missing: ./run builds it") from missing
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise RuntimeError(f"wrapping failed: {done.stderr.strip() or done.returncode}")
         return _read_off(names[2])
