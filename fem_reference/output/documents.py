@@ -275,9 +275,8 @@ def table(reference: Reference) -> str:
         if len(names) > 1:
             lines.append(f"one conductor: {', '.join(names)}")
     if reference.enclosure is not None:
-        lines.append(
-            "proven to lie in" if reference.geometry is None else "estimated to lie in, because of the wraps"
-        )
+        why = reference.unproven_because
+        lines.append("proven to lie in" if why is None else f"estimated to lie in, because {why}")
         lower, upper = reference.lower / PICOFARAD, reference.upper / PICOFARAD
         for i, name in enumerate(reference.names):
             entries = (f"[{lower[i, j]:.6f}, {upper[i, j]:.6f}]" for j in range(len(reference.names)))
