@@ -180,25 +180,26 @@ def main(arguments: list[str] | None = None, report: Report = lambda _: None) ->
 
 def _answered(options: argparse.Namespace, report: Report) -> int:
     """Solve the scene as the options say; returns the exit status."""
+    # Loading the solver takes a part of the time that is given.
+    start = time.monotonic()
     from fem_reference.bodies.wrapping import Geometry
     from fem_reference.common.limits import Limits
     from fem_reference.output import documents
 
+    limits = Limits(options.max_seconds, options.max_unknowns, options.max_memory * 2**30)
+    clock = documents.Clock(Path(options.scene), options.json, options.rtol, start, limits.seconds, report)
+    clock.preparing()
     if options.slice is not None:
         return documents.write_slice(Path(options.scene), Path(options.slice))
     if options.output is not None:
         documents.write_field(Path(options.scene), options.output)
-    limits = Limits(options.max_seconds, options.max_unknowns, options.max_memory * 2**30)
     return documents.answer(
-        Path(options.scene),
-        options.json,
-        options.rtol,
+        clock,
         options.error,
         limits,
         options.columns,
         not options.no_symmetry,
         Geometry(options.geometry, options.wrap_alpha, options.wrap_offset),
-        report,
         options.only_readings,
     )
 

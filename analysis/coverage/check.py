@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-import tempfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,6 +21,7 @@ from analysis.results.store import write_text
 from analysis.show.make import find_scene
 from analysis.topics.machines.set_ups import HOUSING, all_set_ups
 from geometries.common.arguments import positive_number
+from geometries.common.children import temporary_folder
 from geometries.common.errors import InputError
 from geometries.scene import reader, shapes
 from geometries.scene.scene import Scene
@@ -210,8 +210,8 @@ def _checked(options: argparse.Namespace) -> int:
     probes = tuple(options.probe) or DEFAULT
     given = [find_scene(name) for name in options.scenes]
     found = []
-    with tempfile.TemporaryDirectory() as folder:
-        for path in [*given, *housings(options.housings, Path(folder))]:
+    with temporary_folder() as folder:
+        for path in [*given, *housings(options.housings, folder)]:
             for each in distance_errors(path, reader.load(path), probes, options.places, options.grid):
                 print(
                     f"{each.scene:16} {each.probe:12} {1000 * each.distance:8.2f} mm  {1000 * each.error:+7.3f} mm ± {1000 * each.uncertain:.3f} mm"

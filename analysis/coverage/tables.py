@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import io
 import os
-import tempfile
 from pathlib import Path
 
 import meshio
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 from analysis.coverage.distances import Curves
 from analysis.coverage.survey import Survey
 from analysis.results.store import write_text
+from geometries.common.children import temporary_folder
 
 Array = NDArray[np.float64]
 
@@ -76,7 +76,7 @@ def write_vtu(survey: Survey, path: Path) -> None:
     count = len(survey.places.points)
     cells = [("vertex", np.arange(count).reshape(-1, 1))]
     path.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
-        whole = Path(folder) / "whole.vtu"
+    with temporary_folder(path.parent) as folder:
+        whole = folder / "whole.vtu"
         meshio.write(whole, meshio.Mesh(survey.places.points, cells, point_data=data))
         os.replace(whole, path)

@@ -6,9 +6,9 @@ import os
 import shutil
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
+from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.installation import ROOT, is_installed
 
 HERE = Path(__file__).parent
@@ -27,11 +27,11 @@ def build(folder: Path) -> Path:
     if folder.exists() and not (folder / _MADE_BY_SPHINX).is_file():
         raise DocumentationError(f"{folder} exists and is not a site that could be replaced")
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder.parent) as name:
-        site = Path(name) / "site"
+    with temporary_folder(folder.parent) as unfinished:
+        site = unfinished / "site"
         _run(
             [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
-            + ["-d", str(Path(name) / "doctrees"), "-c", str(HERE), str(ROOT), str(site)]
+            + ["-d", str(unfinished / "doctrees"), "-c", str(HERE), str(ROOT), str(site)]
         )
         _run(
             ["doxygen", str(HERE / "Doxyfile")], FRINGE_DOCUMENTATION=str(site / "analysis" / "documentation")
@@ -42,6 +42,8 @@ def build(folder: Path) -> Path:
 
 
 def _run(command: list[str], **variables: str) -> None:
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env={**os.environ, **variables})
+    done = subprocess.run(
+        ending_with_this(command), cwd=ROOT, capture_output=True, text=True, env={**os.environ, **variables}
+    )
     if done.returncode != 0:
         raise DocumentationError(f"{Path(command[0]).name}: {done.stderr.strip() or done.stdout.strip()}")

@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 import re
 import subprocess
-import tempfile
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
+from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.installation import ROOT
 from geometries.studies import study
 
@@ -35,18 +35,19 @@ def output_of(program: str) -> str:
     """Runs a program of the build and returns the tables of what it measures."""
     if program != _REDUCED:
         return _printed(program)
-    with tempfile.TemporaryDirectory() as name:
+    with temporary_folder() as folder:
         scenes = []
         for case in study.load(study.find("default")).cases():
             if case.family == study.EMPTY:
                 continue
-            scenes.append(Path(name) / f"{case.id}.toml")
+            scenes.append(folder / f"{case.id}.toml")
             scenes[-1].write_text(case.text, encoding="utf-8")
         return reduced_tables(_printed(program, *scenes))
 
 
 def _printed(program: str, *arguments: Path) -> str:
-    return subprocess.run([ROOT / program, *arguments], capture_output=True, text=True, check=True).stdout
+    command = ending_with_this([ROOT / program, *arguments])
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
 
 
 def reduced_tables(printed: str) -> str:

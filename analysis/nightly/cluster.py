@@ -58,6 +58,7 @@ def _cancel(folder: Path, profile: Path) -> None:
     program = profile / CANCEL
     if not program.is_file():
         return
+    # It goes on if this process is killed: jobs are not this machine's children.
     done = subprocess.run(
         [sys.executable, str(program), name(folder)], capture_output=True, text=True, check=False
     )

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.nightly import chunks, cluster
-from analysis.pipeline.processes import ENDS_WITH_US, Processes, forget_unfinished_forms
+from analysis.pipeline.processes import Processes, forget_unfinished_forms
 from analysis.pipeline.scheduler import Progress, parallel_jobs
 from analysis.results.store import write_text
 from analysis.results.study_results import Failure, case_folder, write_manifest
@@ -24,6 +24,7 @@ from analysis.study import plan, workflow
 from analysis.study.plan import Work
 from analysis.topics.history.nights import Night
 from analysis.topics.trade_off import stage as trade_off
+from geometries.common.children import ENDS_WITH_PARENT
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT
 from geometries.studies.study import Study
@@ -88,7 +89,7 @@ def prepare(
 
 def command(folder: Path, profile: Path | None, workers: int) -> list[str]:
     """Returns Snakemake's command line for the jobs in a folder."""
-    job = [*ENDS_WITH_US, sys.executable, "-P", "-m", "analysis", "job"]
+    job = [*ENDS_WITH_PARENT, sys.executable, "-P", "-m", "analysis", "job"]
     where = ["--cores", str(workers)] if profile is None else ["--profile", str(profile)]
     return [
         *(sys.executable, "-m", "snakemake", "--snakefile", str(_SNAKEFILE)),

@@ -11,7 +11,6 @@ import argparse
 import os
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -22,6 +21,7 @@ from analysis.results import study_results as results
 from analysis.results.store import write_json, write_text
 from analysis.results.units import PICOFARAD
 from analysis.study import plan
+from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.installation import ROOT
 from geometries.studies import study
 
@@ -48,8 +48,7 @@ def main() -> int:
     parser.add_argument("--planned", type=int, default=100_000, help="cases to plan (default 100000)")
     parser.add_argument("--idle", type=int, default=500, help="cases of the night without work (default 500)")
     options = parser.parse_args()
-    with tempfile.TemporaryDirectory() as name:
-        folder = Path(name)
+    with temporary_folder() as folder:
         for what, seconds in _planning(folder, options.planned):
             print(f"planning {options.planned} cases, {what} stored: {seconds}", flush=True)
         print(f"a night on {options.idle} cases without work: {_idle(folder, options.idle)}")
@@ -77,7 +76,7 @@ def _planning(folder: Path, count: int) -> Iterator[tuple[str, str]]:
 def _plan_of_snakemake(place: Path, jobs: list[Chunk]) -> None:
     """Lets Snakemake go through its whole plan without starting a job."""
     command = [*night.command(place, None, _WORKERS), "--dry-run", "--quiet"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True)
+    done = subprocess.run(ending_with_this(command), cwd=ROOT, capture_output=True, text=True, check=True)
     assert any(line.split()[:2] == ["solve", str(len(jobs))] for line in done.stdout.splitlines())
 
 
@@ -96,7 +95,7 @@ def _idle(folder: Path, count: int) -> str:
     ]
 
     def run() -> None:
-        subprocess.run(command, cwd=ROOT, check=True, capture_output=True)
+        subprocess.run(ending_with_this(command), cwd=ROOT, check=True, capture_output=True)
 
     # The first run makes the report.
     run()

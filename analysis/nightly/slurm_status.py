@@ -9,6 +9,8 @@ import re
 import subprocess
 import sys
 
+from geometries.common.children import ending_with_this
+
 _ON_ITS_WAY = {
     "PENDING",
     "CONFIGURING",
@@ -34,4 +36,4 @@ def word(printed: str) -> str:
 
 if __name__ == "__main__":
     command = ["scontrol", "--oneliner", "show", "job", sys.argv[1]]
-    print(word(subprocess.run(command, capture_output=True, text=True, check=False).stdout))
+    print(word(subprocess.run(ending_with_this(command), capture_output=True, text=True, check=False).stdout))

@@ -10,11 +10,10 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
+from geometries.common.children import ending_with_this
 from geometries.common.installation import ROOT, cache_folder
 
-# Prefix of every command: the kernel kills the command when the process that started it ends.
 _LONGEST_REASON = 300
-ENDS_WITH_US = ("setpriv", "--pdeathsig", "KILL")
 
 
 @dataclass(frozen=True)
@@ -56,7 +55,7 @@ class Processes:
                 raise Stopped
             # In a session of its own: a Ctrl-C at the terminal reaches this process only, which then stops its children.
             process = subprocess.Popen(
-                [*ENDS_WITH_US, *command],
+                ending_with_this(command),
                 cwd=folder,
                 env=environment,
                 stdin=subprocess.DEVNULL,

@@ -206,7 +206,7 @@ def _accuracy(results: Results, rows: list[Row]) -> list[Markup]:
                 f"{np.median(seconds):.1f} s (median) each; the largest relative error of a compared value is {worst:.1e}."
             )
         )
-    enclosed = [answer for answer in solved if answer.error_kind == "enclosure"]
+    enclosed = [answer for answer in solved if answer.is_proven]
     if enclosed:
         parts.append(page.finding(_widths(enclosed)))
     listed = "; ".join(case.name for case in short)

@@ -79,6 +79,8 @@ class ReferenceAnswer(MatrixAnswer):
     upper: Array
     levels: tuple[Level, ...]
     error_kind: str
+    is_proven: bool
+    """Whether the interval is proven: that of an enclosure is not where bodies are curved or wrapped, or where meshes contradict each other."""
     method: str
     versions: dict[str, str]
 
@@ -104,6 +106,8 @@ class ReferenceAnswer(MatrixAnswer):
             seconds=document["seconds"],
             reached=document["reached"],
             error_kind=document["error_kind"],
+            is_proven=document["error_kind"] == "enclosure"
+            and not (document.get("curved") or document.get("wrapped") or document.get("contradicted")),
             method=document["method"],
             versions=document["versions"],
         )
@@ -123,14 +127,14 @@ def _readings(document: Document) -> dict[str, ReadingAnswer]:
 
 
 def _error(document: Document, value: Array, lower: Array, upper: Array) -> Array:
-    """Returns the error of a value of the Maxwell matrix: proven where there is an enclosure, else estimated."""
+    """Returns the error of a value of the Maxwell matrix: that of the interval where there is an enclosure."""
     if document["error_kind"] != "enclosure":
         return np.array(document["error"], dtype=np.float64)
     return np.asarray(np.maximum(value - lower, upper - value))
 
 
 def _interval(document: Document) -> tuple[Array, Array]:
-    """Returns the interval of the Maxwell matrix: proven where there is an enclosure, else from the estimated errors."""
+    """Returns the interval of the Maxwell matrix: that of the enclosure if there is one, else from the estimated errors."""
     if document["error_kind"] == "enclosure":
         return np.array(document["lower"], dtype=np.float64), np.array(document["upper"], dtype=np.float64)
     value, error = (np.array(document[name], dtype=np.float64) for name in ("maxwell", "error"))

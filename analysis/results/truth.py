@@ -74,11 +74,11 @@ class Truth:
 
     def mutual(self, sensor: str, body: str) -> Known:
         """Returns −M[sensor, body]."""
-        return self._known(lambda answer: answer.mutual(sensor, body), self._is_enclosed)
+        return self._known(lambda answer: answer.mutual(sensor, body), self._is_proven)
 
     def self_capacitance(self, sensor: str) -> Known:
         """Returns M[sensor, sensor]."""
-        return self._known(lambda answer: answer.self_capacitance(sensor), self._is_enclosed)
+        return self._known(lambda answer: answer.self_capacitance(sensor), self._is_proven)
 
     def delta_self(self, sensor: str) -> Known:
         """Returns M[sensor, sensor] less the same without the objects; its error is an estimate in any case."""
@@ -96,8 +96,8 @@ class Truth:
         return tuple(dict.fromkeys(name for answer in self.answers.values() for name in answer.delta_self))
 
     @property
-    def _is_enclosed(self) -> bool:
-        return self.field is not None and self.field.error_kind == "enclosure"
+    def _is_proven(self) -> bool:
+        return self.field is not None and self.field.is_proven
 
     def _known(self, value: Callable[[MatrixAnswer], Estimate | None], is_proven: bool = False) -> Known:
         field = value(self.field) if self.field is not None else None

@@ -13,6 +13,7 @@ from analysis.results.store import write_text
 from analysis.show.make import find_scene, motion_beside
 from analysis.sweep import page, series
 from geometries.common import installation
+from geometries.common.children import ending_with_this
 from geometries.common.errors import InputError
 from geometries.scene import motion, reader
 
@@ -67,9 +68,8 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
         arguments += ["--rtol", f"{options.rtol:g}"]
     command = [*arguments, "--output", str(table)]
     # Its progress and its messages go to the terminal.
-    status = subprocess.run(
-        [installation.model_program(), *command], stdout=subprocess.DEVNULL, check=False
-    ).returncode
+    program = ending_with_this([installation.model_program(), *command])
+    status = subprocess.run(program, stdout=subprocess.DEVNULL, check=False).returncode
     if status not in (_ANSWERED, _NOT_REACHED):
         return Made(place, [], status)
     found = series.read(table)

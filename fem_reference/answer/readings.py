@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from fem_reference.answer.convergence import Estimate, estimate
 from fem_reference.answer.wrapped import GeometryError
 from fem_reference.bodies.conductors import Conductors
+from fem_reference.solve.enclosure import Enclosure, contradict, intersection
 from fem_reference.solve.level import Level
 from fem_reference.solve.two_sided import TwoSided
 
@@ -91,11 +92,12 @@ def combined_readings(
     relative: float,
     left_out: Array,
     shape: GeometryError | None,
+    proven: bool,
 ) -> tuple[ReadingAnswer, ...]:
     """The readings in the Maxwell matrix `maxwell`, and their changes from the differences on each mesh.
 
     `relative` is an error that all levels share, as a share of the change, `left_out` (n,) bounds what bodies left out add to own entries,
-    and `shape` is what wraps cost. Bounds are proven unless bodies are curved or wrapped.
+    and `shape` is what wraps cost. There are bounds only if those of the matrix are `proven`.
     """
     own = [level.readings for level in levels if level.readings is not None]
     if not own:
@@ -115,7 +117,6 @@ def combined_readings(
     change = Estimate(change.value, error, change.extrapolated)
     if shape is not None:
         change = shape.corrected_readings(change)
-    proven = shape is None and not problem.curved
     answers = []
     for k, reading in enumerate(problem.readings):
         drive = list(reading.drive)
@@ -142,5 +143,16 @@ def combined_readings(
 
 def _intersection(bounds: Sequence[Array], k: int, widening: float) -> tuple[float, float]:
     """The intersection of the levels' intervals of one reading, widened for the bodies left out."""
-    lower = max(float(level[k, 0]) for level in bounds) - widening
-    return lower, min(float(level[k, 1]) for level in bounds) + widening
+    common = intersection([Enclosure(level[k, 0], level[k, 1]) for level in bounds])
+    return float(common.lower) - widening, float(common.upper) + widening
+
+
+def readings_contradict(levels: Sequence[Level]) -> bool:
+    """Whether some reading, or background, has intervals on two levels that have nothing in common."""
+    own = [level.readings for level in levels if level.readings is not None]
+    bounds = [found.value_bounds for found in own if found.value_bounds is not None]
+    around = [found.background_bounds for found in own if found.background_bounds is not None]
+    return any(
+        len(intervals) > 1 and contradict([Enclosure(each[:, 0], each[:, 1]) for each in intervals])
+        for intervals in (bounds, around)
+    )

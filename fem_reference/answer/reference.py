@@ -24,11 +24,12 @@ from fem_reference.answer.readings import (
     combined_readings,
     difference_estimate,
     of_left_out,
+    readings_contradict,
 )
 from fem_reference.answer.wrapped import GeometryError, geometry_error
 from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.distant import LeftOut, is_negligible, without_distant
-from fem_reference.solve.enclosure import Enclosure, intersection, with_left_out
+from fem_reference.solve.enclosure import Enclosure, contradict, intersection, with_left_out
 from fem_reference.solve.level import Level, solve_level
 from fem_reference.common.limits import Limits
 from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
@@ -143,6 +144,15 @@ class Reference:
         return enough and self.worst <= self.rtol and self.contradicted is None
 
     @property
+    def unproven_because(self) -> str | None:
+        """Why the interval is not proven, in words; None if it is."""
+        if self.contradicted is not None:
+            return self.contradicted
+        if self.wraps:
+            return "of the wraps"
+        return "of curved surfaces" if self.curved else None
+
+    @property
     def error_kind(self) -> ErrorKind:
         return "estimate" if self.enclosure is None else "enclosure"
 
@@ -212,16 +222,18 @@ def maxwell(
     symmetry: bool = True,
     geometry: Geometry = Geometry(),
     only_readings: bool = False,
+    prepared: Callable[[], None] = lambda: None,
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
     `error` selects the kind of error: half the width of an interval that is proven to contain the true value, or an estimate from
     successive levels, which is several times faster. The refinement stops early (`reached` is False, the errors are those
-    reached) when the next level would end after `max_seconds`, have more than `max_unknowns` or take more than `max_memory` bytes.
-    `progress` is called after each level with the answer so far; `source` names the scene in error messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
+    reached) when the next level would end `max_seconds` after the start, wraps included, have more than `max_unknowns` or take more than `max_memory` bytes.
+    `prepared` is called when the bodies, perhaps wrapped, are ready to be meshed, `progress` after each level with the answer so far; `source` names the scene in error messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
     grounded. Without `symmetry` the whole of space is meshed even if the scene is its own mirror image. `geometry` says which bodies
     are wrapped, and how closely. With `only_readings` the accuracy is asked of the readings and their changes, and not of every entry. Raises InputError for scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
     """
+    start = time.monotonic()
     limits = Limits(max_seconds, max_unknowns, max_memory)
     geometry = replace(geometry, rtol=rtol)
     problem = conductors(scene, source, columns, geometry)
@@ -229,9 +241,12 @@ def maxwell(
         raise InputError(
             source, "--only-readings", "the scene has no readings of conductors that are solved for"
         )
-    coarser = None
+    coarser, opened = None, None
     if problem.wraps:
         coarser = conductors(scene, source, columns, replace(geometry, coarseness=2 * geometry.coarseness))
+    if any(wrap.closes for wrap in problem.wraps):
+        opened = conductors(scene, source, columns, replace(geometry, opens=True))
+    prepared()
     return solve_conductors(
         problem,
         scene.medium.relative_permittivity,
@@ -241,7 +256,9 @@ def maxwell(
         error,
         symmetry,
         coarser,
+        opened,
         only_readings,
+        start,
     )
 
 
@@ -254,10 +271,14 @@ def solve_conductors(
     error: ErrorKind = "enclosure",
     symmetry: bool = True,
     coarser: Conductors | None = None,
+    opened: Conductors | None = None,
     only_readings: bool = False,
+    start: float | None = None,
 ) -> Reference:
-    """Solve as `maxwell` does, for conductors given as bodies; `coarser` are the same, with wraps of twice the offset."""
-    start = time.monotonic()
+    """Solve as `maxwell` does, for conductors given as bodies; `coarser` are the same with wraps of twice the offset, and `opened` with wraps
+    that close no wide hollows, if the others do. The time counts from `start`
+    on the monotonic clock, or from now."""
+    start = time.monotonic() if start is None else start
     whole = problem
     problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
     planes = _planes(problem, symmetry)
@@ -287,8 +308,12 @@ def solve_conductors(
             continue
         levels.append(level)
         if coarser is not None and shape is None:
-            other = solve_level(coarser, relative_permittivity, sizing, "none", _planes(coarser, symmetry))
-            shape = geometry_error(whole, level, other)
+            others = [
+                solve_level(other, relative_permittivity, sizing, "none", _planes(other, symmetry))
+                for other in (coarser, opened)
+                if other is not None
+            ]
+            shape = geometry_error(whole, level, *others)
         answer = _combined(
             problem,
             relative_permittivity,
@@ -415,7 +440,10 @@ def _combined(
     delta_self = Estimate(change.value, change_error, change.extrapolated)
     proven = [level.enclosure for level in levels if level.enclosure is not None]
     interval = with_left_out(intersection(proven), left_out) if proven else None
+    checks = [level.check for level in levels if level.check is not None]
     contradicted = None
+    if any(contradict(known) for known in (proven, checks) if known) or readings_contradict(levels):
+        contradicted = "the bounds of two meshes exclude each other"
     if shape is not None:
         interval = None if interval is None else shape.widened(interval)
         value, matrix_error = shape.corrected(value, matrix_error)
@@ -425,14 +453,15 @@ def _combined(
         matrix_error = np.minimum(matrix_error, np.maximum(value - interval.lower, interval.upper - value))
         answer = Estimate(value, matrix_error, matrix.extrapolated)
     else:
-        checks = [level.check for level in levels if level.check is not None]
         check = with_left_out(intersection(checks), left_out) if checks else None
         check = check if check is None or shape is None else shape.widened(check)
         estimated = Estimate(value, matrix_error, matrix.extrapolated)
-        answer, contradicted = checked(estimated, _exchanges(problem), check)
+        answer, deviation = checked(estimated, _exchanges(problem), check)
+        contradicted = "; ".join(filter(None, (contradicted, deviation))) or None
     relative = float(np.max(np.diag(boundary) / np.diag(finest)))
+    proven_too = shape is None and not problem.curved and contradicted is None
     return Reference(
-        readings=combined_readings(problem, levels, answer, relative, left_out, shape),
+        readings=combined_readings(problem, levels, answer, relative, left_out, shape, proven_too),
         names=problem.names,
         sensors=problem.sensors,
         maxwell=answer,

@@ -20,10 +20,12 @@ Flags = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class GeometryError:
-    """By how much twice the offset of all wraps changes each entry (farads), and which bounds hold without wraps as well."""
+    """By how much twice the offset of all wraps and the hollows that they close change each entry (farads), and which bounds hold without wraps
+    as well."""
 
     growth: Array
-    """(n, n): the Maxwell matrix with twice the offset, less that with the offset used, on the coarsest mesh."""
+    """(n, n): the Maxwell matrix with twice the offset less that with the offset used, and that with hollows closed less that with them open, on
+    the coarsest mesh."""
     growth_of_change: Array
     """(m,): the same of the sensors' `delta_self`."""
     upper_proven: Flags
@@ -87,8 +89,12 @@ def _corrected(found: Estimate, growth: Array) -> Estimate:
     return Estimate(found.value - growth, found.error + np.abs(growth), found.extrapolated)
 
 
-def geometry_error(problem: Conductors, level: Level, coarser: Level) -> GeometryError:
-    """Compare the coarsest levels with wraps of one offset and of twice that offset.
+def geometry_error(
+    problem: Conductors, level: Level, coarser: Level, opened: Level | None = None
+) -> GeometryError:
+    """Compare the coarsest levels with wraps of one offset, of twice that offset and, if they close hollows, with those `opened`.
+
+    Where two wraps close the same hollow, their difference says nothing of it: what opening it changes is added, sizes as sizes.
 
     A larger conductor raises the matrix as a quadratic form, so that its diagonal is proven from above. A larger conductor that is
     grounded lowers all potentials, so that it raises the entries between other conductors. A larger conductor that is driven raises all
@@ -100,13 +106,26 @@ def geometry_error(problem: Conductors, level: Level, coarser: Level) -> Geometr
     rows = np.array([number in wrapped for number in range(count)])
     only_grounded = all(number < count or number >= problem.driven for number in wrapped)
     diagonal = np.eye(count, dtype=bool)
-    one, other = level.readings, coarser.readings
     neither = ~rows[:, None] & ~rows[None]
     either = rows[:, None] ^ rows[None]
+    steps = [(coarser, level)] if opened is None else [(coarser, level), (level, opened)]
+    changes = [
+        (larger.readings.change, smaller.readings.change)
+        for larger, smaller in steps
+        if larger.readings is not None and smaller.readings is not None
+    ]
     return GeometryError(
-        coarser.maxwell - level.maxwell,
-        coarser.delta_self - level.delta_self,
+        _sum([larger.maxwell - smaller.maxwell for larger, smaller in steps]),
+        _sum([larger.delta_self - smaller.delta_self for larger, smaller in steps]),
         diagonal | (neither & only_grounded),
         ~diagonal & either & (len(wrapped) == 1),
-        None if one is None or other is None else other.change - one.change,
+        _sum([larger - smaller for larger, smaller in changes]) if changes else None,
     )
+
+
+def _sum(parts: Sequence[Array]) -> Array:
+    """The sum of the parts; where they have opposite signs, the one of the larger size, so that none hides another."""
+    every = np.array(parts)
+    largest = np.take_along_axis(every, np.abs(every).argmax(axis=0)[None], axis=0)[0]
+    same = (np.sign(every) == np.sign(largest)).all(axis=0)
+    return np.asarray(np.where(same, every.sum(axis=0), largest))

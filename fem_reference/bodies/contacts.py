@@ -62,8 +62,8 @@ def refuse_contact(first: Surface, second: Surface, dielectric: bool, source: st
         raise InputError(
             source,
             key,
-            "overlap, or touch elsewhere than with plane faces; a dielectric body may touch with plane faces of "
-            "plates, cuboids, cylinders and cones only",
+            "overlap, touch elsewhere than with plane faces, or one is inside of the other; a dielectric body may touch with plane "
+            "faces of plates, discs, polygons, cuboids, cylinders and cones only, and may coat none: boundary elements take such bodies",
         )
     if gap <= TOUCHING * size:
         raise InputError(

@@ -24,9 +24,8 @@ from fem_reference.bodies.triangle_distances import soup_distance
 
 Vector = NDArray[np.float64]
 
-MayTouch = Rectangle | Cuboid | Cylinder | Cone
-MAY_TOUCH = (Rectangle, Cuboid, Cylinder, Cone)
-"""The shapes that may touch a dielectric body: convex, with plane faces."""
+MAY_TOUCH = (Rectangle, Disc, PlanePolygon, Cuboid, Cylinder, Cone)
+"""The shapes that may touch a dielectric body: with plane faces, and convex but for polygons."""
 
 TOUCHING = 1e-9
 """Distance over size below which two bodies count as touching, since coordinates are written with some ten digits."""
@@ -171,16 +170,20 @@ def touch_with_faces(first: Surface, second: Surface) -> bool:
     The second body is shrunk about its centre. If the bodies only touched, they are then apart, and the direction of their distance
     shows with which faces they touched. For shapes that may not touch the answer is False.
     """
-    if not (isinstance(first, MAY_TOUCH) and isinstance(second, MAY_TOUCH)):
+    if not (isinstance(first, MAY_TOUCH) and isinstance(second, MAY_TOUCH) and second.is_solid):
         return False
-    (one,), (other,) = pieces(first), pieces(second)
+    (other,) = pieces(second)
     # The faces of a thin body, too, move by a length that the search for the distance resolves.
     shrinking = min(SHRINKING * other.reach / _half_thickness(second), MOST_SHRINKING)
     shrunk = _shrunk(other, second.centre, shrinking)
-    apart, direction = _distance_and_direction(one, shrunk)
-    if apart <= TOUCHING * min(first.size, second.size):
-        return False
-    return one.ends_in_face(-direction) and shrunk.ends_in_face(direction)
+    touching = TOUCHING * min(first.size, second.size)
+    for one in pieces(first):
+        if _piece_distance(one, other) > touching:
+            continue
+        apart, direction = _distance_and_direction(one, shrunk)
+        if apart <= touching or not (one.ends_in_face(-direction) and shrunk.ends_in_face(direction)):
+            return False
+    return True
 
 
 def _shrunk(piece: Piece, about: Vector, share: float) -> Piece:

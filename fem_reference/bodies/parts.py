@@ -188,7 +188,7 @@ def _wrapped(
     # There may be nothing else: one conductor by itself.
     around = wrap(members, np.concatenate([np.empty((0, 3, 3)), *others]), geometry)
     result = replace(own[0], surface=around)
-    remedy = f'; "{around.name}" is wrapped, which closes hollows narrower than {2 * around.alpha:.3g} m'
+    remedy = f'; "{around.name}" is wrapped, which fills cavities and closes hollows narrower than {2 * around.alpha:.3g} m'
     for part in rest:
         if part.conductor != result.conductor:
             refuse_contact(around, part.surface, part.dielectric, source, remedy)

@@ -81,20 +81,14 @@ class Polyhedron:
 
     def holds(self, points: Vector) -> NDArray[np.bool_]:
         """Whether each of the points (n, 3) is inside: the surface subtends the solid angle 4π there, and 0 outside."""
-        to = self.vertices[self.triangles][None] - points[:, None, None]
-        a, b, c = to[:, :, 0], to[:, :, 1], to[:, :, 2]
-        ra, rb, rc = (np.linalg.norm(side, axis=2) for side in (a, b, c))
-        volume = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
-        dots = [np.einsum("ijk,ijk->ij", p, q) for p, q in ((a, b), (b, c), (c, a))]
-        angle = 2 * np.arctan2(volume, ra * rb * rc + dots[0] * rc + dots[1] * ra + dots[2] * rb)
-        return np.asarray(angle.sum(axis=1) > 2 * np.pi)
+        return _holds(self.vertices[self.triangles], points)
 
 
 def polyhedron(name: str, triangles: Vector) -> Polyhedron:
     """The solid that triangles (m, 3, 3) bound, each anticlockwise seen from outside.
 
     Vertices in the same place are merged, and triangles of which only two vertices remain are dropped. Raises NotASolid when the
-    surface is open or meets itself, or when its triangles are not oriented consistently or are inside out.
+    surface is open, meets itself or has cavities, or when its triangles are not oriented consistently or are inside out.
     """
     extent = float(np.ptp(triangles.reshape(-1, 3), axis=0).max())
     vertices, corners = _merged(triangles, SAME_POINT * extent)
@@ -109,6 +103,8 @@ def polyhedron(name: str, triangles: Vector) -> Polyhedron:
     for part in parts:
         if _volume(vertices[corners[part]]) <= 0:
             where = _place(vertices[corners[part]].mean(axis=(0, 1)))
+            if _is_cavity(vertices[corners], part):
+                raise NotASolid(f"has a cavity around {where}, which is not meshed")
             raise NotASolid(
                 f"is inside out around {where}: its triangles must be anticlockwise seen from outside"
             )
@@ -243,6 +239,23 @@ def _normals(triangles: Vector) -> Vector:
     """Unit normals (m, 3) of triangles (m, 3, 3)."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
+
+
+def _holds(triangles: Vector, points: Vector) -> NDArray[np.bool_]:
+    """Whether a closed surface of triangles (m, 3, 3) subtends more than half of the whole solid angle at each of the points (n, 3)."""
+    to = triangles[None] - points[:, None, None]
+    a, b, c = to[:, :, 0], to[:, :, 1], to[:, :, 2]
+    ra, rb, rc = (np.linalg.norm(side, axis=2) for side in (a, b, c))
+    volume = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
+    dots = [np.einsum("ijk,ijk->ij", p, q) for p, q in ((a, b), (b, c), (c, a))]
+    angle = 2 * np.arctan2(volume, ra * rb * rc + dots[0] * rc + dots[1] * ra + dots[2] * rb)
+    return np.asarray(angle.sum(axis=1) > 2 * np.pi)
+
+
+def _is_cavity(triangles: Vector, part: Indices) -> bool:
+    """Whether a part of a closed surface (m, 3, 3), whose triangles face inwards, is inside of the rest."""
+    rest = np.delete(triangles, part, axis=0)
+    return bool(len(rest) and _holds(rest, triangles[part[:1], 0]).all())
 
 
 def _volume(triangles: Vector) -> float:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 import subprocess
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -16,11 +15,13 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from fem_reference.bodies.shapes import Body
 from fem_reference.bodies.polyhedron import Polyhedron, connected_parts, smallest_width
 from fem_reference.bodies.triangle_distances import soup_distance
 from geometries.common import installation
+from geometries.common.children import ending_with_this, temporary_folder
 from geometries.scene import shapes
 from geometries.scene.shapes import Shape
 
@@ -41,6 +42,13 @@ MOST_OF_EXTENT = 0.01
 """Largest distance of the simplified wrap from what it contains, over the extent of the wrapped bodies; it is reached far away only."""
 SAMPLES = 100_000
 """Number of points on the wrapped bodies by which the body nearest to a place on the wrap is found."""
+CLOSED = 1.5
+"""Distance from the wrapped bodies, over that up to which a wrap may be simplified, from which on a wrap closes a hollow."""
+SPACINGS, SPACING_QUANTILE = 3.0, 0.99
+"""Largest distance of a point from the nearest sample, over a quantile of the samples' distances from each other."""
+OPENING, OPENED, MOST_OPENINGS = 0.5, 0.6, 3
+"""First alpha that is to open a hollow, over the largest distance in it; the ratio of that distance to what is left of it from which on it is open;
+and the number of times that alpha is made smaller."""
 MOST_SEGMENTS = 400
 """Largest number of flat sides of a round body that is wrapped."""
 
@@ -59,6 +67,8 @@ class Geometry:
     """Relative accuracy that was asked for, from which offsets are chosen."""
     coarseness: float = 1.0
     """Factor on all lengths of a wrap; the comparison of two of them shows what the wrap costs."""
+    opens: bool = False
+    """Whether alpha is so small that the widest hollow opens that a wrap would close; this shows what closing hollows costs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,6 +85,8 @@ class Wrap(Polyhedron):
     """Radius (m) of the narrowest hollow that the wrap follows."""
     offset: float
     """Distance (m) of the wrap from what it contains, before it was simplified."""
+    closes: float = 0.0
+    """Largest distance (m) from what it contains, of the parts of the wrap that close hollows; 0 if it closes none."""
 
 
 def member_names(body: Body) -> tuple[str, ...]:
@@ -89,9 +101,21 @@ def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geomet
     """
     triangles = np.concatenate([own for _, own in members])
     alpha, offset, allowed, share, most = _lengths(triangles, others, geometry)
-    vertices, corners = _run(triangles, others, (alpha, offset, allowed, share, most))
-    parts = connected_parts(corners)
     samples, labels = spread_points([own for _, own in members])
+
+    def wrapped() -> tuple[Vector, Indices, float]:
+        vertices, corners = _run(triangles, others, (alpha, offset, allowed, share, most))
+        return vertices, corners, _closed(vertices[corners], samples, others, (allowed, share, most))
+
+    vertices, corners, closes = wrapped()
+    if geometry.opens and closes:
+        widest = closes
+        for _ in range(MOST_OPENINGS):
+            alpha = max(OPENING * widest, 2 * offset) if closes == widest else max(alpha / 2, 2 * offset)
+            vertices, corners, closes = wrapped()
+            if closes < OPENED * widest or alpha <= 2 * offset:
+                break
+    parts = connected_parts(corners)
     return Wrap(
         members[0][0],
         vertices,
@@ -103,6 +127,7 @@ def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geomet
         labels=labels,
         alpha=alpha,
         offset=offset,
+        closes=closes,
     )
 
 
@@ -124,18 +149,33 @@ def _lengths(
     return alpha, offset, allowed, share, max(allowed, MOST_OF_EXTENT * extent)
 
 
+def _closed(wrapped: Vector, samples: Vector, others: Vector, allowance: tuple[float, float, float]) -> float:
+    """The largest distance from `samples` of points on a wrap (n, 3, 3) that are farther away than it was allowed to be simplified; 0 if none
+    are. The distance of points on the wrapped bodies from the nearest sample counts as nothing."""
+    points, _ = spread_points([wrapped])
+    tree = cKDTree(samples)
+    away = tree.query(points)[0]
+    spacing = float(np.quantile(tree.query(samples, k=2)[0][:, 1], SPACING_QUANTILE))
+    allowed, share, most = allowance
+    limit = np.full(len(points), allowed)
+    if len(others):
+        limit = np.clip(share * cKDTree(spread_points([others])[0]).query(points)[0], allowed, most)
+    far = away > CLOSED * limit + SPACINGS * spacing
+    return float(away[far].max(initial=0.0))
+
+
 def _run(triangles: Vector, others: Vector, lengths: Sequence[float]) -> tuple[Vector, Indices]:
     """Run fringe-wrap; returns the vertices and triangles of its surface."""
     program = installation.wrap_program()
-    with tempfile.TemporaryDirectory() as folder:
-        names = [Path(folder) / name for name in ("in.off", "others.off", "out.off")]
+    with temporary_folder() as folder:
+        names = [folder / name for name in ("in.off", "others.off", "out.off")]
         _write_off(names[0], triangles)
         _write_off(names[1], others)
-        words = [str(program), *map(str, names), *(repr(float(length)) for length in lengths)]
         try:
-            done = subprocess.run(words, capture_output=True, text=True, check=False)
+            words = ending_with_this([program, *names, *(repr(float(length)) for length in lengths)])
         except FileNotFoundError as missing:
             raise RuntimeError(f"wrapping failed: {program} is missing: ./run builds it") from missing
+        done = subprocess.run(words, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             raise RuntimeError(f"wrapping failed: {done.stderr.strip() or done.returncode}")
         return _read_off(names[2])

@@ -5,7 +5,6 @@ What the command has reported so far is kept, so that Ctrl-C and a limit of time
 
 from __future__ import annotations
 
-import ctypes
 import math
 import os
 import signal
@@ -16,12 +15,12 @@ from dataclasses import dataclass
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection, wait
 
+from geometries.common.children import end_with, temporary_folder
+
 MOST_STATUS = 3
 """The largest status that the command itself returns; libraries abort with others."""
 INTERRUPTED = 130
 """What shells report for a command that was interrupted."""
-# Of Linux' prctl: the signal that a process gets when its parent ends.
-_PR_SET_PDEATHSIG = 1
 # Variable in which mpirun tells a process its number.
 _NUMBER = "OMPI_COMM_WORLD_RANK"
 
@@ -51,16 +50,20 @@ def supervised(command: Callable[[Report], int], unreached: int) -> int:
     receiving, sending = Pipe(duplex=False)
     wakes = _wakes_on_interrupt()
     sys.stdout.flush()
-    child = os.fork()
-    if child == 0:
-        # The parent decides. The handler stays: programs that the command starts would inherit SIG_IGN.
-        signal.set_wakeup_fd(-1)
-        signal.signal(signal.SIGTERM, signal.SIG_DFL)
-        receiving.close()
-        ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL)
-        return command(sending.send)
-    sending.close()
-    return _watched(child, receiving, wakes, unreached)
+    parent = os.getpid()
+    with temporary_folder() as folder:
+        child = os.fork()
+        if child == 0:
+            end_with(parent)
+            # The parent decides. The handler stays: programs that the command starts would inherit SIG_IGN.
+            signal.set_wakeup_fd(-1)
+            signal.signal(signal.SIGTERM, signal.SIG_DFL)
+            receiving.close()
+            # MPI and compilers leave files when they are killed.
+            os.environ["TMPDIR"] = str(folder)
+            return command(sending.send)
+        sending.close()
+        return _watched(child, receiving, wakes, unreached)
 
 
 def _watched(child: int, reports: Connection, wakes: int, unreached: int) -> int:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fem_reference.bodies.shapes import Cuboid, Disc, PlanePolygon, Rectangle, Sheet
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, RoundBody, Sphere, Swept
@@ -18,6 +19,8 @@ from fem_reference.mesh.tape import Point, Quantity, smallest
 
 ClosedFormBody = Sheet | Cuboid | RoundBody
 """The bodies whose distances have closed forms."""
+MOST_SEGMENTS = 2000
+"""Largest number of segments of an ellipsoid's focal curve."""
 
 
 def surface_distance(body: ClosedFormBody, point: Point) -> Quantity:
@@ -44,6 +47,23 @@ def surface_distance(body: ClosedFormBody, point: Point) -> Quantity:
         return _arc_surface_distance(body, point)
     widths = [*body.half_widths, 0.0][:3]
     return _norm([_beyond(c, w) for c, w in zip((x, y, z), widths)])
+
+
+def distance_from_surface(body: RoundBody, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The distances (n,) of points (3, n) from the surface of a round body, also of points inside; to an ellipsoid, to first order."""
+    if not isinstance(body, Arc):
+        return np.asarray(surface_distance(body, points))
+    x, y, z = (np.asarray(coordinate) for coordinate in _local(body, points))
+    past_end, along = _arc_coordinates(body, points)
+    inside = [
+        np.abs(along - body.inner_radius),
+        np.abs(along - body.outer_radius),
+        np.abs(np.abs(z) - body.height / 2),
+    ]
+    if not body.is_ring:
+        inside.append(np.abs(np.asarray(past_end)))
+    outside = np.asarray(surface_distance(body, points))
+    return np.where(outside > 0, outside, np.min(inside, axis=0))
 
 
 def wall_distance(room: Cuboid, point: Point) -> Quantity:
@@ -89,6 +109,26 @@ def curvature_radius(body: ClosedFormBody, point: Point) -> Quantity | None:
         x, y, _ = _folded(body, point)
         return np.maximum(_norm([x, y]), body.inner_radius)
     return None
+
+
+def focal_curve(ellipsoid: Ellipsoid) -> NDArray[np.float64]:
+    """The segments (n, 2, 3) of a closed curve whose distance is, where the surface is bent most, the smaller radius of curvature there.
+
+    It is the border of the ellipsoid's medial surface, an ellipse with the semi-axes a − c²/a and b − c²/b in the plane of a and b, if c is
+    the smallest; a needle's is a segment, a ball's the centre.
+    """
+    order = np.argsort(ellipsoid.semi_axes)[::-1]
+    (a, b, c), axes = np.array(ellipsoid.semi_axes)[order], ellipsoid.axes[order]
+    first, second = a - c * c / a, b - c * c / b
+    # Chords come within a fifth of the least radius of curvature of the ellipse.
+    sides = math.ceil(min(max(16.0, math.pi * math.sqrt(2.5 * first * a / (c * c))), MOST_SEGMENTS))
+    angles = 2 * np.pi * np.arange(sides + 1) / sides
+    points = (
+        ellipsoid.centre
+        + np.outer(first * np.cos(angles), axes[0])
+        + np.outer(second * np.sin(angles), axes[1])
+    )
+    return np.stack([points[:-1], points[1:]], axis=1)
 
 
 def curved_distance(body: ClosedFormBody, point: Point) -> Quantity | None:

@@ -1,4 +1,4 @@
-"""Second-order cells on curved surfaces: finds them, estimates the error of their shape, and mends those with inverted maps."""
+"""Second-order cells on curved surfaces: finds them, and mends those with inverted maps."""
 
 from __future__ import annotations
 
@@ -29,31 +29,6 @@ def curved_cells(nodes: Array, cells: NDArray[np.int32], centre: Array, radius: 
     length = np.linalg.norm(nodes[cells[:, 1]] - nodes[cells[:, 0]], axis=1)
     inside = np.linalg.norm(nodes[cells[:, 0]] - centre, axis=1) < 0.5 * radius
     return np.asarray((bent > 1e-9 * length) & inside)
-
-
-def shape_errors(nodes: Array, cells: NDArray[np.int32]) -> Array:
-    """Estimate for each of the second-order cells (n, 10) the relative error (n,) of capacitances if all cells followed a curved surface as
-    nearly as this one.
-
-    A parabola through the ends and the middle of an arc of half angle a and radius R lies up to R·a⁴/32 inside the circle. A
-    displacement d of a surface changes the capacitances by at most d/R of themselves, and by d over the gap to another conductor,
-    which is at least as wide as the cells there are long (`sizing`). The estimate is the sum of both for the worst side of a cell, doubled
-    because a face bends in two directions.
-    """
-    ends = nodes[cells[:, TETRAHEDRON_EDGES]]
-    chord = ends[:, :, 1] - ends[:, :, 0]
-    length = np.linalg.norm(chord, axis=2)
-    height = np.linalg.norm(nodes[cells[:, 4:]] - ends.mean(axis=2), axis=2)
-    half_angle = 2 * np.arctan(2 * height / length)
-    deviation = half_angle**4 / 32
-    radius_over_length = 1 / np.maximum(2 * np.sin(half_angle), 1e-9)
-    return np.asarray(2 * np.max(deviation * (1 + radius_over_length), axis=1))
-
-
-def areas(nodes: Array, cells: NDArray[np.int32]) -> Array:
-    """The sizes (n,) of the faces of cells (n, 10), as the squares of their longest sides."""
-    ends = nodes[cells[:, TETRAHEDRON_EDGES]]
-    return np.asarray((np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2) ** 2).max(axis=1))
 
 
 def straighten_inverted(

@@ -20,13 +20,14 @@ import numpy as np
 
 from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.round_bodies import Cone
+from fem_reference.bodies.round_bodies import Cone, Ellipsoid
 from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Rectangle
 from fem_reference.mesh.body_distances import (
     ClosedFormBody,
     curvature_radius,
     curved_distance,
     edge_distance,
+    focal_curve,
     surface_distance,
     wall_distance,
 )
@@ -168,7 +169,13 @@ def _sizes_of_body(
         least = AT_APEX * at_edges if isinstance(body, Cone) else 0.0
         curved = sizing.curvature / sizing.refinement**0.5 * radius
         away = curved_distance(body, tape.point)
-        sizes.append(least + curved + sizing.growth * (surface if away is None else away))
+        growth = sizing.growth * (surface if away is None else away)
+        sizes.append(least + curved + growth)
+        focal = focal_curve(body) if isinstance(body, Ellipsoid) else None
+        if focal is not None:
+            # The radius of curvature may grow faster along the surface than the cells can; the distance to the focal curve does not.
+            curve = tape.distance(focal[:, [0, 1, 1]])
+            sizes.append(sizing.curvature / sizing.refinement**0.5 * curve + growth)
     return sizes
 
 

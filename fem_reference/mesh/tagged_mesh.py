@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, bounding_sphere
 from fem_reference.mesh.distributed import gathered, whole_numbers
-from fem_reference.mesh.curved_cells import areas, curved_cells, shape_errors, straighten_inverted
+from fem_reference.mesh.curved_cells import curved_cells, straighten_inverted
+from fem_reference.mesh.curved_faces import CurvedFaces, curved_faces, rim_errors
 from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to, united
 from fem_reference.mesh.quarter_points import is_pulled, pull, straighten, vertices_on_edges
 from fem_reference.mesh.sizing import Sizing, size_function
@@ -79,11 +80,13 @@ class TaggedMesh:
     """(cells, 4): which vertices of each cell lie on the edge of a plate."""
     curved: NDArray[np.bool_]
     """(cells,): which cells follow a curved surface. The other cells have straight sides; some of them are quarter-point elements."""
-    shape_error: float
-    """Relative error of capacitances due to the difference between the cells' curved surfaces and the bodies' (`curved_cells`): as if it
-    were everywhere that of the worst cell."""
-    mean_shape_error: float
-    """The same for the mean over the cells' areas, for errors that are estimates."""
+    curved_faces: CurvedFaces
+    """The faces on curved surfaces, and how far they are from these."""
+    rim_error: float
+    """Relative error of capacitances due to the difference between the cells' sides along the rims of discs and these: as if it were
+    everywhere that of the worst side."""
+    mean_rim_error: float
+    """The same for the mean over the sides, for errors that are estimates."""
     centre: NDArray[np.float64]
     """Centre of the outer sphere."""
     radius: float
@@ -187,13 +190,14 @@ def tagged_mesh(
         curved = curved_cells(nodes, node_numbers, centre, radius if room is None else np.inf)
         straighten_inverted(nodes, node_numbers[curved], mesh.geometry.index_map(), comm)
         straighten(nodes, node_numbers[~curved])
-        own, weights = shape_errors(nodes, node_numbers[curved]), areas(nodes, node_numbers[curved])
+        own, weights = rim_errors(bodies, nodes, node_numbers[curved])
         error = comm.allreduce(float(own.max(initial=0.0)), op=MPI.MAX)
         whole = comm.allreduce(float(weights.sum()))
         mean = comm.allreduce(float(own @ weights)) / whole if whole else 0.0
         on_edge = vertices_on_edges(nodes, node_numbers, bodies)
         pull(nodes, node_numbers, on_edge)
     _refuse_flat_cells(nodes[node_numbers[:, :4]])
+    faces = curved_faces(mesh, cells, () if straight else bodies)
     near = np.where(curved | is_pulled(on_edge), NEAR_EDGE, AWAY_FROM_EDGES).astype(np.int32)
     near_edge = dolfinx.mesh.meshtags(mesh, 3, np.arange(len(near), dtype=np.int32), near)
     return TaggedMesh(
@@ -203,6 +207,7 @@ def tagged_mesh(
         near_edge,
         on_edge,
         curved,
+        faces,
         error,
         mean,
         centre,

@@ -5,8 +5,9 @@ from __future__ import annotations
 import json
 import math
 import sys
+import time
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -55,19 +56,66 @@ INTERVAL: dict[ErrorKind, str] = {
 WRAPPED_INTERVAL = "; bodies were wrapped, and what that costs widens the bounds by an estimate, except for those that `proven` names"
 
 
+@dataclass(frozen=True)
+class Clock:
+    """What to print about a scene when the limit of time is over; `report` hands it to the process that watches this one."""
+
+    path: Path
+    as_json: bool
+    rtol: float
+    start: float
+    """When the command began (s), on the monotonic clock."""
+    seconds: float
+    """The limit; infinity for none."""
+    report: Report
+
+    def preparing(self) -> None:
+        """From now on until the next report, the bodies are being prepared."""
+        stage = "the bodies were still being prepared, where unclean and large meshes are wrapped"
+        self._nothing(f"{stage}: give more time, simplify the meshes, or choose a larger --wrap-alpha", ())
+
+    def solving(self, found: Sequence[str]) -> None:
+        """From now on until the next report, the first level is being solved; `found` are the remarks on the scene."""
+        self._nothing(
+            "the first one has the coarsest mesh: give more time, or simplify the scene's meshes", found
+        )
+
+    def answered(self, text: str, message: str, left: float | None = None) -> None:
+        """There is an answer to print, with a message, unless a better one comes in the time (s) that is left, the limit's by default."""
+        self.report(AnswerSoFar(text, message, self._left() if left is None else left))
+
+    def _left(self) -> float:
+        return max(0.0, self.start + self.seconds - time.monotonic()) + _GRACE
+
+    def _nothing(self, advice: str, found: Sequence[str]) -> None:
+        """Say what to print when the limit of time ends this."""
+        if math.isinf(self.seconds) or MPI.COMM_WORLD.rank != 0:
+            return
+        reason = f"no level was finished within {self.seconds:g} s"
+        document = {
+            "format": FORMAT,
+            "rtol": self.rtol,
+            "reached": False,
+            "stopped_by": reason,
+            "levels": [],
+            "remarks": list(found),
+        }
+        text = json.dumps(document) if self.as_json else ""
+        message = f"fem_reference: {self.path}: {reason}; {advice}"
+        self.report(AnswerSoFar(text, message, self._left(), is_answer=False))
+
+
 def answer(
-    path: Path,
-    as_json: bool,
-    rtol: float,
+    clock: Clock,
     error: ErrorKind,
     limits: Limits,
     columns: Sequence[str] = (),
     symmetry: bool = True,
     geometry: Geometry = Geometry(),
-    report: Report = lambda _: None,
     only_readings: bool = False,
 ) -> int:
-    """Solve a scene file and print the answer; returns the exit status. `report` gets the answer so far after every level."""
+    """Solve a scene file and print the answer; returns the exit status. The clock gets the answer so far after every level."""
+    path, as_json = clock.path, clock.as_json
     scene = load(path)
     is_first = MPI.COMM_WORLD.rank == 0
     found = remarks(scene)
@@ -76,21 +124,18 @@ def answer(
             print(f"fem_reference: remark: {remark}", file=sys.stderr, flush=True)
 
     def progress(so_far: Reference) -> None:
-        left = max(0.0, limits.seconds - so_far.seconds) + _GRACE
         if not is_first:
             # The parents of other processes know that there is an answer, and leave it to the first to print it.
-            report(AnswerSoFar("", "", math.inf))
+            clock.answered("", "", math.inf)
             return
         if not as_json:
             _print_level(so_far)
         stopped = replace(so_far, stopped_by="it was stopped before the next level ended")
-        report(AnswerSoFar(_text(stopped, as_json, found), _shortfall(path, stopped), left))
+        clock.answered(_text(stopped, as_json, found), _shortfall(path, stopped))
 
-    if is_first and math.isfinite(limits.seconds):
-        report(_no_answer(path, as_json, rtol, limits.seconds, found))
     reference = maxwell(
         scene,
-        rtol=rtol,
+        rtol=clock.rtol,
         max_seconds=limits.seconds,
         max_unknowns=limits.unknowns,
         max_memory=limits.memory,
@@ -101,13 +146,14 @@ def answer(
         symmetry=symmetry,
         geometry=geometry,
         only_readings=only_readings,
+        prepared=lambda: clock.solving(found),
     )
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
         return status
     text = _text(reference, as_json, found)
     # Nothing ends the command any more while it prints.
-    report(AnswerSoFar(text, _shortfall(path, reference), math.inf))
+    clock.answered(text, _shortfall(path, reference), math.inf)
     print(text)
     if not reference.reached:
         print(_shortfall(path, reference), file=sys.stderr)
@@ -116,22 +162,6 @@ def answer(
                 f"fem_reference: {path}: do not rely on the errors: {reference.contradicted}", file=sys.stderr
             )
     return status
-
-
-def _no_answer(path: Path, as_json: bool, rtol: float, seconds: float, found: Sequence[str]) -> AnswerSoFar:
-    """What to say when the limit of time ends the first level."""
-    reason = f"no level was finished within {seconds:g} s"
-    document = {
-        "format": FORMAT,
-        "rtol": rtol,
-        "reached": False,
-        "stopped_by": reason,
-        "levels": [],
-        "remarks": list(found),
-    }
-    advice = "the first one has the coarsest mesh: give more time, or simplify the scene's meshes"
-    message = f"fem_reference: {path}: {reason}; {advice}"
-    return AnswerSoFar(json.dumps(document) if as_json else "", message, seconds + _GRACE, is_answer=False)
 
 
 def _text(reference: Reference, as_json: bool, found: Sequence[str]) -> str:
@@ -245,9 +275,8 @@ def table(reference: Reference) -> str:
         if len(names) > 1:
             lines.append(f"one conductor: {', '.join(names)}")
     if reference.enclosure is not None:
-        lines.append(
-            "proven to lie in" if reference.geometry is None else "estimated to lie in, because of the wraps"
-        )
+        why = reference.unproven_because
+        lines.append("proven to lie in" if why is None else f"estimated to lie in, because {why}")
         lower, upper = reference.lower / PICOFARAD, reference.upper / PICOFARAD
         for i, name in enumerate(reference.names):
             entries = (f"[{lower[i, j]:.6f}, {upper[i, j]:.6f}]" for j in range(len(reference.names)))

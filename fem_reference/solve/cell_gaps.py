@@ -35,6 +35,7 @@ from fem_reference.solve.reference_flux import (
     in_order,
     polynomials_on_face,
 )
+from fem_reference.solve.surface_shift import surface_shift
 from fem_reference.solve.upper_energy import (
     CELLS_AT_A_TIME,
     cell_energies,
@@ -54,11 +55,22 @@ class BoundedMatrix:
     upper: Array
     gaps: Array
     """(cells, n, n) of the whole mesh: their sum is U − L, except for the gap outside of the mesh; 0 in cells without a field."""
+    shift: Array
+    """(cells, n, n): parts of a bound of first order on what the bodies' curved surfaces change, which the cells follow only nearly."""
+
+    @property
+    def with_shift(self) -> BoundedMatrix:
+        """The forms that bound the matrix of the bodies as they are; the gaps of the cells include what the surfaces change."""
+        whole = self.shift.sum(axis=0)
+        return BoundedMatrix(
+            self.lower - whole, self.upper + whole, self.gaps + 2 * self.shift, 0 * self.shift
+        )
 
     def of(self, rows: Sequence[int]) -> BoundedMatrix:
         """The same for some of the conductors."""
         chosen = np.ix_(rows, rows)
-        return BoundedMatrix(self.lower[chosen], self.upper[chosen], self.gaps[:, chosen[0], chosen[1]])
+        parts = [form[:, chosen[0], chosen[1]] for form in (self.gaps, self.shift)]
+        return BoundedMatrix(self.lower[chosen], self.upper[chosen], *parts)
 
 
 def bounded_matrix(
@@ -88,7 +100,8 @@ def bounded_matrix(
     for start in range(0, len(numbers), CELLS_AT_A_TIME):
         chosen = numbers[start : start + CELLS_AT_A_TIME]
         gaps[chosen] = _gaps(system, condensed, fields, multipliers, permittivities, chosen)
-    return BoundedMatrix(below, above, gathered(tagged.mesh.comm, gaps))
+    shift = surface_shift(system, fields, permittivities)
+    return BoundedMatrix(below, above, *(gathered(tagged.mesh.comm, parts) for parts in (gaps, shift)))
 
 
 def _gaps(

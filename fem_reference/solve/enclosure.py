@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -65,7 +64,27 @@ def with_left_out(interval: Enclosure, bound: Array) -> Enclosure:
 
 
 def intersection(enclosures: Sequence[Enclosure]) -> Enclosure:
-    """The entrywise intersection of several enclosures of one matrix."""
-    return reduce(
-        lambda a, b: Enclosure(np.maximum(a.lower, b.lower), np.minimum(a.upper, b.upper)), enclosures
+    """The entrywise intersection of several enclosures of one matrix; where it is empty, the interval that holds them all.
+
+    Exact bounds of one matrix always have something in common: see `contradict`.
+    """
+    lower, upper = _common(enclosures)
+    empty = lower > upper
+    return Enclosure(
+        np.where(empty, np.min([each.lower for each in enclosures], axis=0), lower),
+        np.where(empty, np.max([each.upper for each in enclosures], axis=0), upper),
+    )
+
+
+def contradict(enclosures: Sequence[Enclosure]) -> bool:
+    """Whether some entry has intervals that have nothing in common, so that at least one of them is wrong."""
+    lower, upper = _common(enclosures)
+    return bool(np.any(lower > upper))
+
+
+def _common(enclosures: Sequence[Enclosure]) -> tuple[Array, Array]:
+    """The largest lower and the smallest upper bound of each entry."""
+    return (
+        np.max([each.lower for each in enclosures], axis=0),
+        np.min([each.upper for each in enclosures], axis=0),
     )

@@ -166,15 +166,16 @@ def _charges_and_bounds(
     with stage("bounding the energies"):
         cells = CondensedCells(mesh, ESTIMATE_DEGREE if bounds == "estimate" else FLUX_DEGREE)
         matrix = _bounded(problem, system, found.potentials, cells)
-        interval = widened(enclosure(farads * matrix.lower, farads * matrix.upper), mesh.shape_error)
+        whole = matrix.with_shift
+        interval = widened(enclosure(farads * whole.lower, farads * whole.upper), mesh.rim_error)
         shares = shares_by_kind(mesh, problem.bodies) if bounds == "estimate" else None
-        shape_error = mesh.shape_error if shares is None else mesh.mean_shape_error
+        rim_error = mesh.rim_error if shares is None else mesh.mean_rim_error
         alone = _bounded_alone(problem, system, found.potentials_alone, cells)
         readings = level_readings(problem, system, found, cells, matrix, alone, shares)
         from_bounds = None
         if alone is not None:
             of_sensors, sensors = matrix.of(range(problem.sensors)), np.eye(problem.sensors)
-            from_bounds = two_sided(sensors, sensors, of_sensors, alone, 1.0, shape_error, shares)
+            from_bounds = two_sided(sensors, sensors, of_sensors, alone, 1.0, rim_error, shares)
         changes = [
             None if only_readings else from_bounds,
             None if readings is None else readings.change_from_bounds,
@@ -183,12 +184,12 @@ def _charges_and_bounds(
         known = [each for each in changes if each is not None]
         between = None
         if shares is None:
-            parts = parts_of_errors(matrix, asked, shape_error, known)
+            parts = parts_of_errors(whole, asked, rim_error, known)
         else:
             likely = estimated(matrix, shares)
-            parts = parts_of_estimates(likely, asked, shape_error, known)
+            parts = parts_of_estimates(likely, asked, rim_error, known)
             own = np.diag(likely.value)
-            between = likely.value, likely.error + shape_error * np.sqrt(np.outer(own, own))
+            between = likely.value, likely.error + rim_error * np.sqrt(np.outer(own, own))
             readings = (
                 None if readings is None else replace(readings, value_bounds=None, background_bounds=None)
             )

@@ -38,13 +38,13 @@ def entries(count: int) -> Quantities:
 
 
 def parts_of_errors(
-    matrix: BoundedMatrix, asked: Quantities, shape_error: float, changes: Sequence[TwoSided]
+    matrix: BoundedMatrix, asked: Quantities, rim_error: float, changes: Sequence[TwoSided]
 ) -> PartsOfErrors:
     """The relative errors of enclosed quantities and of the changes.
 
     The error of a quantity is half the width of its interval, ½√(aᵀDa·bᵀDb) with D the gap. As a function of aᵀDa and bᵀDb it is homogeneous of degree
-    1, so that its derivatives times what a cell adds to them are parts that add up to it. `shape_error` is the relative effect of curved
-    surfaces on energies.
+    1, so that its derivatives times what a cell adds to them are parts that add up to it. `rim_error` is the relative effect of the rims of
+    discs on energies.
     """
     gap = matrix.upper - matrix.lower
     sides = (asked.sensed, asked.driven)
@@ -55,17 +55,17 @@ def parts_of_errors(
     ratio = np.sqrt(second / first)
     parts = (at_first * ratio + at_second / ratio) / 4
     value = np.abs(_values((matrix.lower + matrix.upper) / 2, asked))
-    whole = np.sqrt(first * second) / 2 + shape_error * _energies(matrix.upper, asked)
+    whole = np.sqrt(first * second) / 2 + rim_error * _energies(matrix.upper, asked)
     return _with_changes(parts / value, whole / value, changes)
 
 
 def parts_of_estimates(
-    found: Estimated, asked: Quantities, shape_error: float, changes: Sequence[TwoSided]
+    found: Estimated, asked: Quantities, rim_error: float, changes: Sequence[TwoSided]
 ) -> PartsOfErrors:
     """The relative errors of estimated quantities, to which those of all entries in them add up, and of the changes."""
     value = np.abs(_values(found.value, asked))
     parts = np.einsum("qi,cij,qj->cq", asked.sensed, found.of_cells, asked.driven, optimize=True)
-    whole = _values(found.error, asked) + shape_error * _energies(found.value, asked)
+    whole = _values(found.error, asked) + rim_error * _energies(found.value, asked)
     return _with_changes(parts / value, whole / value, changes)
 
 

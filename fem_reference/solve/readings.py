@@ -109,8 +109,8 @@ def level_readings(
         return None
     value = _values(readings, found.maxwell)
     tagged = system.tagged
-    shape_error = tagged.shape_error if shares is None else tagged.mean_shape_error
-    bounds = None if matrix is None else reading_bounds(readings, matrix.lower, matrix.upper, shape_error)
+    rim_error = tagged.rim_error if shares is None else tagged.mean_rim_error
+    bounds = None if matrix is None else _bounds(readings, matrix, rim_error)
     if not any(problem.is_target):
         return LevelReadings(value, value, bounds, bounds)
     if _is_sensors_alone(problem):
@@ -119,8 +119,8 @@ def level_readings(
             return LevelReadings(value, background_value, bounds)
         around = None
         if problem.bounded_readings:
-            around = reading_bounds(readings, alone.lower, alone.upper, shape_error)
-        change = _change_from_bounds(readings, matrix, readings, alone, shape_error, shares)
+            around = _bounds(readings, alone, rim_error)
+        change = _change_from_bounds(readings, matrix, readings, alone, rim_error, shares)
         return LevelReadings(value, background_value, bounds, around, change)
     without = background(problem, system)
     measured = [_renumbered(reading, without.rows) for reading in readings]
@@ -128,8 +128,8 @@ def level_readings(
     if matrix is None or cells is None or not problem.bounded_readings:
         return LevelReadings(value, background_value, bounds)
     of_background = _bounded_background(problem, without, cells)
-    around = reading_bounds(measured, of_background.lower, of_background.upper, shape_error)
-    change = _change_from_bounds(readings, matrix, measured, of_background, shape_error, shares)
+    around = _bounds(measured, of_background, rim_error)
+    change = _change_from_bounds(readings, matrix, measured, of_background, rim_error, shares)
     return LevelReadings(value, background_value, bounds, around, change)
 
 
@@ -148,7 +148,7 @@ def _change_from_bounds(
     matrix: BoundedMatrix,
     measured: Sequence[Measured],
     around: BoundedMatrix,
-    shape_error: float,
+    rim_error: float,
     shares: Shares | None,
 ) -> TwoSided:
     """The changes of readings from the bounds with the targets and from those without, in which the readings are `measured`."""
@@ -158,7 +158,7 @@ def _change_from_bounds(
     sensed = unit_voltages(len(rows), [[reading.sense] for reading in chosen])
     driven = unit_voltages(len(rows), [reading.drive for reading in chosen])
     signs = np.array([float(reading.sign) for reading in readings])
-    return two_sided(sensed, driven, matrix.of(rows), around.of(rows_around), signs, shape_error, shares)
+    return two_sided(sensed, driven, matrix.of(rows), around.of(rows_around), signs, rim_error, shares)
 
 
 def quantities(readings: Sequence[Measured], count: int, only_readings: bool) -> Quantities:
@@ -188,11 +188,17 @@ def _values(readings: Sequence[Measured], maxwell: Array) -> Array:
     return np.array([r.sign * maxwell[r.sense, list(r.drive)].sum() for r in readings])
 
 
-def reading_bounds(readings: Sequence[Measured], below: Array, above: Array, shape_error: float) -> Array:
+def _bounds(readings: Sequence[Measured], matrix: BoundedMatrix, rim_error: float) -> Array:
+    """Bounds (n, 2) of the readings, with what curved surfaces change."""
+    whole = matrix.with_shift
+    return reading_bounds(readings, whole.lower, whole.upper, rim_error)
+
+
+def reading_bounds(readings: Sequence[Measured], below: Array, above: Array, rim_error: float) -> Array:
     """Bounds (n, 2) of the readings from VᵀLV ≤ VᵀMV ≤ VᵀUV for all voltages V, with L = `below` and U = `above`.
 
     A reading is aᵀMb with the voltages a, 1 V on what is sensed, and b, 1 V on what is driven. With D = U − L it differs from the mean of
-    aᵀLb and aᵀUb by at most ½√(aᵀDa·bᵀDb). `shape_error` is the relative effect of curved surfaces on both energies.
+    aᵀLb and aᵀUb by at most ½√(aᵀDa·bᵀDb). `rim_error` is the relative effect of the rims of discs on both energies.
     """
     bounds = []
     for reading in readings:
@@ -201,7 +207,7 @@ def reading_bounds(readings: Sequence[Measured], below: Array, above: Array, sha
         voltages[1, list(reading.drive)] = 1
         low, high = (voltages @ form @ voltages.T for form in (below, above))
         gap = np.maximum(np.diag(high) - np.diag(low), 0)
-        half = np.sqrt(gap.prod()) / 2 + shape_error * np.sqrt(np.diag(high).prod())
+        half = np.sqrt(gap.prod()) / 2 + rim_error * np.sqrt(np.diag(high).prod())
         middle = reading.sign * (low + high)[0, 1] / 2
         bounds.append([middle - half, middle + half])
     return np.array(bounds)

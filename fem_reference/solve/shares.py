@@ -73,5 +73,5 @@ def estimated(matrix: BoundedMatrix, shares: Shares) -> Estimated:
     """The most likely Maxwell matrix between its bounds."""
     outside = matrix.upper - matrix.lower - matrix.gaps.sum(axis=0)
     high = np.tensordot(shares.of_upper[:-1], matrix.gaps, axes=1) + shares.of_upper[-1] * outside
-    of_cells = shares.error[:-1, None, None] * np.abs(matrix.gaps)
+    of_cells = shares.error[:-1, None, None] * np.abs(matrix.gaps) + np.abs(matrix.shift)
     return Estimated(matrix.upper - high, of_cells.sum(axis=0) + shares.error[-1] * np.abs(outside), of_cells)

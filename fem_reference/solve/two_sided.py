@@ -43,12 +43,12 @@ def two_sided(
     present: BoundedMatrix,
     absent: BoundedMatrix,
     signs: Array | float,
-    shape_error: float,
+    rim_error: float,
     shares: Shares | None = None,
 ) -> TwoSided:
     """The differences of aᵀMb in a scene and in that without some bodies, for pairs of voltages a, b, the rows of two arrays (k, n).
 
-    Both scenes are bounded on one mesh. `signs` (k,) multiply the differences; `shape_error` is the relative effect of curved surfaces on
+    Both scenes are bounded on one mesh. `signs` (k,) multiply the differences; `rim_error` is the relative effect of the rims of discs on
     energies. `shares` tell where in the cells' gaps the true values lie; without them, in the middle.
     """
     low, high = present.lower - absent.lower, present.upper - absent.upper
@@ -58,8 +58,9 @@ def two_sided(
     too_high = np.tensordot(known.of_upper[:-1], gaps, axes=1) + known.of_upper[-1] * outside
     value = signs * _products(sensed, high - too_high, driven)
     of_cells = known.error[:-1, None] * _sizes(sensed, gaps, driven)
+    of_cells += _sizes(sensed, present.shift - absent.shift, driven)
     error = of_cells.sum(axis=0) + known.error[-1] * _sizes(sensed, outside, driven)
-    return TwoSided(value, error + shape_error * np.abs(value), of_cells)
+    return TwoSided(value, error + rim_error * np.abs(value), of_cells)
 
 
 def _products(left: Array, forms: Array, right: Array) -> Array:

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 
+from geometries.common.children import ending_with_this
 from geometries.common.installation import how_to_get
 
 DEBIAN_PYTHON = "/usr/bin/python3"
@@ -36,6 +37,6 @@ def _has(interpreter: str, module: str) -> bool:
         f"import importlib.util as u; raise SystemExit(u.find_spec({module!r}) is None)",
     ]
     try:
-        return subprocess.run(command, capture_output=True, check=False).returncode == 0
+        return subprocess.run(ending_with_this(command), capture_output=True, check=False).returncode == 0
     except OSError:
         return False

@@ -7,7 +7,6 @@ forty minutes of one core for all of them. Delete the file to solve all of them 
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -28,6 +27,7 @@ from analysis.topics.company.set_ups import (
     SetUp,
     all_set_ups,
 )
+from geometries.common.children import temporary_folder
 
 FILE = Path(__file__).with_name("field_checks.json")
 MOST_UNKNOWNS = (550_000, 1_200_000)
@@ -130,8 +130,8 @@ def make(file: Path = FILE) -> int:
 def solved(set_up: SetUp, processes: Processes) -> FieldCheck:
     """Solves a set-up for what its reading drives; NoAnswer if the field solver has none."""
     (asked_for,) = set_up.scene.readings
-    with tempfile.TemporaryDirectory() as folder:
-        scene = Path(folder) / SCENE
+    with temporary_folder() as folder:
+        scene = folder / SCENE
         write_text(scene, set_up.text)
         for most in MOST_UNKNOWNS[1:] if _is_large(set_up) else MOST_UNKNOWNS:
             asked = ("--columns", ",".join(asked_for.drive), "--max-unknowns", str(most))

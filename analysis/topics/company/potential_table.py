@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Iterable
 from dataclasses import replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +11,7 @@ import numpy as np
 from analysis.pipeline.model_stage import model_module
 from analysis.topics.company.potential_formulas import CANDIDATES, MachineAtRest, company
 from analysis.topics.company.set_ups import HAND, SENSOR, SetUp, all_set_ups
+from geometries.common.children import temporary_folder
 from geometries.scene.readings import readings, targets
 from geometries.studies.families import GROUNDED
 
@@ -24,8 +23,8 @@ _PERCENT = 100.0
 def errors(module: Any, set_ups: Iterable[SetUp]) -> dict[str, list[float]]:
     """Returns (change − truth)/truth in every set-up by the plain model, the formula and every candidate. Truth: boundary elements."""
     found: dict[str, list[float]] = {}
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scene.toml"
+    with temporary_folder() as folder:
+        path = folder / "scene.toml"
         for set_up in set_ups:
             path.write_text(set_up.text, encoding="utf-8")
             scene = module.Scene.load(path)

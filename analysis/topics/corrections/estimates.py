@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,6 +12,7 @@ from numpy.typing import NDArray
 from analysis.topics.corrections import candidates
 from analysis.topics.corrections.set_ups import SetUp, set_ups
 from analysis.topics.corrections.truths import Truth, load
+from geometries.common.children import temporary_folder
 from geometries.scene.writer import canonical
 
 Array = NDArray[np.float64]
@@ -67,8 +66,8 @@ def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | 
     truths = load()
     asked = list(set_ups(module)) if chosen is None else list(chosen)
     values: dict[str, list[float]] = {correction: [] for correction in corrections}
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scene.toml"
+    with temporary_folder() as folder:
+        path = folder / "scene.toml"
         for set_up in asked:
             path.write_text(canonical(set_up.scene), encoding="utf-8")
             scene = module.Scene.load(path)

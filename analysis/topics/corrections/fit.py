@@ -5,9 +5,7 @@ It minimises the sum of the fourth powers of ln(formula/truth), in which the wor
 
 from __future__ import annotations
 
-import tempfile
 from collections.abc import Sequence
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +16,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results.units import VACUUM_PERMITTIVITY
 from analysis.topics.corrections.set_ups import SetUp, set_ups
 from analysis.topics.corrections.truths import load
+from geometries.common.children import temporary_folder
 from geometries.scene.writer import canonical
 
 Array = NDArray[np.float64]
@@ -38,8 +37,8 @@ def terms(module: Any, chosen: Sequence[SetUp]) -> tuple[dict[str, Array], Array
     """Returns the formula's terms in the set-ups, and the truth over ε; arrays (n,), variations (3, n)."""
     truths = load()
     rows = []
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scene.toml"
+    with temporary_folder() as folder:
+        path = folder / "scene.toml"
         for set_up in chosen:
             path.write_text(canonical(set_up.scene), encoding="utf-8")
             rows.append(module.Scene.load(path).formula_terms()[0][0])

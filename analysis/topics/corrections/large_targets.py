@@ -8,7 +8,6 @@ largest targets boundary elements reach their limit of unknowns; only values wit
 
 from __future__ import annotations
 
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.pipeline.model_stage import model_module
+from geometries.common.children import temporary_folder
 from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical
 from geometries.studies import families
@@ -54,8 +54,8 @@ class Large:
 def measured(module: Any) -> Large:
     """Evaluates the formula and boundary elements; takes seconds."""
     formula, value, error = (np.empty((len(SIDES), len(GAPS))) for _ in range(3))
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scene.toml"
+    with temporary_folder() as folder:
+        path = folder / "scene.toml"
         for column, gap in enumerate(GAPS):
             image = _load(
                 module, path, families.parallel((SENSOR, SENSOR), (SENSOR, SENSOR), 2 * gap * SENSOR)

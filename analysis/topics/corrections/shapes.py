@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import tempfile
-from pathlib import Path
 from typing import Any
 
 from analysis.pipeline.model_stage import model_module
+from geometries.common.children import temporary_folder
 from geometries.scene.poses import AxisRotation, Pose
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import Arc, Cone, Cylinder, Shape, Sphere
@@ -28,8 +27,8 @@ def errors(module: Any) -> dict[str, float]:
     """Returns (formula − truth)/truth by shape; its centre lies above that of the sensor, its axis turned."""
     found = {}
     alone = families.empty((_SENSOR, _SENSOR))
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scene.toml"
+    with temporary_folder() as folder:
+        path = folder / "scene.toml"
         for name, shape in SHAPES.items():
             pose = Pose((0.0, 0.0, _HEIGHT), AxisRotation((0.0, 1.0, 0.0), _DEGREES))
             target = Object("target", shape, pose=pose)

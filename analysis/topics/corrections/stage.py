@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import subprocess
-import tempfile
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from analysis.results.study_results import Failure
 from analysis.topics.corrections import candidates, cases, evaluation
 from analysis.topics.corrections.set_ups import set_ups
 from analysis.topics.corrections.truths import FILE
+from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.installation import ROOT, no_benchmark
 
 FOLDER = "corrections"
@@ -90,16 +90,18 @@ def evaluated(module: Any) -> Document:
 def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
     """Measures the processor time per triangle of every correction of the module (second key) on every shape, all in one run in random
     order; the least of three."""
-    with tempfile.TemporaryDirectory() as folder:
-        answer = Path(folder) / "answer.json"
+    with temporary_folder() as folder:
+        answer = folder / "answer.json"
         subprocess.run(
-            [
-                str(program),
-                "--benchmark_repetitions=3",
-                "--benchmark_enable_random_interleaving=true",
-                f"--benchmark_out={answer}",
-                "--benchmark_out_format=json",
-            ],
+            ending_with_this(
+                [
+                    program,
+                    "--benchmark_repetitions=3",
+                    "--benchmark_enable_random_interleaving=true",
+                    f"--benchmark_out={answer}",
+                    "--benchmark_out_format=json",
+                ]
+            ),
             check=True,
             capture_output=True,
         )

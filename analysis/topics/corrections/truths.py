@@ -8,7 +8,6 @@ from __future__ import annotations
 import csv
 import io
 import sys
-import tempfile
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from typing import Any
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import write_text
 from analysis.topics.corrections.set_ups import SetUp, set_ups
+from geometries.common.children import temporary_folder
 from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical
 
@@ -66,8 +66,8 @@ def solved(module: Any, set_up: SetUp) -> Truth:
 
 
 def _maxwell(module: Any, scene: Scene) -> dict[str, Any]:
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scene.toml"
+    with temporary_folder() as folder:
+        path = folder / "scene.toml"
         path.write_text(canonical(scene), encoding="utf-8")
         answer: dict[str, Any] = module.Scene.load(path).maxwell(rtol=RTOL)
     return answer

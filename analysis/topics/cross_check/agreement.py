@@ -92,7 +92,7 @@ def brackets(results: Results) -> list[Bracket]:
     found = []
     for case in results.cases.values():
         reference, boundary = case.reference, case.boundary
-        if reference is None or boundary is None or reference.error_kind != "enclosure":
+        if reference is None or boundary is None or not reference.is_proven:
             continue
         for name in reference.conductors:
             place = reference.conductors.index(name)

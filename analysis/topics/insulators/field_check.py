@@ -10,7 +10,6 @@ file to solve all of them anew by both.
 from __future__ import annotations
 
 import sys
-import tempfile
 import time
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -25,6 +24,7 @@ from analysis.results.answers import Estimate
 from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.results.study_results import SCENE
 from analysis.topics.insulators.set_ups import COVER, FILM, READING, TARGET, SetUp, all_set_ups
+from geometries.common.children import temporary_folder
 from geometries.scene.writer import canonical_and_identity
 
 FILE = Path(__file__).with_name("field_checks.json")
@@ -146,8 +146,8 @@ def _by_boundary_elements(model: Any, set_up: SetUp) -> Document:
 
 
 def _by_field(processes: Processes, set_up: SetUp) -> Document:
-    with tempfile.TemporaryDirectory() as folder:
-        scene = Path(folder) / SCENE
+    with temporary_folder() as folder:
+        scene = folder / SCENE
         write_text(scene, set_up.text)
         asked = ("--columns", set_up.scene.sensors[0].name, "--rtol", repr(RTOL))
         return reference_stage.solve(scene, processes, *asked)

@@ -7,7 +7,6 @@ core for all of them. Delete the file to solve all of them anew.
 from __future__ import annotations
 
 import sys
-import tempfile
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.results.study_results import SCENE
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import SetUp, all_set_ups
+from geometries.common.children import temporary_folder
 from geometries.scene.shapes import Cuboid, PlateShape
 
 FILE = Path(__file__).with_name("field_checks.json")
@@ -126,8 +126,8 @@ def solved(set_up: SetUp, processes: Processes) -> FieldCheck:
     (asked_for,) = set_up.scene.readings
     columns = dict.fromkeys([asked_for.sense, *asked_for.drive])
     asked = ("--rtol", repr(_RTOL), "--error", "enclosure", "--max-unknowns", str(_MOST_UNKNOWNS))
-    with tempfile.TemporaryDirectory() as folder:
-        scene = Path(folder) / SCENE
+    with temporary_folder() as folder:
+        scene = folder / SCENE
         write_text(scene, set_up.text)
         document = reference_stage.solve(scene, processes, *asked, "--columns", ",".join(columns))
     (reading,) = document["readings"]

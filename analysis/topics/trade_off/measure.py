@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import os
 import sys
-import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,6 +17,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results import study_results as results
 from analysis.results.store import Document, write_json
 from analysis.results.study_results import CaseResult
+from geometries.common.children import temporary_folder
 from geometries.scene.scene import Link, Scene
 from geometries.scene.writer import canonical
 
@@ -76,8 +76,8 @@ def measured(module: Any, cases: list[CaseResult]) -> Document:
     answers: list[Document] = [
         {"kind": method.kind, "name": method.name, "values": {}, "seconds": {}} for method in known
     ]
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scene.toml"
+    with temporary_folder() as folder:
+        path = folder / "scene.toml"
         for case in cases:
             path.write_text(canonical(movable(case.scene)), encoding="utf-8")
             solved = module.Scene.load(str(path)).maxwell(rtol=TRUTH_RTOL)

@@ -11,8 +11,8 @@ import hashlib
 import json
 import logging
 import math
+import os
 import sys
-import tempfile
 import time
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -24,6 +24,7 @@ from typing import Literal
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import Document, write_text
 from analysis.results.units import PICOFARAD
+from geometries.common.children import end_with, temporary_folder
 from geometries.common.interpreter import continue_with
 from geometries.scene.meshes import read_triangles
 from geometries.scene.poses import AxisRotation, Pose, Vector3
@@ -190,8 +191,8 @@ KEYS = ("value", "error", "lower", "upper")
 
 def _boundary_elements(machine: Machine) -> list[Document]:
     """The backgrounds and changes of the readings (pF) by boundary elements, each with its error."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "scene.toml"
+    with temporary_folder() as folder:
+        path = folder / "scene.toml"
         path.write_text(canonical(machine.scene), encoding="utf-8")
         known = model_module().Scene.load(path).readings(method="boundary-elements", rtol=BOUNDARY_RTOL)
     return [
@@ -284,7 +285,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         is_missing = name not in answers or answers[name]["scene"] != identity(machine.scene)
         if name in options.names or (not options.names and is_missing):
             # Each machine has a process of its own, so that the peak of its memory is its own.
-            with ProcessPoolExecutor(1, get_context("spawn"), _prepare) as executor:
+            with ProcessPoolExecutor(1, get_context("spawn"), _prepare, (os.getpid(),)) as executor:
                 found = executor.submit(answer, machine, options.max_seconds).result()
             # Another process may have written meanwhile.
             answers = {**stored(), name: found}
@@ -294,8 +295,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     return 0
 
 
-def _prepare() -> None:
-    """Silence the form compiler, which logs through the root logger."""
+def _prepare(parent: int) -> None:
+    """End with the parent, and silence the form compiler, which logs through the root logger."""
+    end_with(parent)
     logging.disable(logging.INFO)
 
 

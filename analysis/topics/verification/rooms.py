@@ -9,7 +9,6 @@ effect is that of images beyond them, which carry no charge together: below 1e-6
 from __future__ import annotations
 
 import json
-import tempfile
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
@@ -19,6 +18,7 @@ import fringe
 import numpy as np
 from numpy.typing import NDArray
 
+from geometries.common.children import temporary_folder
 from geometries.common.files import whole_file
 
 Array = NDArray[np.float64]
@@ -121,8 +121,8 @@ def _with_images(room: PlatesInRoom, reflections: int) -> tuple[Array, float]:
         for number, (centre, half) in enumerate(plate for plates in room.plates for plate in plates)
         for place, factor in images(room, centre, reflections)
     ]
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "images.toml"
+    with temporary_folder() as folder:
+        path = folder / "images.toml"
         text = [_sensor(f"plate {k}", place, half) for k, (_, place, half, _) in enumerate(charged)]
         path.write_text("\n".join(text), encoding="utf-8")
         found = fringe.Scene.load(path).maxwell(rtol=RTOL if len(charged) <= MANY else RTOL_OF_MANY)

@@ -12,9 +12,11 @@ import pytest
 from fem_reference.answer import reference
 from fem_reference.answer.convergence import Estimate
 from fem_reference.solve.level import Level, solve_level
-from fem_reference.answer.reference import Reference, first_refinement
+from fem_reference.answer.reference import ErrorKind, Reference, first_refinement
 from fem_reference.bodies.conductors import normalised
 from fem_reference.bodies.shapes import Rectangle
+from fem_reference.output.documents import table
+from fem_reference.solve.enclosure import Enclosure
 
 
 def answer(levels: int, error: float) -> Reference:
@@ -72,3 +74,34 @@ def test_what_does_not_fit_in_memory_ends_with_the_answer_so_far(
     found = reference.solve_conductors(normalised(["plate"], 1, [plate], [0]), rtol=1e-5)
     assert not found.reached and len(found.levels) == 1 and found.enclosure is not None
     assert found.stopped_by == "the next level took more memory than there is"
+
+
+@pytest.mark.parametrize("error", ["enclosure", "estimate"])
+def test_bounds_of_meshes_that_exclude_each_other_never_pass_silently(
+    monkeypatch: pytest.MonkeyPatch, error: ErrorKind
+) -> None:
+    """The second mesh has other bounds than the first, as a mistake of a mesh or of the solver would have; only the sizes are the solver's."""
+    solved: list[Level] = []
+
+    def shifted(*arguments: Any) -> Level:
+        if not solved:
+            solved.append(solve_level(*arguments))
+            return solved[0]
+        moved = replace(solved[0], maxwell=1.1 * solved[0].maxwell)
+        for name in ("enclosure", "check"):
+            known = getattr(moved, name)
+            if known is not None:
+                moved = replace(moved, **{name: Enclosure(1.1 * known.lower, 1.1 * known.upper)})
+        if moved.estimated is not None:
+            moved = replace(moved, estimated=(1.1 * moved.estimated[0], 1.1 * moved.estimated[1]))
+        return moved
+
+    monkeypatch.setattr(reference, "solve_level", shifted)
+    monkeypatch.setattr(reference, "MOST_LEVELS", 2)
+    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
+    found = reference.solve_conductors(normalised(["plate"], 1, [plate], [0]), rtol=1e-5, error=error)
+    assert found.contradicted is not None and "bounds of two meshes exclude each other" in found.contradicted
+    assert not found.reached and not replace(found, rtol=1.0).reached
+    first, second = solved[0].maxwell[0, 0], 1.1 * solved[0].maxwell[0, 0]
+    assert found.lower[0, 0] < first < found.upper[0, 0] and found.lower[0, 0] < second < found.upper[0, 0]
+    assert found.maxwell.error[0, 0] > 0.04 * first and "proven to lie" not in table(found)

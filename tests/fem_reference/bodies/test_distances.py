@@ -192,6 +192,36 @@ def test_bodies_touch_with_plane_faces_or_not(body: Body, expected: bool) -> Non
     assert touch_with_faces(PLATE, body) is expected
 
 
+BLOCK = Cuboid("block", np.array([0, 0, -0.1]), np.eye(3), (0.5, 0.5, 0.1))
+LETTER = ((-0.3, -0.3), (0.3, -0.3), (0.3, 0.0), (0.0, 0.0), (0.0, 0.3), (-0.3, 0.3))
+
+
+@pytest.mark.parametrize(
+    "sheet, expected",
+    [
+        (Disc("disc", np.zeros(3), np.eye(3), 0.3), True),
+        (Disc("overhanging", np.zeros(3), np.eye(3), 0.8), True),
+        (Disc("below", np.array([0, 0, -0.2]), np.eye(3), 0.3), True),
+        (Disc("standing", np.array([0, 0, 0.3]), LYING, 0.3), False),
+        (Disc("sunk in", np.array([0, 0, -0.01]), np.eye(3), 0.3), False),
+        (
+            PlanePolygon("letter", np.zeros(3), np.eye(3), np.array(LETTER), np.array(polygons.ears(LETTER))),
+            True,
+        ),
+        (
+            PlanePolygon(
+                "in it", np.array([0, 0, -0.1]), np.eye(3), np.array(LETTER), np.array(polygons.ears(LETTER))
+            ),
+            False,
+        ),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_discs_and_polygons_touch_a_block_with_their_plane_or_not(sheet: Body, expected: bool) -> None:
+    assert touch_with_faces(sheet, BLOCK) is expected
+    assert not touch_with_faces(BLOCK, sheet), "a sheet is not dielectric"
+
+
 def test_a_solid_contains_a_body_inside_it() -> None:
     small = Sphere("small", CENTRE, 0.05)
     for outer in (

@@ -66,6 +66,7 @@ def one_flipped() -> Array:
         (one_flipped(), "opposite orientation"),
         (CUBE[:, ::-1], "inside out"),
         (np.concatenate([CUBE, 2 * CUBE[:, ::-1]]), "inside out"),
+        (np.concatenate([3 * CUBE, CUBE[:, ::-1]]), "has a cavity around"),
         (np.concatenate([CUBE, CUBE + 0.05]), r"meets itself around .*: triangles \d+ and \d+"),
         (np.concatenate([CUBE, CUBE + [0.2, 0.05, 0.05]]), "meets itself"),  # face on face
         (np.concatenate([CUBE, CUBE]), "triangles at the edge|opposite|4 triangles"),
@@ -76,6 +77,7 @@ def one_flipped() -> Array:
         "open",
         "flipped",
         "inside out",
+        "inside out around another",
         "with a cavity",
         "crossing",
         "touching",

@@ -37,7 +37,7 @@ def test_gaps_of_cells_are_positive_and_add_up_to_the_gap_of_the_energies() -> N
     assert np.linalg.eigvalsh(found.gaps).min() > -1e-9 * np.trace(gap)
     # What is left is the gap outside of the mesh, and the quadrature in curved cells.
     assert np.abs(outside).max() < 1e-3 * np.trace(gap)
-    parts = parts_of_errors(found, entries(2), mesh.shape_error, [])
+    parts = parts_of_errors(found, entries(2), mesh.rim_error, [])
     collected = marks(problem.bodies, problem.owner, *mesh.corners(), parts.of_cells, parts.whole)
     total = collected.at_edges.sum(axis=0) + collected.away.sum(axis=0) + collected.rest
     np.testing.assert_allclose(total, parts.whole, rtol=1e-9)

@@ -11,7 +11,7 @@ from scipy.constants import epsilon_0
 
 from analysis.topics.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
 from fem_reference.bodies.shapes import Body, Cuboid, Rectangle, rectangle
-from fem_reference.solve.enclosure import Enclosure, enclosure, intersection
+from fem_reference.solve.enclosure import Enclosure, contradict, enclosure, intersection
 from fem_reference.solve.level import Level, solve_level
 from fem_reference.answer.reference import solve_conductors
 from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
@@ -60,6 +60,16 @@ def test_enclosures_of_one_matrix_intersect() -> None:
         [Enclosure(np.array([[1.0]]), np.array([[3.0]])), Enclosure(np.array([[0.0]]), np.array([[2.0]]))]
     )
     assert (found.lower[0, 0], found.upper[0, 0]) == (1.0, 2.0)
+
+
+def test_enclosures_that_exclude_each_other_contradict_and_give_what_holds_both() -> None:
+    """Only entries that have nothing in common: an interval is never upside down."""
+    one = Enclosure(np.array([[1.0, -2.0]]), np.array([[2.0, -1.0]]))
+    other = Enclosure(np.array([[3.0, -1.5]]), np.array([[4.0, -0.5]]))
+    assert contradict([one, other]) and not contradict([one, one])
+    found = intersection([one, other])
+    np.testing.assert_array_equal(found.lower, [[1.0, -1.5]])
+    np.testing.assert_array_equal(found.upper, [[4.0, -1.0]])
 
 
 def conductors_of(case: dict[str, Any]) -> Conductors:

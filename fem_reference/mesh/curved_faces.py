@@ -1,0 +1,124 @@
+"""How far the faces of a mesh are from the curved surfaces of the bodies that they stand for, measured at points on the faces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cache
+
+import basix
+import dolfinx
+import numpy as np
+from numpy.typing import NDArray
+
+from fem_reference.bodies.round_bodies import RoundBody
+from fem_reference.bodies.shapes import Body, Disc
+from fem_reference.mesh.body_distances import distance_from_surface, edge_distance
+from fem_reference.mesh.edges import ALONG_EDGE
+from fem_reference.mesh.quarter_points import TETRAHEDRON_EDGES, second_order
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int32]
+
+FACE_DEGREE = 8
+"""Degree of the quadrature on a face; its points are those at which distances are measured."""
+ON_SURFACE = 1e-6
+"""Largest distance of a corner on a surface, over the size of the body."""
+FACES = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
+"""The vertices of the faces of a tetrahedron, each opposite to the vertex of its number."""
+
+
+@dataclass(frozen=True)
+class CurvedFaces:
+    """Faces on the surfaces of round bodies, each from every side on which this process owns the cell."""
+
+    cells: Integers
+    """(n,): the numbers of these cells."""
+    others: Integers
+    """(n,): those of the cells on the other side."""
+    sides: Integers
+    """(n,): the position of each face in its cell."""
+    deviations: Array
+    """(n, p): the distances of the points of `face_rule` from the surface."""
+
+
+@cache
+def face_rule(side: int) -> tuple[Array, Array]:
+    """Points (p, 3) on a face of the reference tetrahedron, and weights (p,) of the integral over a triangle of area 1/2."""
+    points, weights = basix.make_quadrature(basix.CellType.triangle, FACE_DEGREE)
+    barycentric = np.column_stack([1 - points.sum(axis=1), points])
+    corners = np.array(basix.geometry(basix.CellType.tetrahedron))[list(FACES[side])]
+    return np.asarray(barycentric @ corners), np.asarray(weights)
+
+
+def curved_faces(
+    mesh: dolfinx.mesh.Mesh, tags: dolfinx.mesh.MeshTagsMetaClass, bodies: Sequence[Body]
+) -> CurvedFaces:
+    """Find the faces between cells with different tags whose corners are on the surface of one of the round bodies."""
+    topology = mesh.topology
+    for pair in ((3, 2), (2, 3)):
+        topology.create_connectivity(*pair)
+    owned = topology.index_map(3).size_local
+    tag = np.zeros(owned + topology.index_map(3).num_ghosts, dtype=np.int32)
+    tag[tags.indices] = tags.values
+    faces_of = topology.connectivity(3, 2).array.reshape(len(tag), 4)
+    to_cells = topology.connectivity(2, 3)
+    inner = np.flatnonzero(np.diff(to_cells.offsets) == 2)
+    pairs = to_cells.array[to_cells.offsets[inner][:, None] + np.arange(2)]
+    between = tag[pairs[:, 0]] != tag[pairs[:, 1]]
+    inner, pairs = inner[between], pairs[between]
+    faces, cells, others = np.tile(inner, 2), pairs.T.ravel(), pairs[:, ::-1].T.ravel()
+    own = cells < owned
+    faces, cells, others = faces[own], cells[own], others[own]
+    sides = np.argmax(faces_of[cells] == faces[:, None], axis=1).astype(np.int32)
+    nodes = mesh.geometry.x[mesh.geometry.dofmap.array.reshape(len(tag), -1)[cells]]
+    corners = nodes[np.arange(len(cells))[:, None], np.array(FACES)[sides]]
+    points = _points(nodes, sides)
+    deviations = np.full(points.shape[:2], -1.0)
+    for body in bodies:
+        if isinstance(body, RoundBody):
+            away = distance_from_surface(body, corners.reshape(-1, 3).T).reshape(-1, 3).max(axis=1)
+            chosen = (away < ON_SURFACE * body.size) & (deviations[:, 0] < 0)
+            found = distance_from_surface(body, points[chosen].reshape(-1, 3).T)
+            deviations[chosen] = found.reshape(-1, points.shape[1])
+    known = deviations[:, 0] >= 0
+    return CurvedFaces(cells[known], others[known], sides[known], deviations[known])
+
+
+def _points(nodes: Array, sides: Integers) -> Array:
+    """The points (n, p, 3) of `face_rule` on faces of second-order cells (n, 10, 3)."""
+    found = np.empty((len(nodes), len(face_rule(0)[1]), 3))
+    for side in range(len(FACES)):
+        own = sides == side
+        shapes = second_order().tabulate(0, face_rule(side)[0])[0, :, :, 0]
+        found[own] = np.einsum("pk,cki->cpi", shapes, nodes[own])
+    return found
+
+
+def rim_errors(bodies: Sequence[Body], nodes: Array, cells: Integers) -> tuple[Array, Array]:
+    """Estimate for each side along the rim of a disc the relative error (n,) of capacitances if the whole rim were as far off; also the sides'
+    lengths (n,).
+
+    Moving the rim by d changes the capacitances by d/R of themselves, and by d over the gap to another conductor, which is at least as wide as
+    the cells there are long (`sizing`). The estimate is twice the sum.
+    """
+    errors, lengths = [np.zeros(0)], [np.zeros(0)]
+    ends = nodes[cells[:, TETRAHEDRON_EDGES]]
+    for disc in bodies:
+        if not isinstance(disc, Disc):
+            continue
+        length = np.linalg.norm(ends[:, :, 1] - ends[:, :, 0], axis=2)
+        at_ends = np.asarray(edge_distance(disc, ends.reshape(-1, 3).T)).reshape(ends.shape[:3]).max(axis=2)
+        halfway = np.asarray(edge_distance(disc, ends.mean(axis=2).reshape(-1, 3).T)).reshape(length.shape)
+        along = (at_ends < ON_SURFACE * disc.size) & (halfway < ALONG_EDGE * length)
+        first, last, middle = ends[along][:, 0], ends[along][:, 1], nodes[cells[:, 4:]][along]
+        away = [
+            edge_distance(
+                disc, ((1 - t) * (1 - 2 * t) * first + t * (2 * t - 1) * last + 4 * t * (1 - t) * middle).T
+            )
+            for t in (0.25, 0.5, 0.75)
+        ]
+        off = np.max(np.array(away).reshape(3, -1), axis=0)
+        errors.append(2 * off * (1 / disc.radius + 1 / length[along]))
+        lengths.append(length[along])
+    return np.concatenate(errors), np.concatenate(lengths)

@@ -1,0 +1,33 @@
+"""What is left of processes that a test started."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+# Only a failure takes so long (s), however busy the machine is.
+_PATIENCE = 120.0
+
+
+def marked(folder: Path) -> dict[int, str]:
+    """Returns the processes, with their command lines, that have this folder, or one within it, for their temporary files: what they
+    start has, too."""
+    mark = f"TMPDIR={folder}".encode()
+    found = {}
+    for process in Path("/proc").iterdir():
+        try:
+            if process.name.isdecimal() and mark in (process / "environ").read_bytes():
+                found[int(process.name)] = (process / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+        except OSError:
+            # It has ended, or is another user's.
+            continue
+    return found
+
+
+def wait_until(condition: Callable[[], bool]) -> None:
+    """Returns when a condition holds; AssertionError if it does not within minutes."""
+    end = time.monotonic() + _PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "the condition does not come true"
+        time.sleep(0.02)
