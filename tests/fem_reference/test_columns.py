@@ -40,6 +40,7 @@ def solved(*columns: str) -> Reference:
     return maxwell(loads(SCENE), max_seconds=1e-3, columns=columns)
 
 
+@pytest.mark.night
 def test_what_was_asked_for_is_a_part_of_the_whole() -> None:
     """The mesh is coarser around what was not asked for; the intervals of both meshes hold the truth."""
     whole, part = solved(), solved("grounded", "right")

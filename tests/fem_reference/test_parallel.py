@@ -12,6 +12,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.by_night import all_but
+
 ROOT = Path(__file__).resolve().parents[2]
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n"]
 PLATE = """
@@ -72,7 +74,7 @@ def answers(scene: Path, rtol: str, count: int) -> tuple[dict[str, Any], dict[st
     return one, several
 
 
-@pytest.mark.parametrize("processes", [2, 4])
+@pytest.mark.parametrize("processes", all_but([2], [2, 4]))
 def test_several_processes_enclose_as_one_does_on_the_same_mesh(scene: Path, processes: int) -> None:
     """In a room, with a curved body that floats, and one that is left out. Of four processes, some hold a cell on the body's surface
     as a ghost without the cell inside the body."""

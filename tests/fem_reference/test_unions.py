@@ -110,6 +110,7 @@ def test_a_clean_mesh_has_the_same_matrix(tmp_path: Path) -> None:
     assert found.wraps == () and found.geometry is None
 
 
+@pytest.mark.night
 def test_an_unclean_mesh_has_the_same_matrix(tmp_path: Path) -> None:
     """Every third triangle is flipped, some are there twice, and one ends in the middle of its neighbour's side: the mesh is wrapped.
 

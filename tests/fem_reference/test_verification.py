@@ -119,9 +119,9 @@ def test_parallel_squares(gap: float) -> None:
     "name",
     [
         "inclined_hinge1.5_25deg",
-        "corner_0.8_1.2_height1.5",
+        pytest.param("corner_0.8_1.2_height1.5", marks=pytest.mark.night),
         "size_3x3_on_10x10_gap1.5",
-        "two_sensors_6x10_plate_height2.5",
+        pytest.param("two_sensors_6x10_plate_height2.5", marks=pytest.mark.night),
     ],
 )
 def test_plates_against_boundary_elements(name: str) -> None:
@@ -138,6 +138,7 @@ def test_plates_against_boundary_elements(name: str) -> None:
     check(name, found.maxwell.value, found.maxwell.error, truth, case["relative_error"], 1e-3)
 
 
+@pytest.mark.night
 def test_the_error_falls_linearly_with_the_edge_size() -> None:
     """Measures the order of convergence on which extrapolation and adaptation rely, 1, from the true errors of four meshes of halved sizes.
 

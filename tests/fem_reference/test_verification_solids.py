@@ -50,6 +50,7 @@ def test_the_multipoles_of_two_balls_reproduce_published_values() -> None:
     np.testing.assert_allclose(UNIT * np.array([own, other, mutual]), LEKNER, rtol=1e-9)
 
 
+@pytest.mark.night
 def test_two_balls() -> None:
     found = solve_conductors(
         normalised(["first", "second"], 1, balls(), [0, 1]), 1.0, 3e-4, error="estimate"
@@ -61,9 +62,14 @@ def test_two_balls() -> None:
 @pytest.mark.parametrize(
     "name, answer, others",
     [
-        ("floating", floating, {"floating": ["second"]}),
+        pytest.param("floating", floating, {"floating": ["second"]}, marks=pytest.mark.night),
         ("dielectric", dielectric(5.0), {"dielectrics": [Dielectric("second", 5.0, 5.0)]}),
-        ("less than the medium", dielectric(0.2), {"dielectrics": [Dielectric("second", 0.2, 0.2)]}),
+        pytest.param(
+            "less than the medium",
+            dielectric(0.2),
+            {"dielectrics": [Dielectric("second", 0.2, 0.2)]},
+            marks=pytest.mark.night,
+        ),
     ],
 )
 def test_a_ball_without_charge_of_its_own(
@@ -132,6 +138,7 @@ def test_the_capacitance_of_one_body(body: Body, truth: float, exactness: float,
     check(body.name, found.value[0, 0], error, UNIT * truth, widest)
 
 
+@pytest.mark.night
 def test_a_capsule_is_that_of_rings_of_charge() -> None:
     """The outline of the rings is inscribed in the capsule's; two polygons give the limit of infinitely many sides."""
 

