@@ -67,11 +67,11 @@ void scene_reader(Bytes bytes) {
 void mesh_reader(Bytes bytes) {
   if (bytes.empty())
     return;
-  using Reader = std::vector<Triangle> (*)(std::string_view);
+  using Reader = detail::MeshContent (*)(std::string_view);
   constexpr std::array<Reader, 3> readers{detail::read_stl, detail::read_obj, detail::read_ply};
   const std::string content(bytes.begin() + 1, bytes.end());
   try {
-    for (const Triangle& triangle : readers[bytes[0] % readers.size()](content))
+    for (const Triangle& triangle : readers[bytes[0] % readers.size()](content).triangles)
       for (const Eigen::Vector3d& vertex : triangle)
         require(vertex.allFinite(), "vertices are finite");
   } catch (const InputError& error) {

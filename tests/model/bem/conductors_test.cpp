@@ -16,7 +16,8 @@
 #include "fringe/reading.hpp"
 #include "two_balls.hpp"
 
-namespace fringe::detail::conductors_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -120,4 +121,5 @@ TEST(AskedErrors, AreRelativeToTheLargerOfChangeAndAPartOfTheValue) {
   EXPECT_LT(change_scale(1, 0), 0.1);
 }
 
-}  // namespace fringe::detail::conductors_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -11,7 +11,8 @@
 #include "bem/scenes.hpp"
 #include "fringe/pose.hpp"
 
-namespace fringe::detail::contact_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Vector3d;
 
@@ -94,4 +95,5 @@ TEST(Contact, TrianglesOfABoxFaceOutwardsAndCoverItsFaces) {
   EXPECT_NEAR(volume, 8 * half.prod(), 1e-15);
 }
 
-}  // namespace fringe::detail::contact_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -16,7 +16,8 @@
 #include "bem/two_level_preconditioner.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe::detail::panel_matrix_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -165,4 +166,5 @@ TEST_F(PanelMatrix, ThePreconditionerIsSymmetricAndBringsTheEigenvaluesTogether)
   EXPECT_LT(values.maxCoeff() / values.minCoeff(), own.maxCoeff() / own.minCoeff() / 4);
 }
 
-}  // namespace fringe::detail::panel_matrix_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

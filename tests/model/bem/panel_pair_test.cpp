@@ -12,7 +12,8 @@
 #include "bem/panel_quadrature.hpp"
 #include "geometry.hpp"
 
-namespace fringe::detail::panel_pair_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Vector3d;
 
@@ -135,4 +136,5 @@ TEST(PanelQuadrature, AlongASegmentGivesItsLogarithm) {
   }
 }
 
-}  // namespace fringe::detail::panel_pair_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -15,7 +15,8 @@
 #include "geometry.hpp"
 #include "geometry/winding_number.hpp"
 
-namespace fringe::detail::boxes_and_pieces_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -154,4 +155,5 @@ TEST(ConvexPieces, ContainTheShapeAndLieInItsBox) {
   }
 }
 
-}  // namespace fringe::detail::boxes_and_pieces_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

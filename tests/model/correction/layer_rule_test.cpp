@@ -17,7 +17,8 @@
 #include "fringe/scene_reader.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe::detail::layer_rule_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Isometry3d;
 
@@ -87,4 +88,5 @@ TEST(Formula, IsTheMutualCapacitanceOfASensorAndABody) {
     }
 }
 
-}  // namespace fringe::detail::layer_rule_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -15,7 +15,8 @@
 #include "fringe/pose.hpp"
 #include "geometry.hpp"
 
-namespace fringe::detail::link_couplings_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Index;
 using Eigen::Isometry3d;
@@ -127,4 +128,5 @@ TEST_F(LinkCouplings, HaveForcesThatAreTheDerivativesOfTheirPotentials) {
   }
 }
 
-}  // namespace fringe::detail::link_couplings_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -17,7 +17,8 @@
 #include "fringe/reading.hpp"
 #include "geometry.hpp"
 
-namespace fringe::detail::moving_formula_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
@@ -140,4 +141,5 @@ TEST_F(MovingFormulaTest, HasWrenchesThatAddUpToNothing) {
   EXPECT_LT((of_target - difference).norm(), 0.03 * difference.norm());
 }
 
-}  // namespace fringe::detail::moving_formula_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

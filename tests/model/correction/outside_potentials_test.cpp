@@ -19,7 +19,8 @@
 #include "fringe/reading.hpp"
 #include "geometry.hpp"
 
-namespace fringe::detail::outside_potentials_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXf;
@@ -150,4 +151,5 @@ TEST(MortonsCurve, VisitsEveryPointOnceAndNeighboursTogether) {
     EXPECT_EQ(order[k], k);
 }
 
-}  // namespace fringe::detail::outside_potentials_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -12,7 +12,8 @@
 #include "geometry.hpp"
 #include "geometry/plate_frame.hpp"
 
-namespace fringe::detail::clipping_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Vector3d;
 
@@ -93,4 +94,5 @@ TEST(Clipping, WhatLiesInABorderPlaneBelongsToOneStrip) {
   EXPECT_FALSE(only_strip(extent(whole(upright), 1), 0.5));
 }
 
-}  // namespace fringe::detail::clipping_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

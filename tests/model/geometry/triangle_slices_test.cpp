@@ -10,7 +10,8 @@
 
 #include "geometry.hpp"
 
-namespace fringe::detail::triangle_slices_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Vector3d;
 
@@ -71,4 +72,5 @@ TEST(TriangleSlices, HalvesAreEqualAndNoLongerThanTheTriangle) {
   }
 }
 
-}  // namespace fringe::detail::triangle_slices_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

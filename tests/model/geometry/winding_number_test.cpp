@@ -14,7 +14,8 @@
 #include "geometry.hpp"
 #include "geometry/person.hpp"
 
-namespace fringe::detail::winding_number_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Vector3d;
 
@@ -74,4 +75,5 @@ TEST(WindingNumber, PersonsAreClosedAndGrowWithTheirHeight) {
     }
 }
 
-}  // namespace fringe::detail::winding_number_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -11,7 +11,8 @@
 #include "geometry.hpp"
 #include "geometry/link_motion.hpp"
 
-namespace fringe::detail::wrench_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -89,4 +90,5 @@ TEST(Wrench, OfPairsAddUpToTheDerivativesByEachLink) {
   }
 }
 
-}  // namespace fringe::detail::wrench_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -10,7 +10,8 @@
 #include "geometry.hpp"
 #include "numeric/gauss_rule.hpp"
 
-namespace fringe::detail::edge_moment_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Vector3d;
 
@@ -80,4 +81,5 @@ TEST(EdgeMoment, LogarithmsOfRatiosDoNotOverflow) {
   EXPECT_EQ(log_of_ratio(3, 3), 0);
 }
 
-}  // namespace fringe::detail::edge_moment_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

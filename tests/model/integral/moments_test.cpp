@@ -16,7 +16,8 @@
 #include "integral/tree/partition.hpp"
 #include "integral/tree/weighted_point.hpp"
 
-namespace fringe::detail::moments_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Vector3d;
 
@@ -131,4 +132,5 @@ TEST(Partition, HasEveryTriangleOfPositiveAreaInOneLeaf) {
   EXPECT_NEAR(area, expected, 1e-12);
 }
 
-}  // namespace fringe::detail::moments_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

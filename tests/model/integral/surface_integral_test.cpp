@@ -12,7 +12,8 @@
 #include "integral/gauss.hpp"
 #include "integral/splitting.hpp"
 
-namespace fringe::detail::surface_integral_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
@@ -102,4 +103,5 @@ TEST(SurfaceIntegral, BySplittingAndByGaussConverges) {
   EXPECT_NEAR(gauss_integral(plate, local, twice_area, gauss_rule(12)), exact, 1e-13);
 }
 
-}  // namespace fringe::detail::surface_integral_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

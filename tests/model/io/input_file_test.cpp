@@ -8,7 +8,8 @@
 #include "fringe/error.hpp"
 #include "temporary_folder.hpp"
 
-namespace fringe::detail::input_file_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 class InputFile : public test::TemporaryFolder {};
 
@@ -30,4 +31,5 @@ TEST_F(InputFile, IsNoFolderDeviceLoopOrNothing) {
   EXPECT_THROW(file_content(folder() / "missing"), InputError);
 }
 
-}  // namespace fringe::detail::input_file_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

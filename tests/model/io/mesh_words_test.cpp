@@ -12,7 +12,8 @@
 #include "geometry.hpp"
 #include "io/mesh_formats.hpp"
 
-namespace fringe::detail::mesh_words_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 TEST(MeshWords, TakeLinesAndWordsUntilNothingIsLeft) {
   std::string_view text = "one two\r\n\n\tthree";
@@ -62,14 +63,14 @@ TEST(MeshWords, SpoiltFilesAreReadOrRefusedButNothingElse) {
             "0\n0 1 0\n3 0 1 2\n",
       stl = "solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
             "0\nendloop\nendfacet\nendsolid s\n";
-  EXPECT_EQ(read_obj(obj).size(), 2U);
-  EXPECT_EQ(read_ply(ply).size(), 1U);
-  EXPECT_EQ(read_stl(stl).size(), 1U);
+  EXPECT_EQ(read_obj(obj).triangles.size(), 2U);
+  EXPECT_EQ(read_ply(ply).triangles.size(), 1U);
+  EXPECT_EQ(read_stl(stl).triangles.size(), 1U);
   test::Random random(1);
   int read = 0, refused = 0;
   const auto attempt = [&](const auto& reader, const std::string& content) {
     try {
-      for (const Triangle& triangle : reader(content))
+      for (const Triangle& triangle : reader(content).triangles)
         for (const Eigen::Vector3d& corner : triangle)
           EXPECT_TRUE(corner.allFinite());
       ++read;
@@ -86,4 +87,5 @@ TEST(MeshWords, SpoiltFilesAreReadOrRefusedButNothingElse) {
   EXPECT_GT(refused, 0);
 }
 
-}  // namespace fringe::detail::mesh_words_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

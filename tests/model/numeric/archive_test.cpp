@@ -11,7 +11,8 @@
 
 #include "geometry.hpp"
 
-namespace fringe::detail::archive_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 enum class Colour { red, green };
 
@@ -103,4 +104,5 @@ TEST(Archive, RefusesCountsThatCannotBe) {
   EXPECT_THROW(ArchiveReader{sides}(matrix), ArchiveEnds);
 }
 
-}  // namespace fringe::detail::archive_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -6,7 +6,8 @@
 
 #include "fringe/interruption.hpp"
 
-namespace fringe::detail::cholesky_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
@@ -45,4 +46,5 @@ TEST(Cholesky, IsInterrupted) {
   EXPECT_THROW(Cholesky(lorentzian(500)), Interrupted);
 }
 
-}  // namespace fringe::detail::cholesky_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

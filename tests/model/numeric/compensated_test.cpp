@@ -10,7 +10,8 @@
 #include "geometry.hpp"
 #include "numeric/dyadic.hpp"
 
-namespace fringe::detail::compensated_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 /// Expects a double to be an exact number up to two units in the last place of it.
 void expect_rounded(double found, const Dyadic& exact) {
@@ -41,4 +42,5 @@ TEST(Compensated, ProductsOfNearlyParallelVectorsHaveAllDigits) {
   }
 }
 
-}  // namespace fringe::detail::compensated_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -10,7 +10,8 @@
 #include "numeric/dyadic.hpp"
 #include "numeric/precise_vector.hpp"
 
-namespace fringe::detail::double_double_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 /// The relative error that the header allows for sums, and several times more for what has several steps.
 constexpr double unit = 0x1p-106;
@@ -77,4 +78,5 @@ TEST(DoubleDouble, VectorsKeepWhatDoublesWouldLose) {
   EXPECT_EQ(polar({}).length.high, 0);
 }
 
-}  // namespace fringe::detail::double_double_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

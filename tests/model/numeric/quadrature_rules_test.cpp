@@ -9,7 +9,8 @@
 #include "numeric/gauss_rule.hpp"
 #include "numeric/triangle_rules.hpp"
 
-namespace fringe::detail::quadrature_rules_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 TEST(QuadratureRules, OfGaussAreExactUpToTheirDegree) {
   for (const int points : {1, 2, 3, 5, 8, 16, 20}) {
@@ -55,4 +56,5 @@ TEST(QuadratureRules, OfTrianglesAreExactUpToTheirDegree) {
   }
 }
 
-}  // namespace fringe::detail::quadrature_rules_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

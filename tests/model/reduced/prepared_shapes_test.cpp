@@ -19,7 +19,8 @@
 #include "reduced/rigid_bodies.hpp"
 #include "reduced/single_body_system.hpp"
 
-namespace fringe::detail::prepared_shapes_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXf;
@@ -209,4 +210,5 @@ TEST(OutsideCharges, SurroundABodyAndKeepApart) {
                             [&](const Vector3d& point) { return (point - candidate).norm() < 0.3 + 1e-12; }));
 }
 
-}  // namespace fringe::detail::prepared_shapes_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -15,7 +15,8 @@
 #include "sensing/nearest_on_triangle.hpp"
 #include "sensing/triangle_tree.hpp"
 
-namespace fringe::detail::cone_query_test {
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
 
 using Eigen::Vector3d;
 
@@ -147,4 +148,5 @@ TEST(ConeQuery, AnswersTheSameInAnyOrderAndByATree) {
   EXPECT_FALSE(near.best());
 }
 
-}  // namespace fringe::detail::cone_query_test
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE
