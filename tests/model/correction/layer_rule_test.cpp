@@ -73,7 +73,7 @@ double formula_of(const Shape& shape, const Isometry3d& pose, double factor = 1)
   return formula(formula_terms(object, sensor, to_object, std::vector{plate}));
 }
 
-// It states 0.22 % rms and 2.2 % at worst for plates and cuboids.
+// It is 2 % off rms and 7 % at worst (model/CORRECTIONS.md, section 5).
 TEST(Formula, IsTheMutualCapacitanceOfASensorAndABody) {
   for (const Shape& shape : std::vector<Shape>{Plate{0.08, 0.06}, Cuboid{0.05, 0.09, 0.02}})
     for (const Isometry3d& pose : {test::at(0, 0, 0.03), test::at(0.05, 0.02, 0.08), test::at(0, 0, 0.5)}) {
@@ -82,7 +82,7 @@ TEST(Formula, IsTheMutualCapacitanceOfASensorAndABody) {
       scene.objects = {test::object("target", shape, pose)};
       const double expected = -maxwell(scene, {.rtol = 2e-3}).values(0, 1) / vacuum_permittivity;
       const double found = formula_of(shape, pose);
-      EXPECT_NEAR(found, expected, 0.025 * expected);
+      EXPECT_NEAR(found, expected, 0.07 * expected);
       // Capacitances are proportional to lengths.
       EXPECT_NEAR(formula_of(shape, pose, 1e-3), 1e-3 * found, 1e-9 * found);
     }

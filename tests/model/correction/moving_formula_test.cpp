@@ -51,8 +51,7 @@ double truth(const PoseOfMachine& pose) {
 }
 
 /// A sensor that moves before a housing, and a hand.
-class MovingFormulaTest : public testing::Test {
- protected:
+struct Prepared {
   static constexpr double rtol = 0.05;
 
   static PoseOfMachine pose(double gap, double turn, const Vector3d& place) {
@@ -84,6 +83,23 @@ class MovingFormulaTest : public testing::Test {
                             machine.approach(of_target, of_links, MovingMachine::none)};
   LinkTables tables{machine, target};
   MovingFormula formula;
+};
+
+/// All tests share what is prepared.
+class MovingFormulaTest : public testing::Test {
+ protected:
+  static Prepared& prepared() {
+    static Prepared of_all;
+    return of_all;
+  }
+
+  double change(const PoseOfMachine& at, double* error = nullptr) { return prepared().change(at, error); }
+
+  const std::vector<PoseOfMachine>& poses = prepared().poses;
+  const MovingMachine& machine = prepared().machine;
+  const TargetAtRest& target = prepared().target;
+  LinkTables& tables = prepared().tables;
+  MovingFormula& formula = prepared().formula;
 };
 
 TEST_F(MovingFormulaTest, IsTheChangeByBoundaryElementsInEveryPose) {

@@ -53,8 +53,9 @@ TEST_F(OutsidePotentialsTest, AreThoseOfAPointFarAwayAndOneAtWhatIsDriven) {
   ASSERT_EQ(values.of_functions.cols(), functions);
   for (Index function = 0; function < functions; ++function)
     EXPECT_NEAR(values.of_functions(0, function) * 50, 1, 3e-3);
-  const double charge = machine.functions().panels().given.col(0).sum();
-  EXPECT_NEAR(values.of_given(0, 0) * 50, charge, 5e-3 * charge);
+  // The sensor's charge and that on the housing nearly cancel.
+  const Eigen::VectorXf charges = machine.functions().panels().given.col(0);
+  EXPECT_NEAR(values.of_given(0, 0) * 50, charges.sum(), 2e-3 * charges.cwiseAbs().sum());
   // The sensor is at unit potential, the housing grounded.
   EXPECT_NEAR(given_at({0, 0, 0.001}), 1, 0.05);
   EXPECT_NEAR(given_at({0, 0, -0.046}), 0, 0.05);

@@ -37,7 +37,8 @@ double capacitance(const PreparedLevel& level) {
 TEST(PreparedShapes, HaveTheCapacitanceOfTheirShapeTheBetterTheMoreFunctionsTheyHave) {
   PreparedShape cube(box_at_origin({1, 1, 1})), square(plate_at_origin(1, 1));
   double least_of_cube = 0, least_of_square = 0;
-  for (int index = 0; index < PreparedShape::levels; ++index) {
+  // The finest level takes a second to prepare.
+  for (int index = 0; index + 1 < PreparedShape::levels; ++index) {
     const double found = capacitance(cube.level(index)), other = capacitance(square.level(index));
     // Galerkin's energies are lower bounds; numbers are single.
     EXPECT_LT(found, of_cube * (1 + 1e-5));
@@ -63,7 +64,7 @@ TEST(PreparedShapes, OfTheSameProportionsAreShared) {
 
 TEST(PreparedShapes, OfTrianglesHaveTheCapacitanceOfTheirSurface) {
   const std::vector<TriangleSurface> cube{{triangulate(Cuboid{2, 2, 2})}};
-  const SingleBodySystem found = solve_single_body(cube, 1e-2, 1500);
+  const SingleBodySystem found = solve_single_body(cube, 3e-2, 800);
   const Index count = found.matrix.rows();
   ASSERT_EQ(count, static_cast<Index>(found.mesh.panels().size()));
   const Eigen::VectorXd charges = found.factor.solve(Eigen::VectorXd::Ones(count));
