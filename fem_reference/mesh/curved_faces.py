@@ -11,7 +11,7 @@ import dolfinx
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.bodies.round_bodies import RoundBody
+from fem_reference.bodies.round_bodies import ROUND_BODIES
 from fem_reference.bodies.shapes import Body, Disc
 from fem_reference.mesh.body_distances import distance_from_surface, edge_distance
 from fem_reference.mesh.edges import ALONG_EDGE
@@ -76,7 +76,7 @@ def curved_faces(
     points = _points(nodes, sides)
     deviations = np.full(points.shape[:2], -1.0)
     for body in bodies:
-        if isinstance(body, RoundBody):
+        if isinstance(body, ROUND_BODIES):
             away = distance_from_surface(body, corners.reshape(-1, 3).T).reshape(-1, 3).max(axis=1)
             chosen = (away < ON_SURFACE * body.size) & (deviations[:, 0] < 0)
             found = distance_from_surface(body, points[chosen].reshape(-1, 3).T)
