@@ -450,7 +450,9 @@ def _combined(
         delta_self = shape.corrected_change(delta_self)
     if interval is not None:
         value = np.clip(value, interval.lower, interval.upper)
-        matrix_error = np.minimum(matrix_error, np.maximum(value - interval.lower, interval.upper - value))
+        reach = np.maximum(value - interval.lower, interval.upper - value)
+        # Where meshes contradict each other, no estimate of theirs is better than the interval that holds both.
+        matrix_error = np.minimum(matrix_error, reach) if contradicted is None else reach
         answer = Estimate(value, matrix_error, matrix.extrapolated)
     else:
         check = with_left_out(intersection(checks), left_out) if checks else None

@@ -159,6 +159,7 @@ class Arc:
 
 
 RoundBody = Sphere | Ellipsoid | Swept | Cylinder | Cone | Arc
+ROUND_BODIES = (Sphere, Ellipsoid, Swept, Cylinder, Cone, Arc)
 
 
 def _box(centre: Vector, axes: Vector, half_widths: tuple[float, float, float]) -> Vector:

@@ -46,7 +46,7 @@ CLOSED = 1.5
 """Distance from the wrapped bodies, over that up to which a wrap may be simplified, from which on a wrap closes a hollow."""
 SPACINGS, SPACING_QUANTILE = 3.0, 0.99
 """Largest distance of a point from the nearest sample, over a quantile of the samples' distances from each other."""
-OPENING, OPENED, MOST_OPENINGS = 0.5, 0.6, 3
+OPENING, OPENED, MOST_OPENINGS = 0.8, 0.6, 3
 """First alpha that is to open a hollow, over the largest distance in it; the ratio of that distance to what is left of it from which on it is open;
 and the number of times that alpha is made smaller."""
 MOST_SEGMENTS = 400
@@ -109,9 +109,9 @@ def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geomet
 
     vertices, corners, closes = wrapped()
     if geometry.opens and closes:
-        widest = closes
+        widest, alpha = closes, 2 * OPENING * closes
         for _ in range(MOST_OPENINGS):
-            alpha = max(OPENING * widest, 2 * offset) if closes == widest else max(alpha / 2, 2 * offset)
+            alpha = max(alpha / 2, 2 * offset)
             vertices, corners, closes = wrapped()
             if closes < OPENED * widest or alpha <= 2 * offset:
                 break

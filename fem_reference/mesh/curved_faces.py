@@ -11,7 +11,7 @@ import dolfinx
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.bodies.round_bodies import RoundBody
+from fem_reference.bodies.round_bodies import ROUND_BODIES
 from fem_reference.bodies.shapes import Body, Disc
 from fem_reference.mesh.body_distances import distance_from_surface, edge_distance
 from fem_reference.mesh.edges import ALONG_EDGE
@@ -55,6 +55,10 @@ def curved_faces(
     mesh: dolfinx.mesh.Mesh, tags: dolfinx.mesh.MeshTagsMetaClass, bodies: Sequence[Body]
 ) -> CurvedFaces:
     """Find the faces between cells with different tags whose corners are on the surface of one of the round bodies."""
+    round_bodies = [body for body in bodies if isinstance(body, ROUND_BODIES)]
+    if not round_bodies:
+        none = np.zeros(0, dtype=np.int32)
+        return CurvedFaces(none, none, none, np.zeros((0, len(face_rule(0)[1]))))
     topology = mesh.topology
     for pair in ((3, 2), (2, 3)):
         topology.create_connectivity(*pair)
@@ -75,12 +79,11 @@ def curved_faces(
     corners = nodes[np.arange(len(cells))[:, None], np.array(FACES)[sides]]
     points = _points(nodes, sides)
     deviations = np.full(points.shape[:2], -1.0)
-    for body in bodies:
-        if isinstance(body, RoundBody):
-            away = distance_from_surface(body, corners.reshape(-1, 3).T).reshape(-1, 3).max(axis=1)
-            chosen = (away < ON_SURFACE * body.size) & (deviations[:, 0] < 0)
-            found = distance_from_surface(body, points[chosen].reshape(-1, 3).T)
-            deviations[chosen] = found.reshape(-1, points.shape[1])
+    for body in round_bodies:
+        away = distance_from_surface(body, corners.reshape(-1, 3).T).reshape(-1, 3).max(axis=1)
+        chosen = (away < ON_SURFACE * body.size) & (deviations[:, 0] < 0)
+        found = distance_from_surface(body, points[chosen].reshape(-1, 3).T)
+        deviations[chosen] = found.reshape(-1, points.shape[1])
     known = deviations[:, 0] >= 0
     return CurvedFaces(cells[known], others[known], sides[known], deviations[known])
 

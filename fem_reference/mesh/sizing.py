@@ -37,6 +37,8 @@ from fem_reference.mesh.tape import Expression, Quantity, Tape, smallest
 
 __all__ = ["Sizing", "distance_on_tape", "size_function"]
 
+SIDES_ALONG_RIM = 800
+"""Number of cells along the rim of an ellipsoid on the coarsest level, from which on they may be larger than the radius of curvature there."""
 AT_APEX = 0.1
 """Size of the cells at the apex of a cone over the size at its edge. It has to end the refinement by curvature, since the radius of
 curvature falls to 0 towards the apex."""
@@ -168,15 +170,24 @@ def _sizes_of_body(
     if radius is not None:
         least = AT_APEX * at_edges if isinstance(body, Cone) else 0.0
         curved = sizing.curvature / sizing.refinement**0.5 * radius
+        if isinstance(body, Ellipsoid):
+            curved = _on_ellipsoid(body, curved, sizing, tape)
         away = curved_distance(body, tape.point)
-        growth = sizing.growth * (surface if away is None else away)
-        sizes.append(least + curved + growth)
-        focal = focal_curve(body) if isinstance(body, Ellipsoid) else None
-        if focal is not None:
-            # The radius of curvature may grow faster along the surface than the cells can; the distance to the focal curve does not.
-            curve = tape.distance(focal[:, [0, 1, 1]])
-            sizes.append(sizing.curvature / sizing.refinement**0.5 * curve + growth)
+        sizes.append(least + curved + sizing.growth * (surface if away is None else away))
     return sizes
+
+
+def _on_ellipsoid(body: Ellipsoid, curved: Quantity, sizing: Sizing, tape: Tape) -> Quantity:
+    """The size on an ellipsoid, of which `curved` is what the radius of curvature requires.
+
+    That radius may grow faster along the surface than sizes of cells can; the distance to the focal curve does not. Along a sharp rim the cells
+    may be larger than the radius, so that their number is bounded.
+    """
+    focal = focal_curve(body)
+    length = float(np.linalg.norm(focal[:, 1] - focal[:, 0], axis=1).sum())
+    least = min(length / SIDES_ALONG_RIM, sizing.curvature * min(body.semi_axes)) / sizing.refinement
+    curve = sizing.curvature / sizing.refinement**0.5 * tape.distance(focal[:, [0, 1, 1]])
+    return np.maximum(np.minimum(curved, curve), least)
 
 
 def _sizes_of_polyhedron(

@@ -218,7 +218,7 @@ def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
         "contradicted": reference.contradicted,
         "worst_relative_error": reference.worst,
         "error_kind": reference.error_kind,
-        "interval": INTERVAL[reference.error_kind] + (WRAPPED_INTERVAL if reference.wraps else ""),
+        "interval": _interval(reference),
         "curved": list(reference.curved),
         "symmetry_planes": [
             {"normal": plane.normal.tolist(), "offset": plane.offset} for plane in reference.planes
@@ -234,11 +234,23 @@ def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
     }
 
 
+def _interval(reference: Reference) -> str:
+    """What `lower` and `upper` are."""
+    words = INTERVAL[reference.error_kind] + (WRAPPED_INTERVAL if reference.wraps else "")
+    if reference.enclosure is not None and reference.contradicted is not None:
+        words += f"; nothing is proven: {reference.contradicted}"
+    return words
+
+
 def _geometry_document(reference: Reference, geometry: GeometryError) -> dict[str, Any]:
     """What was wrapped, what that costs, and which bounds are proven nevertheless."""
+    may_be_proven = not reference.curved and reference.contradicted is None
     return {
         "geometry_error": geometry.error.tolist(),
-        "proven": {"lower": geometry.lower_proven.tolist(), "upper": geometry.upper_proven.tolist()},
+        "proven": {
+            "lower": (geometry.lower_proven & may_be_proven).tolist(),
+            "upper": (geometry.upper_proven & may_be_proven).tolist(),
+        },
         "wrapped": [
             {
                 "members": list(wrap.members),

@@ -15,6 +15,7 @@ from fem_reference.solve.level import Level, solve_level
 from fem_reference.answer.reference import ErrorKind, Reference, first_refinement
 from fem_reference.bodies.conductors import normalised
 from fem_reference.bodies.shapes import Rectangle
+from fem_reference.mesh.size_rules import Sizing
 from fem_reference.output.documents import table
 from fem_reference.solve.enclosure import Enclosure
 
@@ -85,7 +86,8 @@ def test_bounds_of_meshes_that_exclude_each_other_never_pass_silently(
 
     def shifted(*arguments: Any) -> Level:
         if not solved:
-            solved.append(solve_level(*arguments))
+            problem, permittivity, _, *rest = arguments
+            solved.append(solve_level(problem, permittivity, Sizing(growth=0.6), *rest))
             return solved[0]
         moved = replace(solved[0], maxwell=1.1 * solved[0].maxwell)
         for name in ("enclosure", "check"):

@@ -100,3 +100,20 @@ def test_the_triangles_of_a_round_body_contain_it(shape: Shape) -> None:
         inside = middle * np.column_stack([np.cos(around), np.sin(around), 0 * around])
     assert outer.holds(surface_points + 1e-6 * (inside - surface_points)).all()
     assert np.ptp(outer.vertices, axis=0) == pytest.approx(np.ptp(shape.triangles(), axis=(0, 1)), rel=1e-2)
+
+
+def test_a_wrap_tells_which_hollows_it_closes_and_can_open_them() -> None:
+    """A square tube of 8 cm, open at both ends, is closed by every alpha above half of that, also by twice as much."""
+    sides = [
+        shapes.PlateShape((0.08, 0.4)).triangles() @ turn
+        + 0.04 * np.array([[0, 0, 1], [0, 0, -1], [1, 0, 0], [-1, 0, 0]])[k]
+        for k, turn in enumerate([np.eye(3), np.eye(3), np.eye(3)[[2, 1, 0]], np.eye(3)[[2, 1, 0]]])
+    ]
+    tube = [("tube", np.concatenate(sides))]
+    nothing = np.empty((0, 3, 3))
+    closed = wrap(tube, nothing, Geometry(rtol=2e-2, alpha=0.06))
+    middle = np.zeros((1, 3))
+    assert closed.holds(middle).all() and 0.03 < closed.closes < 0.045
+    opened = wrap(tube, nothing, Geometry(rtol=2e-2, alpha=0.06, opens=True))
+    assert not opened.holds(middle).any() and opened.closes < 0.6 * closed.closes
+    assert wrap([("box", BOX)], nothing, Geometry(rtol=2e-2, alpha=0.06)).closes == 0

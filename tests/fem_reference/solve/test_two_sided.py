@@ -30,10 +30,22 @@ def positive(random: np.random.Generator, size: float) -> NDArray[np.float64]:
     return np.asarray(size * root @ root.T)
 
 
-def bounded(matrix: NDArray[np.float64], gaps: list[NDArray[np.float64]]) -> BoundedMatrix:
-    """Bounds of a matrix that leave these gaps in the cells of a mesh, half of it below and half above."""
+def bounded(
+    matrix: NDArray[np.float64], gaps: list[NDArray[np.float64]], shift: float = 0.0
+) -> BoundedMatrix:
+    """Bounds of a matrix that leave these gaps in the cells of a mesh, half of it below and half above; curved surfaces change a share of them."""
     half = sum(gaps) / 2
-    return BoundedMatrix(matrix - half, matrix + half, np.array(gaps))
+    return BoundedMatrix(matrix - half, matrix + half, np.array(gaps), shift * np.array(gaps))
+
+
+def test_what_curved_surfaces_change_in_both_scenes_cancels() -> None:
+    own, wrong = np.eye(1), [np.array([[0.1]]), np.array([[0.2]])]
+    both = bounded(2 * own, wrong, 0.3), bounded(own, wrong, 0.3)
+    np.testing.assert_allclose(two_sided(own, own, *both, 1.0, 0.0).error, 0, atol=1e-12)
+    one = bounded(2 * own, wrong, 0.3), bounded(own, wrong)
+    found = two_sided(own, own, *one, 1.0, 0.0)
+    np.testing.assert_allclose(found.error, 0.3 * 0.3)
+    np.testing.assert_allclose(found.of_cells, [[0.03], [0.06]])
 
 
 def test_errors_that_both_scenes_have_cancel() -> None:
