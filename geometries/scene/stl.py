@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from geometries.scene.faces import Surface
-from geometries.scene.mesh_numbers import Damaged, decimals, shown
+from geometries.scene.mesh_numbers import Damaged, decimals, plain_text, shown
 
 Array = NDArray[np.float64]
 
@@ -28,6 +28,7 @@ def surface(content: bytes) -> Surface:
             facets = np.frombuffer(content, _FACET, count, _HEADER)
             with np.errstate(invalid="ignore"):  # Values that are not finite are refused with their mesh.
                 return Surface(np.asarray(facets["corners"], dtype=np.float64))
+    content = plain_text(content)
     if not content.lstrip().startswith(b"solid"):
         raise Damaged(
             "is neither text that begins with 'solid' nor a binary file of the length that its count of triangles requires"

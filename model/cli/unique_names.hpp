@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -33,9 +34,11 @@ class UniqueNames {
 
   /// Returns the wanted name, or one with the first number that makes it unique.
   std::string take(const std::string& wanted) {
+    // Numbers up to the last one of this name are taken; there may be a hundred thousand.
+    int& number = last_numbers_.emplace(wanted, 1).first->second;
     std::string name = wanted;
-    for (int number = 2; !taken_.insert(compared(name)).second; ++number)
-      name = fmt::format("{}{}{}", wanted, separator_, number);
+    while (!taken_.insert(compared(name)).second)
+      name = fmt::format("{}{}{}", wanted, separator_, ++number);
     return name;
   }
 
@@ -50,6 +53,7 @@ class UniqueNames {
   std::string separator_;
   Case letters_;
   std::set<std::string> taken_;
+  std::map<std::string, int> last_numbers_;  ///< by wanted names
 };
 
 }  // namespace fringe::cli

@@ -103,6 +103,9 @@ def _whole() -> list[Case]:
             f"f {' '.join(f'{k + 1}/1/1' for k in face)}\n" for face in FACES), None),
         from_mesh("obj with colours", "".join(
             f"{line} 1 0 0\n" if line.startswith("v ") else f"{line}\n" for line in obj().splitlines()), None),
+        from_mesh("obj with weights of one", "".join(
+            f"{line} 1\n" if line.startswith("v ") else f"{line}\n" for line in obj().splitlines()), None),
+        from_mesh("obj of wide letters", obj().encode("utf-16"), None),
         from_mesh("obj with a line that goes on", obj().replace("f 1 3 2", "f 1 3 \\\n2"), None),
         from_mesh("obj whose last line would go on", obj().removesuffix("\n") + " \\", None),
         from_mesh("obj whose last comment would go on", obj().removesuffix("\n") + " # the end \\", None),
@@ -184,6 +187,12 @@ def _obj() -> list[Case]:
     text = obj()
     return [
         _damaged("obj without bytes", b""),
+        _damaged("obj of zeros", bytes(80)),
+        _damaged(
+            "obj that was not fetched", "version https://git-lfs.github.com/spec/v1\noid sha256:0\nsize 1\n"
+        ),
+        _damaged("obj of half a wide letter", text.encode("utf-16")[:-1]),
+        _damaged("obj with a weight of two", text.replace("v 0 0 0.125", "v 0 0 0.125 2")),
         _damaged("obj without faces", text.split("f ")[0]),
         _damaged("obj without vertices", "f 1 2 3\n"),
         _damaged("obj that is prose", "this is a letter\n" * 20),

@@ -365,7 +365,7 @@ WRONG_3MF = {
         model_3mf("".join(
             f'<object id="{k}"><components><component objectid="{k + 1}"/><component objectid="{k + 1}"/></components></object>'
             for k in range(40)) + object_3mf(40), '<item objectid="0"/>'),
-        "there are more than 100000 parts",
+        "there are more than 10000 parts",
     ),
     "nothing to build": (model_3mf(object_3mf(), ""), "holds no triangles"),
     "no XML": ("<model><resources>", "3D/3dmodel.model: is damaged XML"),
@@ -387,7 +387,7 @@ def test_damaged_3mf_is_refused(tmp_path: Path) -> None:
     write_3mf(path, None, index=9)
     assert_refused(path, "model.3mf")
     write_3mf(path, None, vertices='<vertex x="0" y="0" z="nan"/>' * 4)
-    assert_refused(path, "not finite")
+    assert_refused(path, "holds 'nan' instead of a finite number")
     write_3mf(path, None)
     path.write_bytes(path.read_bytes()[:-300])
     assert_refused(path, "model.3mf")

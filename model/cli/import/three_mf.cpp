@@ -209,7 +209,7 @@ class Reader {
   static constexpr std::size_t deepest = 1000;
 
   /// Limit of parts: components that hold each other can multiply without end.
-  static constexpr std::size_t most_links = 100'000;
+  static constexpr std::size_t most_links = 10'000;
 
   const fs::path& path_;
   std::vector<std::string>& warnings_;
