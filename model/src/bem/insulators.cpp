@@ -25,9 +25,13 @@ using Eigen::Vector3d;
 constexpr double beside_part = 1e-5;
 
 Insulator insulator_of(const Object& object, const Eigen::Isometry3d& pose, double medium) {
+  /// Difference of a permittivity from the medium's, relative, of which little more than rounding is seen.
+  constexpr double invisible = 1e-9;
   Insulator result;
   result.name = fmt::format("object \"{}\"", object.name);
   result.ratio = std::get<Dielectric>(object.role).relative_permittivity / medium;
+  if (std::abs(result.ratio - 1) < invisible)
+    result.ratio = 1;
   if (!(pose * object.pose).matrix().allFinite())
     throw InputError(fmt::format("{}: its pose is not finite", result.name));
   result.surface = surface_triangles(object);

@@ -286,7 +286,6 @@ TEST(FormulaInCompany, SaysSoInContactAndAnswersAllOtherFrames) {
     }
 }
 
-
 TEST(FormulaInCompany, OfATargetThatIsJoinedToTheMachineMayBeWrongByAsMuchAsItIs) {
   Scene scene = with_one_reading(machine(0));
   scene.objects[1].pose = at(0.1, 0, -0.02);
