@@ -198,7 +198,7 @@ MaxwellMatrix around_the_sensor(double centimetres, double permittivity) {
   return maxwell(below_a_box({dielectric_box({-7, -7, 0}, {7, 7, centimetres}, permittivity)}), loose());
 }
 
-TEST(Insulators, AFilmAroundASensorAgreesWithTheFieldSolver) {
+TEST(InsulatorsAtLength, AFilmAroundASensorAgreesWithTheFieldSolver) {
   // python3 -m fem_reference SCENE --rtol 1e-2 --error estimate: (7.4452 ± 0.0024) pF.
   constexpr double field = 7.4452e-12;
   const MaxwellMatrix film = around_the_sensor(0.05, 16.8);

@@ -18,15 +18,19 @@
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
-TEST(Scopes, OfInterruptionCountFromTheInnermostOneAndOnTheirOwnThread) {
+TEST(Scopes, OfInterruptionCountAllOnTheirOwnThread) {
   EXPECT_NO_THROW(check_interruption());
+  {
+    const InterruptionScope outer([] { return false; });
+    const InterruptionScope inner([] { return true; });
+    EXPECT_THROW(check_interruption(), Interrupted);
+  }
   const InterruptionScope outer([] { return true; });
   EXPECT_THROW(check_interruption(), Interrupted);
   {
     const InterruptionScope inner([] { return false; });
-    EXPECT_NO_THROW(check_interruption());
+    EXPECT_THROW(check_interruption(), Interrupted);
   }
-  EXPECT_THROW(check_interruption(), Interrupted);
   std::jthread([] { EXPECT_NO_THROW(check_interruption()); }).join();
   const InterruptionScope throwing([]() -> bool { throw std::logic_error("mine"); });
   EXPECT_THROW(check_interruption(), std::logic_error);

@@ -94,7 +94,7 @@ TEST(ReducedConductorsAtLength, OfOverlappingBoxesAnswerAsOneMesh) {
   expect_the_clean_answer({foot, box("leg", {0, 0, 0}, {2, 5, 2})}, {.steps = 1, .rtol = {}});
 }
 
-TEST(ReducedConductors, DoNotDependOnTheOrientationOfTrianglesNorOnDuplicates) {
+TEST(ReducedConductorsAtLength, DoNotDependOnTheOrientationOfTrianglesNorOnDuplicates) {
   std::vector<Triangle> triangles = angle_piece();
   for (std::size_t k = 0; k < triangles.size(); k += 3)
     std::swap(triangles[k][0], triangles[k][1]);
@@ -126,7 +126,7 @@ TEST(ReducedConductors, MayBeOpenSurfaces) {
   EXPECT_TRUE(covers(reduced_capacitance(scene, loose), maxwell(scene, {.rtol = 1e-2})));
 }
 
-TEST(ReducedConductors, HaveTheChargesOfTheirMembersWhereTheyTouch) {
+TEST(ReducedConductorsAtLength, HaveTheChargesOfTheirMembersWhereTheyTouch) {
   const Scene scene = above_sensor({foot, box("apart", {0, 0, 9}, {1, 1, 10}), leg});
   const MaxwellMatrix answer = reduced_capacitance(scene, {.steps = 1, .rtol = {}});
   EXPECT_THAT(answer.conductors, ElementsAre("front", "foot", "apart"));
@@ -200,7 +200,7 @@ TEST(ReducedConductors, BeforeAMovedSensorAreThoseOfASceneThere) {
   }
 }
 
-TEST(ReducedConductors, ThatTouchAcrossLinksAreThoseOfASceneThere) {
+TEST(ReducedConductorsAtLength, ThatTouchAcrossLinksAreThoseOfASceneThere) {
   Scene scene = on_two_links();
   ReducedEvaluator evaluator(scene, loose);
   // Touching, shifted along the contact, apart, overlapping, and touching again.

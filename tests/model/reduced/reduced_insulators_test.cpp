@@ -97,7 +97,7 @@ TEST(ReducedInsulatorsAtLength, AnInsulatingTargetIsABodyWithoutFreeCharge) {
   expect_agreement(found, by_boundary_elements(scene));
 }
 
-TEST(ReducedInsulators, WhatTouchesSeveralConductorsOrAnotherLinkIsRefusedByName) {
+TEST(ReducedInsulatorsAtLength, WhatTouchesSeveralConductorsOrAnotherLinkIsRefusedByName) {
   Scene scene = covered_sensor(4);
   scene.objects[0] = glass("pad", {-5, -5, 0}, {5, 5, 3}, 4);
   const auto refusal = [&] {

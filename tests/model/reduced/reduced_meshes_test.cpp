@@ -69,7 +69,7 @@ TEST(ReducedMeshes, ALoneCubeIsTheCubesCapacitance) {
   EXPECT_TRUE(answer.reached);
 }
 
-TEST(ReducedMeshes, TheStatedErrorCoversThatOfABoxInRandomPoses) {
+TEST(ReducedMeshesAtLength, TheStatedErrorCoversThatOfABoxInRandomPoses) {
   constexpr int count = 12;
   const Cuboid box{0.06, 0.04, 0.02};
   Random random(1);

@@ -146,7 +146,7 @@ TEST(ReadingsByTheReducedMethod, FollowEveryMoveAsASceneThere) {
   }
 }
 
-TEST(ReadingsByTheReducedMethod, OfAHandThatTouchesTheHousingAreDifferences) {
+TEST(ReadingsByTheReducedMethodAtLength, OfAHandThatTouchesTheHousingAreDifferences) {
   LiveScene live(machine());
   live.evaluate({.method = Reduced{1}});
   // The palm leaves no gap at the housing's side, and is one body with it.
