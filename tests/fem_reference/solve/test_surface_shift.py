@@ -22,9 +22,7 @@ COARSE = Sizing(growth=0.6, curvature=1.0)
 AT_ORIGIN = np.zeros(3)
 
 
-@pytest.mark.parametrize(
-    "semi_axes", [(1.0, 1.0, 1.0), (1.0, 1.0, 0.2), (1.0, 0.2, 0.2), (1.0, 0.6, 0.25)], ids=str
-)
+@pytest.mark.parametrize("semi_axes", [(1.0, 1.0, 0.2), (1.0, 0.6, 0.25)], ids=str)
 def test_the_interval_of_an_ellipsoid_holds_the_closed_form(semi_axes: tuple[float, float, float]) -> None:
     """1/R_F(a², b², c²), with R_F as Carlson defined it."""
     body = Ellipsoid("ellipsoid", AT_ORIGIN, np.eye(3), semi_axes)
