@@ -74,7 +74,7 @@ TargetContacts contacts_of(const ChargedBodies& machine,
 /// their charges lie in its own: then it may be wrong by as much as it is.
 Estimate estimate_of(const CompanyFormula::Change& change, double unit, bool is_joined);
 
-/// Tells whether a change of the readings is known: then its derivatives may be.
+/// Tells whether a change of the readings is known and finite: then its derivatives may be known.
 bool is_any_known(const std::vector<ReadingAnswer>& answers);
 
 /// Returns pairs of links whose bodies are prepared together, so that what they contribute to derivatives is

@@ -91,8 +91,9 @@ Estimate estimate_of(const CompanyFormula::Change& change, double unit, bool is_
 }
 
 bool is_any_known(const std::vector<ReadingAnswer>& answers) {
-  return std::ranges::any_of(answers,
-                             [](const ReadingAnswer& answer) { return answer.change.value.has_value(); });
+  return std::ranges::any_of(answers, [](const ReadingAnswer& answer) {
+    return answer.change.value && std::isfinite(*answer.change.value);
+  });
 }
 
 std::vector<PairWrench> unknown_pairs(const ChargedBodies& bodies) {
@@ -249,10 +250,26 @@ TargetContacts contacts_of(const ChargedBodies& machine, const std::vector<Align
   return found;
 }
 
+TargetContacts CompanyReadings::contacts(const Isometry3d& pose) const {
+  return contacts_of(machine_group_->bodies, machine_group_->boxes, target_group_->bodies,
+                     target_group_->boxes, pose);
+}
+
+bool CompanyReadings::is_shorted(const ChargedReading& reading, const TargetContacts& touching) {
+  return std::ranges::any_of(touching.grounded, [&](std::size_t conductor) {
+    const auto at = static_cast<Eigen::Index>(conductor);
+    return reading.sense[at] != 0 || reading.drive[at] != 0;
+  });
+}
+
+bool CompanyReadings::needs_formula(const TargetContacts& touching) const {
+  return !touching.is_unknown && !std::ranges::all_of(charged_readings_, [&](const ChargedReading& reading) {
+    return is_shorted(reading, touching);
+  });
+}
+
 void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabulated, const Isometry3d& pose,
-                                 std::vector<ReadingAnswer>& answers) const {
-  const TargetContacts touching = contacts_of(machine_group_->bodies, machine_group_->boxes,
-                                              target_group_->bodies, target_group_->boxes, pose);
+                                 const TargetContacts& touching, std::vector<ReadingAnswer>& answers) const {
   answers.resize(charged_readings_.size());
   for (std::size_t k = 0; k < answers.size(); ++k) {
     answers[k].name = charged_readings_[k].name;
@@ -262,21 +279,20 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
   }
   if (touching.is_unknown)
     return;
+  for (std::size_t k = 0; k < answers.size(); ++k)
+    if (is_shorted(charged_readings_[k], touching))
+      answers[k].change = Estimate{infinity, 0};
+  if (!needs_formula(touching))
+    return;
   std::vector<CompanyFormula::Change> in_closed_form;
   if (tabulated == nullptr)
     for (const double change : formula.changes(*machine_, *target_, pose))
       in_closed_form.push_back({change, stated_error(formula.nearness()) * std::abs(change)});
   const std::vector<CompanyFormula::Change>& changes =
       tabulated != nullptr ? tabulated->solved(*tabulated_, *target_, pose, *rtol_) : in_closed_form;
-  for (std::size_t k = 0; k < changes.size(); ++k) {
-    const ChargedReading& reading = charged_readings_[k];
-    const bool is_shorted =
-        std::any_of(touching.grounded.begin(), touching.grounded.end(), [&](std::size_t at) {
-          const auto conductor = static_cast<Eigen::Index>(at);
-          return reading.sense[conductor] != 0 || reading.drive[conductor] != 0;
-        });
-    answers[k].change = is_shorted ? Estimate{infinity, 0} : estimate_of(changes[k], unit_, touching.is_joined);
-  }
+  for (std::size_t k = 0; k < changes.size(); ++k)
+    if (!answers[k].change.value)
+      answers[k].change = estimate_of(changes[k], unit_, touching.is_joined);
 }
 
 void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
@@ -294,16 +310,20 @@ void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answ
   motion_.settle();
   unit_ = unit_of(scene);
   TabulatedFormula* const tabulated = rtol ? &tabulated_formula_ : nullptr;
-  tabulate(std::span(&pose, 1), 1);
-  write_pose(formula_, tabulated, pose, answers);
-  if (!rtol || !is_much_nearer(CompanyFormula::nearness(*machine_, *target_, pose), prepared_nearness_) ||
+  const TargetContacts touching = contacts(pose);
+  // What contact decides needs no tables, which would be fine everywhere.
+  if (needs_formula(touching))
+    tabulate(std::span(&pose, 1), 1);
+  write_pose(formula_, tabulated, pose, touching, answers);
+  if (!rtol || !needs_formula(touching) ||
+      !is_much_nearer(CompanyFormula::nearness(*machine_, *target_, pose), prepared_nearness_) ||
       are_within(answers, *rtol))
     return;
   approach_.push_back(pose);
   target_.reset();
   prepare(scene, std::vector<Isometry3d>(approach_), 1);
   tabulate(std::span(&pose, 1), 1);
-  write_pose(formula_, tabulated, pose, answers);
+  write_pose(formula_, tabulated, pose, touching, answers);
 }
 
 void CompanyReadings::write_derivatives(std::vector<ReadingAnswer>& answers) {
@@ -346,13 +366,21 @@ CompanyReadings::write_frames(const Scene& scene, std::size_t frames,
                     [](const Isometry3d& a, const Isometry3d& b) { return a.matrix() == b.matrix(); }))
       target_.reset();
     prepare(scene, poses, threads);
-    tabulate(poses, threads);
+    std::vector<TargetContacts> touching;
+    std::vector<Isometry3d> clear;
+    for (const Isometry3d& each : poses) {
+      touching.push_back(contacts(each));
+      if (needs_formula(touching.back()))
+        clear.push_back(each);
+    }
+    if (!clear.empty())
+      tabulate(clear, threads);
     const std::size_t first = end - poses.size();
     parallel_for((poses.size() + together - 1) / together, threads, [&](std::size_t part) {
       CompanyFormula formula;
       TabulatedFormula tabulated;
       for (std::size_t k = part * together; k < std::min((part + 1) * together, poses.size()); ++k)
-        write_pose(formula, rtol ? &tabulated : nullptr, poses[k], answers[first + k]);
+        write_pose(formula, rtol ? &tabulated : nullptr, poses[k], touching[k], answers[first + k]);
     });
     poses.clear();
   };

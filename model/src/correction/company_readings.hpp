@@ -20,6 +20,8 @@
 
 namespace fringe::detail {
 
+struct TargetContacts;
+
 /// Tells whether the stated errors of all changes are within `rtol` of these.
 bool are_within(const std::vector<ReadingAnswer>& answers, double rtol);
 
@@ -78,9 +80,15 @@ class CompanyReadings {
   Eigen::Isometry3d target_pose() const {
     return frame(*machine_group_).inverse(Eigen::Isometry) * frame(*target_group_);
   }
+  /// Finds where the targets touch the machine in a pose.
+  TargetContacts contacts(const Eigen::Isometry3d& pose) const;
+  /// Tells whether contact grounds what a reading senses or drives.
+  static bool is_shorted(const ChargedReading& reading, const TargetContacts& touching);
+  /// Tells whether contact leaves a change to be computed.
+  bool needs_formula(const TargetContacts& touching) const;
   /// @param tabulated the formula with the tabulated machine; null: `formula` answers
   void write_pose(CompanyFormula& formula, TabulatedFormula* tabulated, const Eigen::Isometry3d& pose,
-                  std::vector<ReadingAnswer>& answers) const;
+                  const TargetContacts& touching, std::vector<ReadingAnswer>& answers) const;
   /// Returns the files to keep preparations in: of those for an accuracy, which take long.
   const PreparedFiles* files() const { return rtol_ ? files_.get() : nullptr; }
   bool has_moved(const Group& group) const;
