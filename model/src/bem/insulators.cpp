@@ -39,6 +39,7 @@ Insulator insulator_of(const Object& object, const Eigen::Isometry3d& pose, doub
     for (Triangle& triangle : result.surface)
       std::swap(triangle[1], triangle[2]);
   result.box = axis_aligned_box(result.surface);
+  result.round = RoundShape::of(object.shape, pose * object.pose);
   return result;
 }
 
@@ -122,11 +123,13 @@ Insulator moved(const Insulator& insulator, const Eigen::Isometry3d& pose) {
   for (Triangle& triangle : result.surface)
     triangle = transformed(triangle, pose);
   result.box = axis_aligned_box(result.surface);
+  if (insulator.round)
+    result.round = insulator.round->moved(pose);
   return result;
 }
 
 ChargedBody surface_of(const Insulator& insulator) {
-  return {0, 0, TriangleSurface{insulator.surface}, insulator.name, {}};
+  return {0, 0, TriangleSurface{insulator.surface, insulator.round}, insulator.name, {}};
 }
 
 bool has_insulators(const Scene& scene) {
