@@ -99,13 +99,15 @@ RoundShape RoundShape::in_unit(const Vector3d& origin, double unit) const {
 }
 
 double RoundShape::depth(const Triangle& part) const {
-  const Vector3d a = to_shape_ * part[0], b = to_shape_ * part[1], c = to_shape_ * part[2];
-  const Vector3d centre = (a + b + c) / 3, normal = (b - a).cross(c - a).normalized();
   double sum = 0;
-  // The middles of the sides have the mean of a function of the second degree, as the depth of a facet is.
-  for (const Vector3d& point : {Vector3d((a + b) / 2), Vector3d((b + c) / 2), Vector3d((c + a) / 2)})
-    sum += std::abs(std::visit(Depth{centre, normal, point}, shape_));
-  return sum / 3 / unit_;
+  // The depth of a facet is of the second degree, but for cones: the middles of the sides have its mean.
+  for (const auto& [from, over, to] : quarters(part)) {
+    const Vector3d a = to_shape_ * from, b = to_shape_ * over, c = to_shape_ * to;
+    const Vector3d centre = (a + b + c) / 3, normal = (b - a).cross(c - a).normalized();
+    for (const Vector3d& point : {Vector3d((a + b) / 2), Vector3d((b + c) / 2), Vector3d((c + a) / 2)})
+      sum += std::abs(std::visit(Depth{centre, normal, point}, shape_));
+  }
+  return sum / 12 / unit_;
 }
 
 double RoundShape::lack_per_squared_charge(const Panel& panel) const {
