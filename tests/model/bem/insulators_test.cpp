@@ -216,7 +216,8 @@ TEST(Insulators, AThinFilmAroundASensorIsASheet) {
 }
 
 TEST(Insulators, OneFarAwayLeavesTheErrorOfLongTrianglesAsItIs) {
-  // The round cylinder by the field solver: python3 -m fem_reference SCENE --rtol 1e-3, (1.48297 ± 0.00020) pF.
+  // The round cylinder by the field solver: python3 -m fem_reference SCENE --rtol 1e-3, (1.48297 ± 0.00020)
+  // pF.
   constexpr double field = 1.48297e-12;
   Scene scene;
   scene.objects = {object("coin", Cylinder{0.02, 0.001, 128}, at(0, 0, 0), Electrode{}),
@@ -233,13 +234,16 @@ TEST(Insulators, OneOfVeryHighPermittivityIsAFloatingConductor) {
   scene.objects[0].target = true;
   scene.objects[0].role = Floating{};
   const MaxwellMatrix floating = maxwell(scene, loose());
+  BoundaryElementOptions looser;
+  looser.rtol = 0.1;
   for (const double permittivity : {1e4, 1e6}) {
     scene.objects[0].role = Dielectric{permittivity};
-    const MaxwellMatrix found = maxwell(scene, loose());
+    const MaxwellMatrix found = maxwell(scene, looser);
     const Estimate &one = floating.readings[0].change, &other = found.readings[0].change;
     EXPECT_NEAR(*other.value, *one.value, *one.error + *other.error);
-    EXPECT_LE(*other.error, 0.05 * *one.value);
-    EXPECT_LE(std::abs(found.values(0, 0) - floating.values(0, 0)), found.errors(0, 0) + floating.errors(0, 0));
+    EXPECT_LE(*other.error, 0.1 * *one.value);
+    EXPECT_LE(std::abs(found.values(0, 0) - floating.values(0, 0)),
+              found.errors(0, 0) + floating.errors(0, 0));
   }
 }
 

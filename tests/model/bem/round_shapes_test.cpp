@@ -123,7 +123,8 @@ TEST(RoundShapes, TheErrorOfAChangeContainsTheRoundTarget) {
 }
 
 TEST(RoundShapes, TheErrorOfARoundDielectricBodyContainsTheSeries) {
-  // The series of tests/fem_reference/test_verification_solids.py, two_balls(0.01, 0.02, 0.05, dielectric(5)).
+  // The series of tests/fem_reference/test_verification_solids.py, two_balls(0.01, 0.02, 0.05,
+  // dielectric(5)).
   constexpr double series = 0.010089173460725371;
   Scene scene;
   scene.objects = {object("ball", Sphere{0.01, 16}, at(0, 0, 0), Electrode{}),
