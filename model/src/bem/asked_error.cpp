@@ -90,8 +90,12 @@ double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
 double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, const GeometryErrors& geometry,
                     double rtol) {
   const auto excess = [&](const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& by_geometry) {
-    const double simplified = by_geometry.maxCoeff();
-    return (errors - by_geometry).maxCoeff() / std::max(rtol - simplified, simplified);
+    const double by_surfaces = by_geometry.maxCoeff();
+    const double rest = rtol - by_surfaces;
+    const double allowed = !geometry.are_of_facets ? std::max(rest, by_surfaces)
+                           : rest >= rtol / 2      ? rest
+                                                   : rtol;
+    return (errors - by_geometry).maxCoeff() / allowed;
   };
   const Eigen::ArrayXXd scales = error_scales(answer, bodies);
   const double of_entries = excess(answer.errors.array() / scales, geometry.entries.array() / scales);

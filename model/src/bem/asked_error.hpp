@@ -22,14 +22,17 @@ Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& b
 /// change_scale(), if the scene asks for changes; and of a reading's value if no entries are asked for.
 double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies);
 
-/// The errors by simplified surfaces.
+/// The errors by surfaces that are not those of the bodies.
 struct GeometryErrors {
   Eigen::MatrixXd entries;
   ReadingEffects readings;
+  bool are_of_facets = false;  ///< of round shapes alone
 };
 
 /// Returns the largest error as largest_error() does, but the part that refinement can reduce, relative to
-/// what is allowed: the rest of `rtol`, or as much as simplified surfaces have cost already.
+/// what is allowed: the rest of `rtol`, or as much as simplified surfaces have cost already. Where facets
+/// cost more than half of `rtol`, which only more segments can reduce, the polyhedron's answer gets all of
+/// it.
 double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, const GeometryErrors& geometry,
                     double rtol);
 

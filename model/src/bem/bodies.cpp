@@ -59,6 +59,8 @@ struct Motion {
     TriangleSurface result = surface;
     for (Triangle& triangle : result.triangles)
       triangle = transformed(triangle, pose);
+    if (surface.round)
+      result.round = surface.round->moved(pose);
     return result;
   }
 };
@@ -80,7 +82,7 @@ struct SurfaceOfObject {
   BodySurface operator()(const Other&) const {
     if (!object.pose.matrix().allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", name));
-    return TriangleSurface{surface_triangles(object)};
+    return surface_of(object);
   }
 
  private:
@@ -217,6 +219,15 @@ std::vector<Triangle> surface_triangles(const Object& object) {
   return std::holds_alternative<Mesh>(object.shape)
              ? cleaned(fmt::format("object \"{}\"", object.name), triangles)
              : triangles;
+}
+
+TriangleSurface surface_of(const Object& object) {
+  return {surface_triangles(object), RoundShape::of(object.shape, Eigen::Isometry3d::Identity())};
+}
+
+const RoundShape* round_shape_of(const BodySurface& surface) {
+  const auto* triangles = std::get_if<TriangleSurface>(&surface);
+  return triangles != nullptr && triangles->round ? &*triangles->round : nullptr;
 }
 
 TriangleSurface triangulated(const BodySurface& surface) {

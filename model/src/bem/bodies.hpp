@@ -12,6 +12,7 @@
 
 #include "bem/box_self_interaction.hpp"
 #include "bem/face.hpp"
+#include "bem/round_shape.hpp"
 #include "fringe/scene.hpp"
 
 /// The bodies of a scene as boundary elements see them, and the conductors that they belong to.
@@ -31,6 +32,7 @@ struct BoxSurface {
 /// A surface of triangles, closed or open.
 struct TriangleSurface {
   std::vector<Triangle> triangles;
+  std::optional<RoundShape> round = {};  ///< what the triangles stand for, unless they have it exactly
 };
 
 using BodySurface = std::variant<FlatPlate, BoxSurface, TriangleSurface>;
@@ -56,6 +58,9 @@ std::span<const ChargedFace> faces_of(const BodySurface& surface);
 
 /// Returns the triangles of a surface of triangles; none of a plate or a box.
 std::span<const Triangle> triangles_of(const BodySurface& surface);
+
+/// Returns the round shape that a surface stands for; nullptr if it has its body's exactly.
+const RoundShape* round_shape_of(const BodySurface& surface);
 
 /// What sets a conductor's potential. All but floating ones have a row in the Maxwell matrix.
 enum class Role {
@@ -106,6 +111,9 @@ std::vector<Triangle> cleaned(const std::string& name, std::span<const Triangle>
 
 /// Returns the triangles of an object in its own frame; those of a mesh are cleaned.
 std::vector<Triangle> surface_triangles(const Object& object);
+
+/// Returns the surface of an object in its own frame, as surface_triangles() does, with its round shape.
+TriangleSurface surface_of(const Object& object);
 
 /// Returns true if a sensor's plate is divided into triangles.
 bool sensors_have_panels(const ChargedBodies& bodies);

@@ -107,9 +107,10 @@ MatrixXd quadrature_errors(const PanelSolution& solution, double tolerance, Inde
 }
 
 /// Writes the matrix and its estimated errors to the answer, in metres (to be multiplied by 4πε).
-/// `geometry` are the errors by simplified surfaces.
+/// `geometry` are the errors by surfaces that are not the bodies'; `is_within` tells whether they lie within
+/// these.
 void write_solution(const PanelSolution& solution, const ChargedBodies& bodies, double per_change,
-                    double tolerance, const MatrixXd& geometry, MaxwellMatrix& answer) {
+                    double tolerance, const MatrixXd& geometry, bool is_within, MaxwellMatrix& answer) {
   const MatrixXd fine = without_floating(solution.all.fine, bodies);
   const MatrixXd coarse = without_floating(solution.all.coarse, bodies);
   const Index conductors = fine.rows();
@@ -121,23 +122,28 @@ void write_solution(const PanelSolution& solution, const ChargedBodies& bodies, 
   answer.lower_bounds.resize(static_cast<std::size_t>(conductors));
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] =
-        geometry(i, i) == 0 && quadrature(i, i) <= quadrature_part * answer.errors(i, i);
+        is_within && quadrature(i, i) <= quadrature_part * (answer.errors(i, i) - geometry(i, i));
 }
 
-/// Writes the readings, in metres. `geometry` are the errors by simplified surfaces between the columns of
-/// ReadingCharges::all(), if there are any.
+/// Writes the readings, in metres. `geometry` are the errors by surfaces that are not the bodies';
+/// `is_within` tells whether they lie within these.
 void write_readings(const PanelSolution& solution, const ChargedBodies& bodies, double per_change,
-                    double tolerance, const MatrixXd& geometry, MaxwellMatrix& answer) {
+                    double tolerance, const detail::ReadingEffects& geometry, bool is_within,
+                    MaxwellMatrix& answer) {
   if (bodies.readings.empty())
     return;
   detail::ReadingEffects others =
       detail::reading_effects(quadrature_caution * tolerance * solution.reading_quadrature_effect);
   others += detail::reading_effects(solution.iteration_error, solution.background_iteration_error, bodies);
-  if (geometry.size() > 0)
-    others += detail::reading_effects(geometry);
   answer.readings = detail::reading_answers(solution.all, solution.background, per_change,
                                             detail::reading_effects(solution.reading_details), others,
-                                            geometry.size() > 0 ? 0 : quadrature_part, bodies);
+                                            is_within ? quadrature_part : 0, bodies);
+  for (std::size_t k = 0; k < answer.readings.size(); ++k) {
+    ReadingAnswer& reading = answer.readings[k];
+    *reading.value.error += geometry.value[static_cast<Index>(k)];
+    *reading.background.error += geometry.background[static_cast<Index>(k)];
+    *reading.change.error += geometry.change[static_cast<Index>(k)];
+  }
 }
 
 /// Writes that nothing is known about what the objects add to the sensors' own entries.
@@ -322,7 +328,8 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
   const auto conductors = static_cast<Index>(answer.conductors.size());
   detail::Progress progress;
   const VectorXd none = VectorXd::Zero(static_cast<Index>(bodies.readings.size()));
-  detail::GeometryErrors geometry{MatrixXd::Zero(conductors, conductors), {none, none, none}};
+  detail::GeometryErrors geometry{
+      MatrixXd::Zero(conductors, conductors), {none, none, none}, !simplification.is_changed()};
   double change_part = bodies.readings.empty() ? 1 : first_change_part;
   bool is_interrupted = false;
   while (true) {
@@ -341,17 +348,17 @@ MaxwellMatrix solve(const ChargedBodies& bodies, const Simplification& simplific
       tolerance /= 100;
       continue;
     }
-    MatrixXd of_readings;
-    if (simplification.is_changed()) {
-      geometry.entries = effect_on_capacitances(simplification, system.mesh(), solution.charges)
-                             .topLeftCorner(conductors, conductors);
-      if (!bodies.readings.empty()) {
-        of_readings = effect_on_capacitances(simplification, system.mesh(), solution.reading_charges);
-        geometry.readings = detail::reading_effects(of_readings);
-      }
+    if (simplification.differs()) {
+      geometry.entries = effect_on_capacitances(
+          simplification, system.mesh(), solution.charges * detail::potentials(solution.all.fine, bodies));
+      if (!bodies.readings.empty())
+        geometry.readings = detail::reading_effects(
+            effect_on_capacitances(simplification, system.mesh(), solution.reading_charges));
     }
-    write_solution(solution, bodies, per_change, tolerance, geometry.entries, answer);
-    write_readings(solution, bodies, per_change, tolerance, of_readings, answer);
+    write_solution(solution, bodies, per_change, tolerance, geometry.entries, simplification.is_within(),
+                   answer);
+    write_readings(solution, bodies, per_change, tolerance, geometry.readings, simplification.is_within(),
+                   answer);
     answer.unknowns = count_unknowns(functions) + system.mesh().panels().size();
     if (!bodies.readings.empty())
       change_part = smallest_part(answer.readings);

@@ -85,8 +85,9 @@ void add_near_element(const Panel& target, const Panel& source, double tolerance
 
 }  // namespace
 
-MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bool>& is_source,
-                             double tolerance, const KnownElements& known, std::size_t threads) {
+MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Panel> panels,
+                             const std::vector<bool>& is_source, double tolerance, const KnownElements& known,
+                             std::size_t threads) {
   const double farthest = 1 / far_ratio(tolerance, far_degree);
   std::vector<Dipoles> dipoles;
   std::vector<Vector3d> normals;
@@ -96,9 +97,10 @@ MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bo
   }
   const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
   const auto size = static_cast<Index>(panels.size());
-  MatrixXd transposed = MatrixXd::Zero(size, size);
-  parallel_for(panels.size(), threads, [&](std::size_t row) {
-    const Panel& target = panels[row];
+  MatrixXd transposed = MatrixXd::Zero(size, static_cast<Index>(targets.size()));
+  parallel_for(targets.size(), threads, [&](std::size_t row) {
+    const Panel& target = targets[row];
+    const std::vector<Vector3d> points = dipoles_of(target).points;
     double* const column = transposed.data() + static_cast<Index>(row) * size;
     PotentialSums angles = PotentialSums::of_solid_angles();
     for (std::size_t k = 0; k < panels.size(); ++k) {
@@ -109,13 +111,18 @@ MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bo
       if (place(row) >= 0 && place(k) >= 0)
         column[k] = known.matrix(place(row), place(k));
       else if ((target.centre - source.centre).squaredNorm() > reach * reach)
-        column[k] = far_element(dipoles[row].points, dipoles[k]);
+        column[k] = far_element(points, dipoles[k]);
       else if (!lies_in_plane(target, source, normals[k]))
         add_near_element(target, source, tolerance, angles, column[k]);
     }
     angles.flush();
   });
   return transposed.transpose();
+}
+
+MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bool>& is_source,
+                             double tolerance, const KnownElements& known, std::size_t threads) {
+  return double_layer_matrix(panels, panels, is_source, tolerance, known, threads);
 }
 
 }  // namespace fringe::detail

@@ -20,4 +20,10 @@ namespace fringe::detail {
 Eigen::MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bool>& is_source,
                                     double tolerance, const KnownElements& known, std::size_t threads);
 
+/// Computes the same over targets (rows) that may be parts of the panels, the sources (columns). Known
+/// elements are for targets that are the panels.
+Eigen::MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Panel> panels,
+                                    const std::vector<bool>& is_source, double tolerance,
+                                    const KnownElements& known, std::size_t threads);
+
 }  // namespace fringe::detail

@@ -1,6 +1,8 @@
 #include "bem/error_indicators.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numbers>
 #include <numeric>
 #include <vector>
 
@@ -59,12 +61,20 @@ SampledQuarters sampled_quarters(const PanelMesh& mesh) {
   SampledQuarters sampled;
   if (unrefined.empty())
     return sampled;
-  const std::size_t samples = std::min(most_samples, unrefined.size());
+  const std::size_t count = unrefined.size(), samples = std::min(most_samples, count);
   for (std::size_t k = 0; k < samples; ++k) {
-    const std::size_t at = k * unrefined.size() / samples;
+    // Equal steps would meet the same triangle of every segment of a round shape.
+    constexpr double golden = std::numbers::phi - 1;
+    const double part = static_cast<double>(k) * golden;
+    const std::size_t at =
+        samples == count
+            ? k
+            : std::min(static_cast<std::size_t>((part - std::floor(part)) * static_cast<double>(count)),
+                       count - 1);
     for (const Triangle& quarter : quarters(mesh.panels()[unrefined[at]].corners)) {
       sampled.panels.push_back(make_panel(quarter));
       sampled.bodies.push_back(bodies[at]);
+      sampled.parents.push_back(unrefined[at]);
     }
   }
   sampled.weight = static_cast<double>(unrefined.size()) / static_cast<double>(samples);

@@ -15,9 +15,10 @@ namespace fringe::detail {
 
 /// The quarters of a sample of the unrefined elements, four for each.
 struct SampledQuarters {
-  std::vector<Panel> panels;        ///< empty if every panel was divided
-  std::vector<std::size_t> bodies;  ///< of each panel
-  double weight = 0;                ///< number of unrefined elements for each one sampled
+  std::vector<Panel> panels;         ///< empty if every panel was divided
+  std::vector<std::size_t> bodies;   ///< of each panel
+  std::vector<std::size_t> parents;  ///< of each panel, the panel of the mesh that it is a quarter of
+  double weight = 0;                 ///< number of unrefined elements for each one sampled
 };
 SampledQuarters sampled_quarters(const PanelMesh& mesh);
 

@@ -192,6 +192,12 @@ void add_films(const PanelMesh& mesh, const InsulatedBodies& bodies, const Surro
 
 }  // namespace
 
+AngleTarget InsulatedEquations::target(Index k) const {
+  const auto at = static_cast<std::size_t>(k);
+  const Ratios& ratios = unknowns.states[at].ratios;
+  return {(ratios.behind + ratios.before) / 2, components[at]};
+}
+
 InsulatedEquations insulated_equations(const PanelMesh& mesh, const InsulatedBodies& bodies,
                                        const Surroundings& surroundings, const MatrixXd& single_layer,
                                        const MatrixXd& double_layer) {
@@ -203,6 +209,14 @@ InsulatedEquations insulated_equations(const PanelMesh& mesh, const InsulatedBod
     const Index body = unknowns.body[static_cast<std::size_t>(k)];
     return index_of(bodies.conductors.bodies[static_cast<std::size_t>(body)].conductor);
   };
+  result.components = components_of(mesh, bodies, unknowns);
+  std::vector<AngleTarget> targets;
+  for (Index k = 0; k < size; ++k)
+    targets.push_back(result.target(k));
+  const AngleSums angles(unknowns, result.components, targets, [&](Index row, Index column) {
+    return double_layer(unknowns.panels[static_cast<std::size_t>(row)],
+                        unknowns.panels[static_cast<std::size_t>(column)]);
+  });
   result.matrix.resize(size, size);
   result.potentials = MatrixXd::Zero(size, index_of(bodies.conductors.conductors.size()));
   for (Index column = 0; column < size; ++column) {
@@ -214,7 +228,8 @@ InsulatedEquations insulated_equations(const PanelMesh& mesh, const InsulatedBod
     if (jump != 0) {
       layer.resize(size);
       for (Index row = 0; row < size; ++row)
-        layer[row] = jump * double_layer(unknowns.panels[static_cast<std::size_t>(row)], source);
+        layer[row] = angles.corrected(row, column,
+                                      double_layer(unknowns.panels[static_cast<std::size_t>(row)], source));
       layer[column] -= mean;
     }
     if (!unknowns.is_charge(column)) {

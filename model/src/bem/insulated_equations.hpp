@@ -9,10 +9,14 @@
 #include "bem/film_sheets.hpp"
 #include "bem/insulators.hpp"
 #include "bem/panel_mesh.hpp"
+#include "bem/solid_angle_sums.hpp"
 
 /// The equations of conductors, dielectric bodies and films on panels, and their solution
 /// (model/BOUNDARY_ELEMENTS.md, section 13).
 namespace fringe::detail {
+
+/// Energy of a potential that changes by one over a part of size one, over 4π.
+constexpr double energy_of_potential_step = 0.25;
 
 /// The unknowns of a set of bodies: one for each panel that is there, and for the coarse space one for those
 /// of a group that are alike.
@@ -35,9 +39,13 @@ struct InsulatedUnknowns {
 struct InsulatedEquations {
   InsulatedUnknowns unknowns;
   Eigen::MatrixXd matrix;
-  Eigen::MatrixXd potentials;  ///< right sides, one column for every conductor at unit potential
+  Eigen::MatrixXd potentials;            ///< right sides, one column for every conductor at unit potential
+  std::vector<Eigen::Index> components;  ///< of each unknown, as from components_of()
   std::optional<FilmSheets> films;
   std::vector<Eigen::Index> film_unknowns;  ///< places of the films' panels among the unknowns
+
+  /// Returns an unknown's panel as a target of solid angles.
+  AngleTarget target(Eigen::Index k) const;
 };
 
 /// Returns the equations of the bodies that are there.

@@ -28,6 +28,9 @@ using Eigen::VectorXd;
 /// size halve the error of a charge that is singular at edges; 0.8 to 1.6 were measured at covers.
 constexpr double still_missing = 1;
 
+/// Ratio of the permittivities from which on a dielectric body is almost a conductor.
+constexpr double almost_conductor = 20;
+
 /// Part of the energy that potentials along films lose from triangles to their quarters, by which they go on
 /// losing: panels of half the size quarter it.
 constexpr double still_too_stiff = 1.0 / 3;
@@ -41,11 +44,9 @@ MatrixXd missed_energies(const PanelMesh& mesh, const InsulatedUnknowns& unknown
     const auto at = static_cast<std::size_t>(k);
     const Index panel = unknowns.panels[at], group = group_of[static_cast<std::size_t>(panel)];
     if (!unknowns.is_charge(k)) {
-      /// Energy of a potential that changes by one over a part of size one, over 4π.
-      constexpr double energy_of_step = 0.25;
       const Ratios& ratios = unknowns.states[at].ratios;
       energies.row(group) +=
-          (energy_of_step * (ratios.behind + ratios.before) / 2 *
+          (energy_of_potential_step * (ratios.behind + ratios.before) / 2 *
            std::sqrt(mesh.panels()[static_cast<std::size_t>(panel)].area) * details.row(k).array().square())
               .matrix();
       continue;
@@ -88,6 +89,51 @@ void add_flux_into_films(const ChargedBodies& bodies, const InsulatedEquations& 
     result.matrix.coarse.row(conductor_of(body)) += coarse;
     result.body_charges.row(body) += fine;
   }
+}
+
+/// Returns the energies that the coarse space misses in the groups (rows) of dielectric bodies that are
+/// almost conductors, for every column of a solution. Their potential hardly varies, whatever the panels. So
+/// their errors are those of the charges that would bring the potential of everything else there to their
+/// own.
+MatrixXd missed_energies_of_almost_conductors(const PanelMesh& mesh, const InsulatedBodies& bodies,
+                                              const InsulatedEquations& equations,
+                                              const MatrixXd& single_layer, const MatrixXd& values) {
+  const InsulatedUnknowns& unknowns = equations.unknowns;
+  const std::vector<Index> group_of = mesh.group_of_panels();
+  MatrixXd result = MatrixXd::Zero(index_of(mesh.groups().size()), values.cols());
+  for (std::size_t body = 0; body < bodies.insulators.size(); ++body) {
+    if (bodies.insulators[body].ratio < almost_conductor)
+      continue;
+    std::vector<Index> own, panels;
+    for (Index k = 0; k < unknowns.size(); ++k)
+      if (!unknowns.is_charge(k) &&
+          unknowns.body[static_cast<std::size_t>(k)] == index_of(body + bodies.conductors.bodies.size())) {
+        own.push_back(k);
+        panels.push_back(unknowns.panels[static_cast<std::size_t>(k)]);
+      }
+    if (own.empty())
+      continue;
+    check_interruption();
+    const MatrixXd potentials = values(own, Eigen::all);
+    const MatrixXd matrix = single_layer(panels, panels);
+    MatrixXd charges = matrix.llt().solve(potentials + equations.matrix(own, own) * potentials);
+    MatrixXd sums = MatrixXd::Zero(unknowns.coarse_size, values.cols());
+    for (std::size_t k = 0; k < own.size(); ++k)
+      sums.row(unknowns.coarse[static_cast<std::size_t>(own[k])]) += charges.row(index_of(k));
+    for (std::size_t k = 0; k < own.size(); ++k)
+      charges.row(index_of(k)) -=
+          unknowns.shares[own[k]] * sums.row(unknowns.coarse[static_cast<std::size_t>(own[k])]);
+    // Panels of a group are consecutive.
+    for (Index k = 0; k < charges.rows(); ++k) {
+      const Index group = group_of[static_cast<std::size_t>(panels[static_cast<std::size_t>(k)])];
+      for (Index l = k; l < charges.rows() &&
+                        group_of[static_cast<std::size_t>(panels[static_cast<std::size_t>(l)])] == group;
+           ++l)
+        result.row(group) +=
+            (l == k ? 1.0 : 2.0) * matrix(k, l) * charges.row(k).cwiseProduct(charges.row(l));
+    }
+  }
+  return result.cwiseMax(0);
 }
 
 /// Returns the largest of the energies in all columns (rows: groups), relative to `own` where that is
@@ -153,9 +199,13 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
 }
 
 double InsulatedSystem::undivided_error() const {
+  const std::size_t conductors = bodies_.conductors.bodies.size();
   std::map<std::size_t, std::size_t> triangles;
   std::map<std::size_t, bool> are_undivided;
   for (const PanelGroup& group : mesh_.groups()) {
+    if (group.body < conductors || group.body >= conductors + bodies_.insulators.size() ||
+        bodies_.insulators[group.body - conductors].ratio < almost_conductor)
+      continue;
     triangles[group.body] += group.count;
     are_undivided[group.body] = are_undivided[group.body] || !group.is_quartered;
   }
@@ -188,7 +238,16 @@ void InsulatedSystem::evaluate(double tolerance) {
   single_layer_ = single_layer_matrix(mesh_.panels(), tolerance, {single, places});
   single_layer_.triangularView<Eigen::StrictlyLower>() =
       single_layer_.transpose().triangularView<Eigen::StrictlyLower>();
-  double_layer_ = double_layer_matrix(mesh_.panels(), have_flux(), tolerance, {twofold, places}, threads_);
+  const std::vector<bool> is_source = have_flux();
+  double_layer_ = double_layer_matrix(mesh_.panels(), is_source, tolerance, {twofold, places}, threads_);
+  const auto means_over = [&](std::span<const Panel> targets) {
+    return double_layer_matrix(targets, mesh_.panels(), is_source, tolerance, {MatrixXd(), {}}, threads_);
+  };
+  quarters_.sampled = sampled_quarters(mesh_);
+  quarters_.double_layer = means_over(quarters_.sampled.panels);
+  facets_ = beside_facets(mesh_, bodies_);
+  facets_.double_layer = means_over(facets_.beside);
+  tolerance_ = tolerance;
 }
 
 InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
@@ -226,11 +285,15 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
     result.panels(first + index_of((side + 1) % 3), 0) = -size;
   }
   energies += films.group_energies;
+  energies += missed_energies_of_almost_conductors(mesh_, bodies_, equations, single_layer_, found.fine);
   result.extrapolated = result.matrix.fine + still_missing * (result.matrix.fine - result.matrix.coarse) +
                         films.across - films.crowding - still_too_stiff * films.energies;
   result.film_effects = films.across + films.crowding;
-  result.error_indicators = largest_energies(energies, result.matrix.fine.diagonal());
   result.missed_energies = energies.colwise().sum();
+  UndividedGain undivided = undivided_gain(mesh_, bodies_, equations, quarters_, found.fine, tolerance_);
+  result.undivided = std::move(undivided.roots);
+  result.facets = facet_effects(mesh_, bodies_, equations, facets_, found.fine, tolerance_);
+  result.error_indicators = largest_energies(energies + undivided.groups, result.matrix.fine.diagonal());
   return result;
 }
 

@@ -5,9 +5,11 @@
 
 #include <Eigen/Core>
 
+#include "bem/facet_effects.hpp"
 #include "bem/galerkin_system.hpp"
 #include "bem/insulators.hpp"
 #include "bem/panel_mesh.hpp"
+#include "bem/undivided_gain.hpp"
 
 namespace fringe::detail {
 
@@ -19,6 +21,8 @@ struct InsulatedSolution {
   Eigen::MatrixXd panels;
   Eigen::MatrixXd body_charges;      ///< on each body of a conductor, in the whole space
   Eigen::VectorXd error_indicators;  ///< of the groups of panels, relative to each conductor's own entry
+  Eigen::MatrixXd undivided;         ///< of undivided triangles, UndividedGain::roots
+  Eigen::MatrixXd facets;            ///< of round shapes, as from facet_effects()
   Eigen::MatrixXd film_effects;      ///< of the thickness of thin films, each counted as positive
   Eigen::VectorXd missed_energies;   ///< the sums over all groups, for each conductor at unit potential
 };
@@ -45,8 +49,9 @@ class InsulatedSystem {
   std::size_t panels() const { return mesh_.panels().size(); }
   const std::vector<PanelGroup>& groups() const { return mesh_.groups(); }
 
-  /// Returns a relative error that undivided triangles may have beyond the change from the coarse to the
-  /// whole space, which does not show it: one over the fewest triangles of a body that has some.
+  /// Returns a relative error that undivided dielectric bodies may have which are almost conductors: their
+  /// potential hardly varies, so that it does not show what their charge lacks. It is one over the fewest
+  /// triangles of such a body.
   double undivided_error() const;
 
   /// Evaluates both operators; `tolerance` is the error aimed at for each element.
@@ -78,6 +83,9 @@ class InsulatedSystem {
   PanelMesh mesh_;
   Eigen::MatrixXd single_layer_;
   Eigen::MatrixXd double_layer_;
+  QuartersWithAngles quarters_;  ///< of undivided triangles
+  BesideFacets facets_;
+  double tolerance_ = 1;  ///< of the operators
 };
 
 }  // namespace fringe::detail

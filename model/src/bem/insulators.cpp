@@ -44,6 +44,7 @@ Insulator insulator_of(const Object& object, const Eigen::Isometry3d& pose, doub
       std::swap(triangle[1], triangle[2]);
   result.box = axis_aligned_box(result.surface);
   refuse_rounding(result.name, result.box);
+  result.round = RoundShape::of(object.shape, pose * object.pose);
   return result;
 }
 
@@ -128,11 +129,13 @@ Insulator moved(const Insulator& insulator, const Eigen::Isometry3d& pose) {
     triangle = transformed(triangle, pose);
   result.box = axis_aligned_box(result.surface);
   refuse_rounding(result.name, result.box);
+  if (insulator.round)
+    result.round = insulator.round->moved(pose);
   return result;
 }
 
 ChargedBody surface_of(const Insulator& insulator) {
-  return {0, 0, TriangleSurface{insulator.surface}, insulator.name, {}};
+  return {0, 0, TriangleSurface{insulator.surface, insulator.round}, insulator.name, {}};
 }
 
 bool has_insulators(const Scene& scene) {

@@ -27,6 +27,7 @@ struct Insulator {
   Eigen::AlignedBox3d box;        ///< around `surface`
   double ratio;                   ///< its permittivity over the medium's
   bool is_target = false;
+  std::optional<RoundShape> round = {};  ///< what the triangles stand for, unless they have it exactly
 };
 
 /// A dielectric layer so thin that only the potential along it matters, as a sheet: the face on which it lies

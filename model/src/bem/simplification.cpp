@@ -187,8 +187,21 @@ void Simplification::simplify(const ChargedBodies& original, double tolerance) {
     for (std::size_t zone = 0; zone < Zones::count; ++zone)
       surface.deviations[zone] = mean_distance(mesh, faces[zone], nearest);
     surfaces_.push_back(std::move(surface));
-    bodies_.bodies[k].surface = TriangleSurface{std::move(triangles)};
+    std::get<TriangleSurface>(bodies_.bodies[k].surface).triangles = std::move(triangles);
   }
+}
+
+bool Simplification::differs() const {
+  return is_changed() ||
+         std::any_of(bodies_.bodies.begin(), bodies_.bodies.end(),
+                     [](const ChargedBody& body) { return round_shape_of(body.surface) != nullptr; });
+}
+
+bool Simplification::is_within() const {
+  return !is_changed() && std::all_of(bodies_.bodies.begin(), bodies_.bodies.end(), [](const auto& body) {
+    const RoundShape* const round = round_shape_of(body.surface);
+    return round == nullptr || round->contains_polyhedron();
+  });
 }
 
 double Simplification::deviation(std::size_t body, const Vector3d& point) const {
@@ -203,8 +216,12 @@ MatrixXd effect_on_capacitances(const Simplification& simplification, const Pane
   for (const PanelGroup& group : mesh.groups())
     for (std::size_t k = group.first; k < group.first + group.count; ++k) {
       const Panel& panel = mesh.panels()[k];
+      // A simplified surface that stands for a round shape is as far from this as its panels are.
+      const RoundShape* const round = round_shape_of(simplification.bodies().bodies[group.body].surface);
       const double weight =
-          4 * std::numbers::pi * simplification.deviation(group.body, panel.centre) / panel.area;
+          round != nullptr
+              ? error_per_facet_effect * round->lack_per_squared_charge(panel)
+              : 4 * std::numbers::pi * simplification.deviation(group.body, panel.centre) / panel.area;
       if (weight == 0)
         continue;
       const Eigen::RowVectorXd own = charges.row(static_cast<Eigen::Index>(k)).cwiseAbs();

@@ -30,6 +30,13 @@ class Simplification {
   /// Tells whether a surface was replaced.
   bool is_changed() const { return !surfaces_.empty(); }
 
+  /// Tells whether a surface differs from its body's: it was replaced, or it stands for a round shape.
+  bool differs() const;
+
+  /// Tells whether all surfaces that differ lie within their bodies, so that capacitances are bounded from
+  /// below.
+  bool is_within() const;
+
   /// Returns the mean distance (m) between the old and the new surface of a body near a point of it.
   double deviation(std::size_t body, const Eigen::Vector3d& point) const;
 
@@ -62,8 +69,9 @@ class Simplification {
 };
 
 /// Returns the possible change of the capacitances between the columns of `charges` (a row for every panel)
-/// for the deviations of the simplified surfaces: that of a conductor whose surface moves by a small distance
-/// along its normal (Hadamard's formula), in metres, with the same sign everywhere.
+/// for the deviations of the simplified surfaces and for the facets of round shapes: that of a conductor
+/// whose surface moves by a small distance along its normal (Hadamard's formula), in metres, with the same
+/// sign everywhere.
 Eigen::MatrixXd effect_on_capacitances(const Simplification& simplification, const PanelMesh& mesh,
                                        const Eigen::MatrixXd& charges);
 

@@ -1,6 +1,7 @@
 #include "reduced/insulated_body.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "bem/error_indicators.hpp"
@@ -97,9 +98,43 @@ InsulatedBody without_response(const InsulatedBodies& bodies, const OuterPotenti
       body.panels.push_back(make_panel(triangle));
   const Index columns = potentials(body.panels).cols() + 1;
   body.responses = MatrixXd::Zero(index_of(body.panels.size()), columns);
-  body.energies = body.coarse_energies = MatrixXd::Zero(columns, columns);
+  body.energies = body.coarse_energies = body.facet_effects = MatrixXd::Zero(columns, columns);
   body.free_charges = MatrixXd::Zero(0, columns);
   return body;
+}
+
+/// Returns what the facets of round shapes may add to the energies, between all columns.
+MatrixXd facet_effects(const InsulatedBodies& bodies, const InsulatedSystem& system,
+                       const Outermost& outermost, const InsulatedResponse& response,
+                       const MatrixXd& responses) {
+  const std::vector<Panel>& panels = system.mesh().panels();
+  const std::size_t conductors = bodies.conductors.bodies.size();
+  std::vector<Index> place(panels.size(), -1);
+  for (std::size_t k = 0; k < outermost.panels.size(); ++k)
+    place[static_cast<std::size_t>(outermost.panels[k])] = index_of(k);
+  MatrixXd result = MatrixXd::Zero(responses.cols(), responses.cols());
+  const auto add = [&](double factor, const Eigen::RowVectorXd& charge) {
+    result += factor * charge.transpose() * charge;
+  };
+  for (const PanelGroup& group : system.mesh().groups())
+    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
+      if (group.body < conductors) {
+        const RoundShape* const round = round_shape_of(bodies.conductors.bodies[group.body].surface);
+        if (round != nullptr)
+          add(round->lack_per_squared_charge(panels[k]),
+              place[k] < 0 ? Eigen::RowVectorXd(response.charges.row(index_of(k)))
+                           : Eigen::RowVectorXd(responses.row(place[k])));
+        continue;
+      }
+      const Insulator& insulator = bodies.insulators[group.body - conductors];
+      // Of a ball in a uniform field, an interface that moves adds this times what a conductor with the same
+      // charges would add; less in other fields.
+      if (insulator.round && place[k] >= 0 && insulator.ratio != 1)
+        add((insulator.ratio + 2) / std::abs(insulator.ratio - 1) *
+                insulator.round->lack_per_squared_charge(panels[k]),
+            responses.row(place[k]));
+    }
+  return result;
 }
 
 }  // namespace
@@ -160,6 +195,7 @@ InsulatedBody solve_insulated_body(const InsulatedBodies& bodies, double accurac
   }
   for (const Index panel : outermost.panels)
     body.panels.push_back(all[static_cast<std::size_t>(panel)]);
+  body.facet_effects = facet_effects(bodies, system, outermost, response, body.responses);
   body.free_charges = MatrixXd::Zero(index_of(bodies.conductors.bodies.size()), outer.cols());
   for (const PanelGroup& group : system.mesh().groups())
     if (group.body < bodies.conductors.bodies.size())

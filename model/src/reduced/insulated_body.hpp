@@ -21,6 +21,7 @@ struct InsulatedBody {
   Eigen::MatrixXd responses;        ///< charges on them
   Eigen::MatrixXd energies;         ///< of each potential with the responses to each: symmetric
   Eigen::MatrixXd coarse_energies;  ///< the same with one density and one potential on each group
+  Eigen::MatrixXd facet_effects;    ///< what the facets of round shapes may add to the energies
   Eigen::MatrixXd free_charges;     ///< on each body of a conductor (rows)
 };
 

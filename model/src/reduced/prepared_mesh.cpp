@@ -117,14 +117,14 @@ std::vector<TriangleSurface> surfaces_of(const InsulatedBodies& bodies) {
   for (const ChargedBody& body : bodies.conductors.bodies)
     surfaces.push_back(std::get<TriangleSurface>(body.surface));
   for (const Insulator& insulator : bodies.insulators)
-    surfaces.push_back({insulator.surface});
+    surfaces.push_back({insulator.surface, insulator.round});
   return surfaces;
 }
 
 std::vector<Vector3d> corners_of(const std::vector<TriangleSurface>& surfaces) {
   std::vector<Vector3d> corners;
-  for (const auto& [triangles] : surfaces)
-    for (const Triangle& triangle : triangles)
+  for (const TriangleSurface& surface : surfaces)
+    for (const Triangle& triangle : surface.triangles)
       corners.insert(corners.end(), triangle.begin(), triangle.end());
   return corners;
 }
@@ -143,6 +143,20 @@ MatrixXd net_charges(const PanelMesh& mesh, const MatrixXd& charges, std::size_t
   return net;
 }
 
+/// Returns what the facets of round shapes may add to the energies of the panels' charges, between all
+/// columns.
+MatrixXd facet_effects(const std::vector<TriangleSurface>& surfaces, const PanelMesh& mesh,
+                       const MatrixXd& charges) {
+  MatrixXd result = MatrixXd::Zero(charges.cols(), charges.cols());
+  for (const PanelGroup& group : mesh.groups()) {
+    const std::optional<RoundShape>& round = surfaces[group.body].round;
+    for (std::size_t k = group.first; round && k < group.first + group.count; ++k)
+      result += round->lack_per_squared_charge(mesh.panels()[k]) *
+                charges.row(static_cast<Index>(k)).transpose() * charges.row(static_cast<Index>(k));
+  }
+  return result;
+}
+
 }  // namespace
 
 PreparedMesh::PreparedMesh(std::vector<TriangleSurface> surfaces, double accuracy)
@@ -159,6 +173,7 @@ PreparedMesh::PreparedMesh(std::vector<TriangleSurface> surfaces, double accurac
   missing_ = missing_energies(panels, potentials, responses, [&](const Vector3d& point) -> RowVectorXd {
     return potentials_at(point, charges) * loads.charges + loads.constants;
   });
+  facets_ = facet_effects(surfaces_, panels.mesh, responses);
   root_ = responses.col(0).sum();
   if (surfaces_.size() > 1)
     net_ = net_charges(panels.mesh, responses, surfaces_.size());
@@ -178,6 +193,7 @@ PreparedMesh::PreparedMesh(const InsulatedBodies& bodies, double accuracy)
   const MatrixXd loads = principal_loads(solved.energies, mesh_functions.back());
   const MatrixXd responses = solved.responses * loads;
   missing_ = absolute(loads.transpose() * (solved.energies - solved.coarse_energies) * loads);
+  facets_ = loads.transpose() * solved.facet_effects * loads;
   if (!bodies.conductors.bodies.empty())
     root_ = responses.col(0).sum();
   if (bodies.conductors.bodies.size() > 1)
@@ -239,6 +255,8 @@ PreparedLevel PreparedMesh::level(int index) const {
     level.highest.push_back(static_cast<int>(k));
   level.stiffness = stored(MatrixXd::Identity(count - kept, count - kept));
   level.missing = stored(missing_.topLeftCorner(count, count));
+  if (!facets_.isZero(0))
+    level.facets = stored(facets_.topLeftCorner(count, count));
   for (Index surface = 0; surface < net_.rows(); ++surface)
     level.surface_nets.push_back(stored(net_.row(surface).head(count).transpose()));
   return level;

@@ -70,6 +70,7 @@ class PreparedMesh {
   mutable std::map<std::tuple<std::ptrdiff_t, double, double>, std::optional<ChargeSkeleton>> skeletons_;
   double root_ = 0;          ///< square root of the capacitance
   Eigen::MatrixXd missing_;  ///< energies that coarser panels miss
+  Eigen::MatrixXd facets_;   ///< energies that the facets of round shapes lack
   Eigen::MatrixXd net_;      ///< net charges of the functions (columns) on each surface, if there are several
 };
 

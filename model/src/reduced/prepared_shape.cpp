@@ -106,6 +106,7 @@ PreparedLevel prepare(const MatrixXd& self, EdgeKind edge, int functions) {
                        highest,
                        stored(block.llt().solve(MatrixXd::Identity(high, high))),
                        {},
+                       {},
                        {}};
 }
 
@@ -152,8 +153,8 @@ PreparedShape::PreparedShape(const InsulatedBodies& bodies, double accuracy)
 PreparedShape::PreparedShape(std::unique_ptr<PreparedMesh> mesh)
     : surface_(TriangleSurface{}), half_sides_(Vector3d::Zero()), levels_(levels), mesh_(std::move(mesh)) {
   std::vector<Vector3d> points;
-  for (const auto& [triangles] : mesh_->surfaces())
-    for (const Triangle& triangle : triangles)
+  for (const TriangleSurface& surface : mesh_->surfaces())
+    for (const Triangle& triangle : surface.triangles)
       for (const Vector3d& corner : triangle)
         half_sides_ = half_sides_.cwiseMax(corner.cwiseAbs());
   for (const PanelCluster& cluster : mesh_->panels().clusters)

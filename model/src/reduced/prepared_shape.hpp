@@ -30,6 +30,7 @@ struct PreparedLevel {
   std::vector<int> highest;        ///< the functions outside the coarse space
   std::vector<float> stiffness;    ///< Schur complement of `highest`: the inverse of that block of `inverse`
   std::vector<float> missing;      ///< for triangles, the energies that coarser ones miss; else empty
+  std::vector<float> facets;       ///< the energies that the facets of round shapes lack; empty without any
   /// The functions' net charges on each surface, if the body has several.
   std::vector<std::vector<float>> surface_nets;
 };

@@ -109,6 +109,8 @@ class ReducedEvaluator::Implementation {
       write_no_result();
     else
       refine_until_reached();
+    if (answer_.unknowns > 0)
+      add_facet_errors(system_->solution());
     bodies_.settle();
     return answer_;
   }
@@ -314,6 +316,27 @@ class ReducedEvaluator::Implementation {
     digits_ = digits;
   }
 
+  /// Adds the errors by the facets of round shapes, which nothing here can reduce.
+  void add_facet_errors(const ReducedSolution& solution) {
+    const MatrixXd at = detail::potentials(solution.values, bodies_.bodies());
+    const VectorXd effects = detail::error_per_facet_effect * factor_ * bodies_.unit() *
+                             (at.transpose() * solution.facets * at).diagonal().cwiseMax(0);
+    const VectorXd roots = effects.cwiseSqrt();
+    answer_.errors += roots * roots.transpose();
+    answer_.delta_self_errors += effects.head(answer_.delta_self_errors.size());
+    answer_.reached &= (answer_.errors.array() <= rtol_ * answer_.values.array().abs()).all();
+    if (answer_.readings.empty())
+      return;
+    const double unit = detail::error_per_facet_effect * factor_ * bodies_.unit();
+    for (std::size_t k = 0; k < answer_.readings.size(); ++k) {
+      const auto at_reading = static_cast<Index>(k);
+      *answer_.readings[k].value.error += unit * in_changes_.facets.value[at_reading];
+      *answer_.readings[k].background.error += unit * in_changes_.facets.background[at_reading];
+      *answer_.readings[k].change.error += unit * in_changes_.facets.change[at_reading];
+    }
+    answer_.reached &= (detail::errors_of_changes(answer_.readings).array() <= rtol_).all();
+  }
+
   /// Writes the solution and its estimated errors to the answer.
   void write_solution(const ReducedSolution& solution) {
     const MatrixXd fine = detail::without_floating(solution.values, bodies_.bodies());
@@ -353,7 +376,7 @@ class ReducedEvaluator::Implementation {
   /// Finds the readings, if the bodies of the machine are not joined with the targets.
   void find_readings(const ReducedSolution& solution) {
     answer_.readings.clear();
-    in_changes_ = {{}, VectorXd::Zero(static_cast<Index>(count()))};
+    in_changes_ = {{}, VectorXd::Zero(static_cast<Index>(count())), 0, 0, 0, {}, {}};
     if (!solution.change)
       return;
     in_changes_ =

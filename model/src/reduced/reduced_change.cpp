@@ -40,13 +40,14 @@ MatrixXd ReducedSystem::highest_energies(std::size_t body, const MatrixXd& charg
   return energies;
 }
 
-/// Returns the energies that coarser triangles of a body would miss, as highest_energies() does; zero for a
-/// plate or a box.
-MatrixXd ReducedSystem::triangle_energies(std::size_t body, const MatrixXd& charges) {
+/// Returns a form of the charges of a body of triangles, such as the energies that coarser ones would miss,
+/// as highest_energies() does; zero if the form is empty.
+MatrixXd ReducedSystem::triangle_energies(std::size_t body, const std::vector<float>& form,
+                                          const MatrixXd& charges) {
   const auto& kernels = best_kernels<NodeKernels>();
   const PreparedLevel& prepared = level(body);
   MatrixXd energies = MatrixXd::Zero(charges.cols(), charges.cols());
-  if (prepared.missing.empty())
+  if (form.empty())
     return energies;
   work_.assign(static_cast<std::size_t>(charges.cols() * prepared.padded), 0.0F);
   stiff_.resize(static_cast<std::size_t>(prepared.padded));
@@ -56,7 +57,7 @@ MatrixXd ReducedSystem::triangle_energies(std::size_t body, const MatrixXd& char
       if (vectors_[k].body == body)
         kernels.add(static_cast<float>(charges(static_cast<Index>(k), c)), vectors_[k].charge, charge,
                     prepared.padded);
-    kernels.multiply(prepared.missing.data(), prepared.count, charge, stiff_.data());
+    kernels.multiply(form.data(), prepared.count, charge, stiff_.data());
     for (Index d = 0; d <= c; ++d)
       energies(c, d) = energies(d, c) =
           kernels.dot(work_.data() + d * prepared.padded, stiff_.data(), prepared.padded) /
@@ -123,9 +124,11 @@ void ReducedSystem::find_change() {
   ReducedChange& result = solution_.change.emplace();
   result.machine_bodies = *machine_bodies_;
   result.truncation = residual_energies();
+  result.facets = MatrixXd::Zero(2 * count, 2 * count);
   MatrixXd added = result.truncation;
   for (std::size_t body = 0; body < bodies_.size(); ++body) {
-    const MatrixXd triangles = triangle_energies(body, charges);
+    const MatrixXd triangles = triangle_energies(body, level(body).missing, charges);
+    result.facets += triangle_energies(body, level(body).facets, charges);
     added += likely_missing * triangles;
     result.discretisation.emplace_back(highest_energies(body, charges) + triangles);
     std::vector<Index> own;

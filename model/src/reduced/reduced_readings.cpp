@@ -124,8 +124,9 @@ ReducedReadings reduced_readings(const std::vector<ChargedReading>& readings, co
     discretisation += energies;
 
   const auto number = static_cast<Index>(readings.size());
-  ReducedReadings result{{}, VectorXd::Zero(static_cast<Index>(count))};
+  ReducedReadings result{{}, VectorXd::Zero(static_cast<Index>(count)), 0, 0, 0, {}, {}};
   result.charges.resize(found.truncation.rows(), 4 * number);
+  result.facets = {VectorXd(number), VectorXd(number), VectorXd(number)};
   for (Index k = 0; k < number; ++k) {
     const ChargedReading& reading = readings[static_cast<std::size_t>(k)];
     const VectorXd sensed = reading.sense.head(kept), driven = reading.drive.head(kept);
@@ -149,7 +150,11 @@ ReducedReadings reduced_readings(const std::vector<ChargedReading>& readings, co
     const auto part = [&](const Roots& one, const Roots& other) {
       return product > 0 ? one.value * other.value / std::sqrt(product) : 0;
     };
-    Effects errors, truncated, resolved, integrated;
+    Effects errors, truncated, resolved, integrated, facets;
+    add_products(facets, 1, roots(sense, found.facets), roots(drive, found.facets));
+    result.facets.value[k] = facets.value;
+    result.facets.background[k] = facets.background;
+    result.facets.change[k] = facets.change;
     const Roots sense_truncation = roots(sense, found.truncation);
     const Roots drive_truncation = roots(drive, found.truncation);
     add_products(truncated, 1, sense_truncation, drive_truncation);

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "bem/bodies.hpp"
+#include "bem/readings.hpp"
 #include "fringe/reading_answer.hpp"
 #include "reduced/reduced_system.hpp"
 
@@ -19,6 +20,7 @@ struct ReducedReadings {
   double error = 0;       ///< the largest error of a change, alike
   double truncation = 0;  ///< the largest part that the steps have in such an error, alike
   double quadrature = 0;  ///< the largest part that the quadratures have, alike
+  ReadingEffects facets;  ///< what the facets of round shapes may add; not a part of the errors
   /// Coefficients of X and Z (rows, see ReducedChange) in the columns of ReadingCharges::all().
   Eigen::MatrixXd charges = {};
 };

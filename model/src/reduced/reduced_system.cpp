@@ -397,7 +397,7 @@ MatrixXd ReducedSystem::missing(std::size_t active, std::size_t conductors) {
   const auto size = signed_of(conductors);
   MatrixXd result = MatrixXd::Zero(size, size);
   for (std::size_t body = 0; body < active; ++body)
-    result += triangle_energies(body, charges_.leftCols(size));
+    result += triangle_energies(body, level(body).missing, charges_.leftCols(size));
   return result;
 }
 
@@ -515,6 +515,10 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
     solution_.delta_discretisation =
         (solution_.discretisation.diagonal().head(sensors) - machine_->discretisation_alone).cwiseAbs();
   }
+  solution_.facets = MatrixXd::Zero(signed_of(conductors_), signed_of(conductors_));
+  for (std::size_t body = 0; body < bodies_.size(); ++body)
+    solution_.facets +=
+        triangle_energies(body, level(body).facets, charges_.leftCols(signed_of(conductors_)));
   estimate_quadrature();
   if (machine_bodies_)
     find_change();

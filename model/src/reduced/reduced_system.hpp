@@ -43,6 +43,7 @@ struct ReducedChange {
   Eigen::MatrixXd truncation;                   ///< what the residuals contribute
   std::vector<Eigen::MatrixXd> discretisation;  ///< energies of the highest functions of each body
   std::vector<Eigen::MatrixXd> energies;        ///< energies of the charges on each body
+  Eigen::MatrixXd facets;                       ///< what the facets of round shapes may add
 };
 
 /// Capacitances of all conductors, floating ones included, and estimates of what the approximations leave
@@ -54,6 +55,7 @@ struct ReducedSolution {
   double truncation_left = 0;      ///< fraction of it that may still be missing
   Eigen::MatrixXd discretisation;  ///< contribution of the highest functions, or somewhat more
   Eigen::MatrixXd coarser;     ///< contribution that coarser triangles would miss, a part of `discretisation`
+  Eigen::MatrixXd facets;      ///< what the facets of round shapes may add
   Eigen::MatrixXd quadrature;  ///< possible effect of the quadrature errors
   /// Quadrature error of the interaction of each pair of bodies, relative to the roots of their energies.
   Eigen::MatrixXd pair_errors;
@@ -83,6 +85,9 @@ class ReducedSystem {
   /// Forgets what is known of the machine without the targets. To be called when a pair of its bodies gets
   /// another quadrature.
   void forget_machine() { machine_.reset(); }
+
+  /// Returns the last solution.
+  const ReducedSolution& solution() const { return solution_; }
 
   /// Solves with the pairs' present quadratures.
   const ReducedSolution& solve(const ReductionLimits& limits);
@@ -143,7 +148,8 @@ class ReducedSystem {
   bool append_residuals(std::size_t active, std::size_t conductors);
   void extend_basis(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
   Eigen::MatrixXd highest_energies(std::size_t body, const Eigen::MatrixXd& charges);
-  Eigen::MatrixXd triangle_energies(std::size_t body, const Eigen::MatrixXd& charges);
+  Eigen::MatrixXd triangle_energies(std::size_t body, const std::vector<float>& form,
+                                    const Eigen::MatrixXd& charges);
   Eigen::MatrixXd discretisation(std::size_t active, std::size_t conductors);
   Eigen::MatrixXd missing(std::size_t active, std::size_t conductors);
   void find_change();

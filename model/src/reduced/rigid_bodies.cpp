@@ -46,15 +46,18 @@ struct UnitSurfaces {
 
 UnitSurfaces in_unit(std::vector<TriangleSurface> surfaces) {
   Eigen::AlignedBox3d box;
-  for (const auto& [triangles] : surfaces)
-    for (const Triangle& triangle : triangles)
+  for (const TriangleSurface& surface : surfaces)
+    for (const Triangle& triangle : surface.triangles)
       for (const Vector3d& corner : triangle)
         box.extend(corner);
   const UnitSurfaces unit{{}, box.center(), box.sizes().maxCoeff() / 2};
-  for (auto& [triangles] : surfaces)
+  for (auto& [triangles, round] : surfaces) {
     for (Triangle& triangle : triangles)
       for (Vector3d& corner : triangle)
         corner = (corner - unit.centre) / unit.scale;
+    if (round)
+      round = round->in_unit(unit.centre, unit.scale);
+  }
   return {std::move(surfaces), unit.centre, unit.scale};
 }
 
@@ -102,7 +105,7 @@ struct ShapeFinder {
     return {shapes.find(box_at_origin(box.half_sides / scale)), scale, frame_of(box), {}};
   }
   RigidBody operator()(const TriangleSurface&) const {
-    return body_of_triangles(name, {{surface_triangles(*object)}}, object->pose, accuracy, shapes);
+    return body_of_triangles(name, {surface_of(*object)}, object->pose, accuracy, shapes);
   }
 };
 
@@ -136,16 +139,20 @@ RigidBody body_with_insulators(const ChargedBodies& bodies, const std::vector<In
   for (const std::size_t part : group.parts)
     surfaces.push_back(oriented_triangles(bodies.bodies[part].surface));
   for (const std::size_t insulator : group.insulators)
-    surfaces.push_back({insulators[insulator].surface});
-  for (auto& [triangles] : surfaces)
+    surfaces.push_back({insulators[insulator].surface, insulators[insulator].round});
+  for (auto& [triangles, round] : surfaces) {
     for (Triangle& triangle : triangles)
       triangle = transformed(triangle, frame.inverse());
+    if (round)
+      round = round->moved(frame.inverse());
+  }
   const UnitSurfaces unit = in_unit(std::move(surfaces));
   for (std::size_t k = 0; k < group.parts.size(); ++k)
     own.conductors.bodies.push_back({0, k, unit.surfaces[k], bodies.bodies[group.parts[k]].name, {}});
   for (std::size_t k = 0; k < group.insulators.size(); ++k) {
     Insulator& insulator = own.insulators.emplace_back(insulators[group.insulators[k]]);
     insulator.surface = unit.surfaces[group.parts.size() + k].triangles;
+    insulator.round = unit.surfaces[group.parts.size() + k].round;
     insulator.box = axis_aligned_box(insulator.surface);
   }
   try {
@@ -189,7 +196,7 @@ PreparedShape* SharedShapes::find(const FacedSurface& surface) {
 
 PreparedShape* SharedShapes::find(const std::vector<TriangleSurface>& surfaces, double accuracy) {
   const auto are_equal = [](const TriangleSurface& one, const TriangleSurface& other) {
-    return one.triangles == other.triangles;
+    return one.triangles == other.triangles && one.round.has_value() == other.round.has_value();
   };
   for (const auto& shape : shapes_)
     if (shape->mesh() != nullptr && shape->mesh()->ratios().empty() &&

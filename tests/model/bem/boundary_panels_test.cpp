@@ -135,7 +135,7 @@ TEST(BoundaryPanels, PutAPolyhedronBetweenTheBallsOfEqualVolumeAndAroundIt) {
   double before = 0;
   for (const int segments : {6, 12, 24}) {
     const Sphere sphere{1, segments};
-    const MaxwellMatrix answer = alone(sphere, 3e-3);
+    const MaxwellMatrix answer = alone(mesh_of(sphere), 3e-3);
     const double value = per_length(answer.values(0, 0), 1), error = per_length(answer.errors(0, 0), 1);
     EXPECT_TRUE(answer.reached);
     EXPECT_LT(value, 1);

@@ -215,6 +215,38 @@ TEST(Insulators, AThinFilmAroundASensorIsASheet) {
   EXPECT_NEAR(film.values(0, 0), expected, film.errors(0, 0));
 }
 
+TEST(Insulators, OneFarAwayLeavesTheErrorOfLongTrianglesAsItIs) {
+  // The round cylinder by the field solver: python3 -m fem_reference SCENE --rtol 1e-3, (1.48297 ± 0.00020)
+  // pF.
+  constexpr double field = 1.48297e-12;
+  Scene scene;
+  scene.objects = {object("coin", Cylinder{0.02, 0.001, 128}, at(0, 0, 0), Electrode{}),
+                   object("far", Cuboid{0.01, 0.01, 0.03}, at(0, 0, 0.2), Dielectric{2})};
+  const MaxwellMatrix found = maxwell(scene, loose());
+  EXPECT_NEAR(found.values(0, 0), field, found.errors(0, 0));
+  EXPECT_LE(found.errors(0, 0), 0.03 * field);
+}
+
+TEST(Insulators, OneOfVeryHighPermittivityIsAFloatingConductor) {
+  Scene scene;
+  scene.sensors = {sensor("front", {square(0.1, 0)})};
+  scene.objects = {box("block", {-3, -4, 3}, {7, 6, 13})};
+  scene.objects[0].target = true;
+  scene.objects[0].role = Floating{};
+  const MaxwellMatrix floating = maxwell(scene, loose());
+  BoundaryElementOptions looser;
+  looser.rtol = 0.1;
+  for (const double permittivity : {1e4, 1e6}) {
+    scene.objects[0].role = Dielectric{permittivity};
+    const MaxwellMatrix found = maxwell(scene, looser);
+    const Estimate &one = floating.readings[0].change, &other = found.readings[0].change;
+    EXPECT_NEAR(*other.value, *one.value, *one.error + *other.error);
+    EXPECT_LE(*other.error, 0.1 * *one.value);
+    EXPECT_LE(std::abs(found.values(0, 0) - floating.values(0, 0)),
+              found.errors(0, 0) + floating.errors(0, 0));
+  }
+}
+
 TEST(FilmSheets, AStripBetweenTwoConductorsHasTheCapacitanceOfItsLengthWhateverItsPanels) {
   // Two panels, and beside them three, one corner of which lies on a side of the former.
   const Eigen::Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0), e(2, 0, 0), f(2, 1, 0),

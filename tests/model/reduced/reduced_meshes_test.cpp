@@ -112,6 +112,20 @@ TEST(ReducedMeshesAtLength, TheStatedErrorCoversThatOfABoxInRandomPoses) {
   }
 }
 
+TEST(ReducedMeshes, TheStatedErrorContainsTheFacetsOfBalls) {
+  // Series of images (Lekner 2011): balls of 1 and 2 cm, 5 cm apart, in pF.
+  const Eigen::Matrix2d exact{{1.2305175015, -0.4945667562}, {-0.4945667562, 2.4315431141}};
+  Scene scene;
+  scene.objects = {object("small", Sphere{0.01, 16}, at(0, 0, 0), Electrode{}),
+                   object("large", Sphere{0.02, 16}, at(0.05, 0, 0), Electrode{})};
+  ReducedEvaluator evaluator(scene, loose);
+  const MaxwellMatrix& found = evaluator.maxwell();
+  for (Eigen::Index row = 0; row < 2; ++row)
+    for (Eigen::Index column = 0; column < 2; ++column)
+      EXPECT_NEAR(1e12 * found.values(row, column), exact(row, column), 1e12 * found.errors(row, column));
+  EXPECT_LE(found.errors(0, 0), 0.06 * found.values(0, 0));
+}
+
 TEST(ReducedMeshesAtLength, SeveralBodiesTogether) {
   Scene scene = above_sensor(Sphere{0.02, 12}, at(-0.02, 0, 0.035));
   scene.objects.push_back(object("cylinder", Cylinder{0.015, 0.05, 12}, at(0.05, 0.01, 0.05)));

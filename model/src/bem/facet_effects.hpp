@@ -1,0 +1,33 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bem/insulated_equations.hpp"
+
+/// What the facets of round conductors and dielectric bodies change beside each other
+/// (model/BOUNDARY_ELEMENTS.md, section 13).
+namespace fringe::detail {
+
+/// A sample of the interfaces that stand for round shapes, with copies of each panel beside it: outside of
+/// it, and from there along two directions of its plane.
+struct BesideFacets {
+  static constexpr int copies = 3;
+  std::vector<std::size_t> panels;  ///< of the sample
+  std::vector<double> depths;       ///< m, from each to its shape's surface, with the weight in the sample
+  std::vector<Panel> beside;        ///< the copies
+  Eigen::MatrixXd double_layer;     ///< of all panels, as means over the copies (rows)
+};
+
+/// Returns the sample, without its double layer.
+BesideFacets beside_facets(const PanelMesh& mesh, const InsulatedBodies& bodies);
+
+/// Returns roots of the effects on the capacitances: three rows for each panel, a column for each conductor
+/// at unit potential. By Hadamard's formula an interface that moves by a small distance along its normal
+/// changes them by the jump of the permittivity times the field along it and the flux across it.
+Eigen::MatrixXd facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
+                              const InsulatedEquations& equations, const BesideFacets& facets,
+                              const Eigen::MatrixXd& values, double tolerance);
+
+}  // namespace fringe::detail

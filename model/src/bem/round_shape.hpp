@@ -1,0 +1,49 @@
+#pragma once
+
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include "bem/panel.hpp"
+#include "fringe/shape.hpp"
+
+/// How far round shapes are from the polyhedra that stand for them (model/BOUNDARY_ELEMENTS.md, section 9).
+namespace fringe::detail {
+
+/// Error per effect of the facets in first order: the next order, and charges that panels do not resolve.
+constexpr double error_per_facet_effect = 1.25;
+
+/// A round shape in the frame of a body.
+class RoundShape {
+ public:
+  /// Returns nothing for a shape that its triangles have exactly.
+  static std::optional<RoundShape> of(const Shape& shape, const Eigen::Isometry3d& pose);
+
+  RoundShape moved(const Eigen::Isometry3d& pose) const;
+  /// Returns the shape about another origin, in another unit (m).
+  RoundShape in_unit(const Eigen::Vector3d& origin, double unit) const;
+
+  /// Returns true if the polyhedron lies within the shape, so that its capacitance is the smaller one.
+  bool contains_polyhedron() const { return !std::holds_alternative<Arc>(shape_); }
+
+  bool is_thin() const { return std::holds_alternative<Disc>(shape_); }
+
+  /// Returns the mean distance from a part of the polyhedron's surface to the shape's surface, along the
+  /// part's normal.
+  double depth(const Triangle& part) const;
+
+  /// Returns what a conductor's capacitance lacks (over 4πε, m) per square of the charge on a panel: by
+  /// Hadamard's formula for a surface that moves by depth(), or for the rim of a disc that moves in its
+  /// plane.
+  double lack_per_squared_charge(const Panel& panel) const;
+
+ private:
+  RoundShape(Shape shape, const Eigen::Isometry3d& pose)
+      : shape_(std::move(shape)), to_shape_(pose.inverse()) {}
+
+  Shape shape_;
+  Eigen::Affine3d to_shape_;  ///< from the frame of the body
+  double unit_ = 1;           ///< m per unit of length of the body's frame
+};
+
+}  // namespace fringe::detail

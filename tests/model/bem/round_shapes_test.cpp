@@ -1,0 +1,138 @@
+/// Tests that stated errors contain the facets of round shapes, against closed forms of round conductors.
+
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bem/round_shape.hpp"
+#include "bem/scenes.hpp"
+#include "fringe/boundary_elements.hpp"
+#include "fringe/triangle.hpp"
+#include "fringe/triangulation.hpp"
+
+namespace fringe {
+namespace {
+
+using detail::RoundShape;
+using test::at;
+using test::object;
+
+constexpr double pi = std::numbers::pi;
+constexpr double unit = 4 * pi * vacuum_permittivity;
+
+BoundaryElementOptions within(double rtol) {
+  BoundaryElementOptions options;
+  options.rtol = rtol;
+  return options;
+}
+
+/// Returns the sum of depth times area over the triangles of a shape.
+double missing_volume(const Shape& shape) {
+  const auto round = RoundShape::of(shape, Eigen::Isometry3d::Identity());
+  double sum = 0;
+  for (const Triangle& triangle : triangulate(shape))
+    sum += round->depth(triangle) * twice_area(triangle) / 2;
+  return sum;
+}
+
+double volume(const Shape& shape) {
+  const std::vector<Triangle> triangles = triangulate(shape);
+  return signed_volume(triangles);
+}
+
+/// Expects the depths to add up to the volume that the polyhedron lacks, to first order.
+void expect_depths(const Shape& shape, double round) {
+  const double lacks = round - volume(shape);
+  EXPECT_NEAR(missing_volume(shape), lacks, 0.05 * lacks);
+}
+
+TEST(RoundShapes, TheDepthsOfFacetsAddUpToTheVolumeThatThePolyhedronLacks) {
+  expect_depths(Cylinder{0.02, 0.05, 24}, pi * 0.02 * 0.02 * 0.05);
+  expect_depths(Cone{0.02, 0.05, 24}, pi * 0.02 * 0.02 * 0.05 / 3);
+  expect_depths(Sphere{0.02, 24}, 4 * pi / 3 * 0.02 * 0.02 * 0.02);
+  expect_depths(Ellipsoid{0.03, 0.02, 0.01, 32}, 4 * pi / 3 * 0.03 * 0.02 * 0.01);
+  expect_depths(Capsule{0.02, 0.03, 24}, pi * 0.02 * 0.02 * (0.03 + 4.0 / 3 * 0.02));
+}
+
+TEST(RoundShapes, OnAnArcTheDepthsOfBothSidesAddUp) {
+  // The inner facets take as much from the hole as the outer ones lack, in proportion to the radii squared.
+  const Arc arc{0.01, 0.02, 0.005, 90, 8};
+  const double angle = pi / 2 / 8, segment = (angle - std::sin(angle)) / 2;
+  const double lacks = 8 * segment * (0.01 * 0.01 + 0.02 * 0.02) * 0.005;
+  EXPECT_NEAR(missing_volume(arc), lacks, 0.05 * lacks);
+}
+
+TEST(RoundShapes, FlatShapesHaveNone) {
+  EXPECT_FALSE(RoundShape::of(Cuboid{1, 2, 3}, Eigen::Isometry3d::Identity()));
+  EXPECT_FALSE(RoundShape::of(Plate{1, 2}, Eigen::Isometry3d::Identity()));
+}
+
+TEST(RoundShapes, TheErrorOfTwoBallsContainsTheSeriesOfImages) {
+  // Lekner 2011: balls of 1 and 2 cm, 5 cm apart, in pF.
+  const Eigen::Matrix2d exact{{1.2305175015, -0.4945667562}, {-0.4945667562, 2.4315431141}};
+  Scene scene;
+  scene.objects = {object("small", Sphere{0.01, 20}, at(0, 0, 0), Electrode{}),
+                   object("large", Sphere{0.02, 20}, at(0.05, 0, 0), Electrode{})};
+  const MaxwellMatrix found = maxwell(scene, within(3e-3));
+  for (Eigen::Index row = 0; row < 2; ++row)
+    for (Eigen::Index column = 0; column < 2; ++column) {
+      const double value = 1e12 * found.values(row, column), error = 1e12 * found.errors(row, column);
+      EXPECT_NEAR(value, exact(row, column), error);
+      EXPECT_LE(error, 0.06 * std::abs(exact(row, column)));
+    }
+  EXPECT_FALSE(found.reached);
+  EXPECT_TRUE(found.lower_bounds[0]);
+}
+
+TEST(RoundShapes, TheErrorOfADiscContainsTheRoundOne) {
+  Scene scene;
+  scene.objects = {object("disc", Disc{0.1, 16}, at(0, 0, 0), Electrode{})};
+  const MaxwellMatrix found = maxwell(scene, within(5e-3));
+  const double exact = 2 / pi * 0.1 * unit;
+  EXPECT_NEAR(found.values(0, 0), exact, found.errors(0, 0));
+  EXPECT_LE(found.errors(0, 0), 0.025 * exact);
+}
+
+TEST(RoundShapes, TheErrorFallsWithTheSquareOfTheSegments) {
+  const auto error = [](int segments) {
+    Scene scene;
+    scene.objects = {object("ball", Sphere{0.1, segments}, at(0, 0, 0), Electrode{})};
+    const MaxwellMatrix found = maxwell(scene, within(2e-2));
+    EXPECT_NEAR(found.values(0, 0), 0.1 * unit, found.errors(0, 0));
+    return found.errors(0, 0) / found.values(0, 0);
+  };
+  EXPECT_LE(error(32), 0.6 * error(16));
+}
+
+TEST(RoundShapes, TheErrorOfAChangeContainsTheRoundTarget) {
+  // Series of images: a ball of 1 cm, grounded, with its centre 3 cm above that of a driven one of 1 cm.
+  // Capacitances over 4πε in units of the radius (gap of one radius): 1.1462874419 − 1.
+  Scene scene;
+  scene.objects = {object("driven", Sphere{0.01, 20}, at(0, 0, 0), Electrode{}),
+                   object("target", Sphere{0.01, 20}, at(0, 0, 0.03))};
+  scene.objects[1].target = true;
+  scene.readings = {{"self", "driven", {"driven"}}};
+  const MaxwellMatrix found = maxwell(scene, within(5e-3));
+  const double exact = 0.1462874419 * 0.01 * unit;
+  ASSERT_EQ(found.readings.size(), 1U);
+  EXPECT_NEAR(*found.readings[0].change.value, exact, *found.readings[0].change.error);
+  EXPECT_LE(*found.readings[0].change.error, 0.2 * exact);
+}
+
+TEST(RoundShapes, TheErrorOfARoundDielectricBodyContainsTheSeries) {
+  // The series of tests/fem_reference/test_verification_solids.py, two_balls(0.01, 0.02, 0.05,
+  // dielectric(5)).
+  constexpr double series = 0.010089173460725371;
+  Scene scene;
+  scene.objects = {object("ball", Sphere{0.01, 16}, at(0, 0, 0), Electrode{}),
+                   object("glass", Sphere{0.02, 16}, at(0, 0, 0.05), Dielectric{5})};
+  const MaxwellMatrix found = maxwell(scene, within(2e-2));
+  EXPECT_NEAR(found.values(0, 0), series * unit, found.errors(0, 0));
+  EXPECT_LE(found.errors(0, 0), 0.06 * series * unit);
+}
+
+}  // namespace
+}  // namespace fringe
