@@ -55,6 +55,9 @@ ChargedBodies part_of(const ChargedBodies& bodies, const std::function<bool(std:
 /// Returns 4πε of a scene's medium, F/m.
 double unit_of(const Scene& scene);
 
+/// Returns a change in F; `unit` is 4πε.
+Estimate estimate_of(const CompanyFormula::Change& change, double unit);
+
 /// Where targets touch bodies of a machine: the conductors of these that they ground, and whether a contact
 /// joins other potentials.
 struct TargetContacts {

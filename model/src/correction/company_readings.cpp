@@ -24,15 +24,9 @@ using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Returns the error that is stated, relative to the change (model/CORRECTIONS.md, section 8): more than the
-/// largest one in the open set-ups on machines, and more for gaps that the functions do not resolve.
-double stated_error(double nearness) {
-  return std::min(0.25 * std::sqrt(std::max(nearness, 1.0)), 1.0);
-}
-
 /// Returns how finely the machine is prepared for an accuracy.
 CompanyResolution machine_resolution(std::optional<double> rtol, std::size_t threads) {
-  return rtol ? CompanyResolution{*rtol / 2, 25000, 400, 1600, threads} : MachineAtRest::usual;
+  return rtol ? CompanyResolution{*rtol / 2, 25000, 400, 1600, threads, true} : MachineAtRest::usual;
 }
 
 }  // namespace
@@ -81,6 +75,13 @@ bool are_within(const std::vector<ReadingAnswer>& answers, double rtol) {
   return std::ranges::all_of(answers, [&](const ReadingAnswer& reading) {
     return reading.change.error && *reading.change.error <= rtol * std::abs(*reading.change.value);
   });
+}
+
+Estimate estimate_of(const CompanyFormula::Change& change, double unit) {
+  Estimate estimate{unit * change.value};
+  if (std::isfinite(change.error))
+    estimate.error = unit * change.error;
+  return estimate;
 }
 
 std::vector<PairWrench> unknown_pairs(const ChargedBodies& bodies) {
@@ -240,12 +241,9 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
                                  std::vector<ReadingAnswer>& answers) const {
   const TargetContacts touching = contacts_of(machine_group_->bodies, machine_group_->boxes,
                                               target_group_->bodies, target_group_->boxes, pose);
-  std::vector<CompanyFormula::Change> in_closed_form;
-  if (tabulated == nullptr)
-    for (const double change : formula.changes(*machine_, *target_, pose))
-      in_closed_form.push_back({change, stated_error(formula.nearness()) * std::abs(change)});
   const std::vector<CompanyFormula::Change>& changes =
-      tabulated != nullptr ? tabulated->solved(*tabulated_, *target_, pose, *rtol_) : in_closed_form;
+      tabulated != nullptr ? tabulated->solved(*tabulated_, *target_, pose, *rtol_)
+                           : formula.changes(*machine_, *target_, pose);
   answers.resize(changes.size());
   for (std::size_t k = 0; k < changes.size(); ++k) {
     ReadingAnswer& answer = answers[k];
@@ -260,8 +258,7 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
           const auto conductor = static_cast<Eigen::Index>(at);
           return reading.sense[conductor] != 0 || reading.drive[conductor] != 0;
         });
-    answer.change =
-        is_shorted ? Estimate{infinity, 0} : Estimate{unit_ * changes[k].value, unit_ * changes[k].error};
+    answer.change = is_shorted ? Estimate{infinity, 0} : estimate_of(changes[k], unit_);
   }
 }
 

@@ -219,7 +219,7 @@ void MovingReadings::write_pose(MovingFormula& formula, const PoseOfMachine& pos
     answer.name = readings_[k].name;
     answer.answered_by = CompanyReadings::name;
     answer.value = answer.background = {};
-    answer.change = Estimate{unit_ * changes[k].value, unit_ * changes[k].error};
+    answer.change = estimate_of(changes[k], unit_);
     answer.derivatives.clear();
   }
   bool is_unknown = false;
