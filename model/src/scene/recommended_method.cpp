@@ -109,6 +109,14 @@ double largest_error_of_changes(const std::vector<ReadingAnswer>& readings) {
   return errors_of_changes(readings).maxCoeff();
 }
 
+/// Returns the largest relative error of what the formula answers: of the changes of readings if it knows
+/// these, else infinity, unless all its capacitances are certain.
+double error_of(const Evaluation& formula) {
+  if (!formula.readings.empty())
+    return largest_error_of_changes(formula.readings);
+  return formula.reached ? 0 : infinity;
+}
+
 }  // namespace
 
 RecommendedMethod::RecommendedMethod(double rtol, bool goes_on, std::shared_ptr<LinkPoses> poses)
@@ -130,20 +138,44 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene, std::optional<double>
   if (goes_on_ && (!best || !(best->error <= rtol_)) && !(limit != nullptr && limit->is_over()))
     if (std::optional<Evaluation> answer = by_going_on(scene, best, limit))
       return *std::move(answer);
-  if (!best || !(best->error <= std::max(rtol_, most_unreached_error))) {
-    try {
-      const WithoutTimeLimit unlimited;
-      return by_formula(scene);
-    } catch (const InputError& error) {
-      if (!best && refusal_.empty())
-        throw InputError(fmt::format("{:g} s suffice for no method but the formula: {}",
-                                     max_seconds.value_or(0), error.what()));
-      if (!best)
-        throw InputError(
-            refusal_ == error.what() ? refusal_ : fmt::format("{}; the formula: {}", refusal_, error.what()));
-    }
+  if (best && best->error <= std::max(rtol_, most_unreached_error))
+    return answer_of(scene, *std::move(best));
+  std::optional<Evaluation> formula;
+  std::string refused_by_formula;
+  try {
+    const WithoutTimeLimit unlimited;
+    formula = by_formula(scene);
+  } catch (const InputError& error) {
+    refused_by_formula = error.what();
   }
-  return answer_of(scene, *std::move(best));
+  const double of_formula = formula ? error_of(*formula) : infinity;
+  if (!goes_on_ && std::isinf(of_formula))
+    try_all_unknowns(scene, best, formula.has_value(), limit);
+  if (best && (!formula || (std::isfinite(best->error) && best->error <= of_formula)))
+    return answer_of(scene, *std::move(best));
+  if (formula)
+    return *std::move(formula);
+  if (refusal_.empty())
+    throw InputError(fmt::format("{:g} s suffice for no method but the formula: {}", max_seconds.value_or(0),
+                                 refused_by_formula));
+  throw InputError(refusal_ == refused_by_formula
+                       ? refusal_
+                       : fmt::format("{}; the formula: {}", refusal_, refused_by_formula));
+}
+
+/// Replaces the best matrix by that of all unknowns which boundary elements may have, if this states less.
+/// @param is_answered whether there is an answer if it is interrupted
+void RecommendedMethod::try_all_unknowns(const Scene& scene, std::optional<Candidate>& best, bool is_answered,
+                                         const TimeLimit* limit) {
+  try {
+    if (std::optional<Candidate> other = in_time(
+            limit, 0, [&] { return by_boundary_elements(scene, BoundaryElementOptions{}.most_unknowns); });
+        other && (!best || other->error < best->error))
+      best = std::move(other);
+  } catch (const Interrupted&) {
+    if (!best && !is_answered)
+      throw;
+  }
 }
 
 /// Tries what takes up to minutes; returns the formula's answer if it states less than the best matrix, which
@@ -167,14 +199,7 @@ std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std
     // Boundary elements answer where the formula refuses.
     formula.reset();
   }
-  try {
-    if (std::optional<Candidate> other = by_boundary_elements(scene, BoundaryElementOptions{}.most_unknowns);
-        other && (!best || other->error < best->error))
-      best = std::move(other);
-  } catch (const Interrupted&) {
-    if (!best && !formula)
-      throw;
-  }
+  try_all_unknowns(scene, best, formula.has_value(), nullptr);
   if (!formula || (best && best->error <= largest_error_of_changes(formula->readings)))
     return std::nullopt;
   return formula;
