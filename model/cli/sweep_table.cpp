@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include "correction/company_readings.hpp"
 #include "csv_text.hpp"
 #include "fringe/reading.hpp"
 #include "fringe/triangulation.hpp"
@@ -56,10 +57,14 @@ Noticed parse_noticed(std::string_view text) {
   return Noticed::not_known;
 }
 
-/// Compares the size of a change with a threshold; `unsure` if the error decides.
-Noticed noticed(const Estimate& change, const std::optional<double>& threshold) {
+/// Compares the size of a change with a threshold; `unsure` if the error decides, or is not known of a method
+/// that estimates it.
+Noticed noticed(const ReadingAnswer& answer, const std::optional<double>& threshold) {
+  const Estimate& change = answer.change;
   if (!threshold || !change.value)
     return Noticed::not_known;
+  if (!change.error && answer.answered_by == detail::CompanyReadings::name)
+    return Noticed::unsure;
   const double error = change.error.value_or(0), size = std::abs(*change.value);
   if (size - error > *threshold)
     return Noticed::yes;
@@ -103,7 +108,7 @@ FrameRows answered_rows(const Scene& scene, std::size_t number, const std::strin
   FrameRows rows{.text = {}, .noticed = {}, .reached = answer.reached};
   for (std::size_t k = 0; k < described.size(); ++k) {
     const ReadingAnswer& reading = answer.readings[k];
-    rows.noticed.push_back(noticed(reading.change, described[k].threshold));
+    rows.noticed.push_back(noticed(reading, described[k].threshold));
     rows.text += fmt::format(
         "{}{},{},{},{},{},{},{},{},{},{},{},{}\n", beginning(number, frame, reading.name, method),
         reading.answered_by, text_of(reading.value.value), text_of(reading.value.error),

@@ -676,7 +676,7 @@ for every pose in which they have moved relative to each other, which takes seco
 
 Round shapes are the polyhedra of their triangles here. Raises InputError (a ValueError) for conductors that may have
 different potentials and touch, cross or are inside each other, with "reduced:K" also for dielectric objects that touch
-several conductors or another link, and for bodies of more than 2,000 triangles, those that touch them included.)")
+several conductors or another link, and for bodies of more than 2,500 triangles, those that touch them included.)")
       .def(
           "formula_terms",
           [](SharedScene& shared) {

@@ -106,3 +106,29 @@ def test_without_readings_and_targets_the_model_has_the_total_as_the_change(tmp_
     reading = scene.readings()["front"]
     assert reading.change == scene.capacitance()["sensors"][0]["total"]
     assert reading.value is None and reading.background is None and reading.error["change"] is None
+
+
+def test_an_error_that_the_formula_cannot_tell_is_null_and_remarked_on(tmp_path: Path) -> None:
+    scene = tmp_path / "scene.toml"
+    scene.write_text(
+        """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.04, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.08, 0] } ]
+[[object]]
+name = "wall"
+shape = { type = "plate", size = [10, 10] }
+translation = [0, 0, 0.06]
+target = true
+"""
+    )
+    command = [COMMAND, "capacitance", scene, "--correction", "formula"]
+    done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
+    document = json.loads(done.stdout)
+    (reading,) = document["readings"]
+    assert reading["change"] > 0 and reading["error"]["change"] is None
+    assert any("is not known" in remark for remark in document["remarks"])
+    printed_table = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    assert "±" not in printed_table.split("Readings, pF")[1]
+    found = model_stage.model_module().Scene.load(scene).readings(correction="formula")["front"]
+    assert found.error["change"] is None

@@ -35,6 +35,8 @@ def _change(model: Any, scene: Scene) -> Document:
         reading = model.Scene.loads(canonical(scene)).readings(**model_stage.options(FORMULA))[READING]
     except ValueError as error:
         return {"refused": str(error)}
+    if reading.error["change"] is None:
+        return {"refused": "its error is not known"}
     return {"value": float(reading.change), "error": float(reading.error["change"])}
 
 

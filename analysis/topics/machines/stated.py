@@ -98,7 +98,10 @@ def measured(seed: int, number: int) -> dict[str, Answer]:
         reading = model.Scene.loads(text).readings(**options)["sensor"]
         seconds = time.process_time() - before
         difference = max(abs(reading.change - truth.change) - truth.error["change"], 0.0)
-        result[name] = Answer(difference / scale, reading.error["change"] / scale, seconds)
+        stated = reading.error["change"]
+        result[name] = Answer(
+            difference / scale, math.inf if stated is None else stated / scale, seconds
+        )
     return result
 
 

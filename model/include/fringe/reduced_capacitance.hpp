@@ -50,7 +50,7 @@ class ReducedEvaluator {
   /// bodies of equal shape are prepared once. What is refused is refused before that.
   ///
   /// @throws InputError for the scenes that maxwell() refuses, except those whose conductors touch, for
-  /// bodies of more than 2,000 triangles, alone or together with those they touch, for dielectric bodies that
+  /// bodies of more than 2,500 triangles, alone or together with those they touch, for dielectric bodies that
   /// touch several conductors, or something on another link, and for options out of range.
   explicit ReducedEvaluator(const Scene& scene, const ReducedOptions& options = {});
   /// Prepares the scene for a LiveScene, which owns the poses.
@@ -78,7 +78,7 @@ class ReducedEvaluator {
   /// where bodies on different links touch. A scene that does not ask for changes is prepared again for them.
   ///
   /// @throws InputError for conductors that touch or cross though they may have different potentials, or
-  /// though the options do not allow it, for bodies of more than 2,000 triangles together that touch, and for
+  /// though the options do not allow it, for bodies of more than 2,500 triangles together that touch, and for
   /// dielectric bodies that touch something on another link.
   const MaxwellMatrix& maxwell(bool with_derivatives = false);
 

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numbers>
 #include <queue>
 #include <utility>
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
 #include "geometry/median_split.hpp"
@@ -55,6 +58,74 @@ VectorXd weights_of(const ConductorsAtRest& conductors) {
   return weights;
 }
 
+/// Brings the panels on the one side of a flat part to the front and returns their number; 0 if the part is
+/// not flat. The two sides of a thin body lie close together, but what is before one of them displaces charge
+/// there and not on the other. Sides are told by their places: normals may point to either side.
+std::size_t split_sides(const PanelMesh& mesh, std::span<std::size_t> panels) {
+  /// Largest thickness of a flat part, relative to the width of its sides, and the least one: a sheet has one
+  /// side here.
+  constexpr double thickest = 0.3, thinnest = 1e-3;
+  /// Largest deviation of the panels from two planes, the root of the mean square over the thickness.
+  constexpr double most_curved = 0.2;
+  /// Least part of a normal along the common one with which a panel belongs to a side.
+  constexpr double least_part = 0.5;
+  const auto normal_of = [&](std::size_t panel) -> Vector3d {
+    const auto& [a, b, c] = mesh.panels()[panel].corners;
+    return (b - a).cross(c - a).stableNormalized();
+  };
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  for (const std::size_t panel : panels)
+    squares += mesh.panels()[panel].area * normal_of(panel) * normal_of(panel).transpose();
+  const Vector3d axis = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(squares).eigenvectors().col(2);
+  const auto height_of = [&](std::size_t panel) { return axis.dot(mesh.panels()[panel].centre); };
+  std::vector<std::size_t> flat;
+  for (const std::size_t panel : panels)
+    if (std::abs(normal_of(panel).dot(axis)) >= least_part)
+      flat.push_back(panel);
+  if (flat.empty())
+    return 0;
+  const auto [lowest, highest] = std::ranges::minmax_element(flat, {}, height_of);
+  const double middle = (height_of(*lowest) + height_of(*highest)) / 2;
+  /// Sums over a side: of areas, of heights above the middle, and of their squares.
+  struct Side {
+    double area = 0, heights = 0, squares = 0;
+  };
+  Side above, below;
+  for (const std::size_t panel : flat) {
+    const double area = mesh.panels()[panel].area, height = height_of(panel) - middle;
+    Side& side = height > 0 ? above : below;
+    side.area += area;
+    side.heights += area * height;
+    side.squares += area * height * height;
+  }
+  if (above.area == 0 || below.area == 0)
+    return 0;
+  const double thickness = above.heights / above.area - below.heights / below.area,
+               width = std::sqrt((above.area + below.area) / 2);
+  const auto deviation = [](const Side& side) {
+    const double mean = side.heights / side.area;
+    return side.squares / side.area - mean * mean;
+  };
+  const double allowed = most_curved * thickness;
+  if (thickness > thickest * width || thickness < thinnest * width ||
+      std::max(deviation(above), deviation(below)) > allowed * allowed)
+    return 0;
+  const auto others = std::stable_partition(panels.begin(), panels.end(), [&](std::size_t panel) {
+    return height_of(panel) > middle && std::abs(normal_of(panel).dot(axis)) >= least_part;
+  });
+  return static_cast<std::size_t>(others - panels.begin());
+}
+
+/// Divides the panels of a part into two, and returns the number of the first ones: the sides of a flat part,
+/// else halves along its longest side.
+std::size_t split(const PanelMesh& mesh, std::span<std::size_t> panels) {
+  if (const std::size_t on_side = split_sides(mesh, panels); on_side > 0)
+    return on_side;
+  split_at_median(panels, panels.size() / 2,
+                  [&](std::size_t panel) -> const Vector3d& { return mesh.panels()[panel].centre; });
+  return panels.size() / 2;
+}
+
 /// Divides panels into so many parts of nearby ones, or into single panels.
 void divide(const PanelMesh& mesh, std::span<std::size_t> panels, std::size_t parts,
             std::vector<std::span<std::size_t>>& divided) {
@@ -77,22 +148,53 @@ void add_centres(const Triangle& triangle, std::size_t parts, std::vector<Vector
     add_centres(quarter, parts / 4, centres);
 }
 
+/// Returns the dipole moments about a centre of charges at points (rows), a column for each of the charges.
+MatrixXd moments_of(const std::vector<Vector3d>& points, const Vector3d& centre, const MatrixXd& charges) {
+  MatrixXd moments = MatrixXd::Zero(3, charges.cols());
+  for (std::size_t k = 0; k < points.size(); ++k)
+    moments += (points[k] - centre) * charges.row(index_of(k));
+  return moments;
+}
+
 /// Adds charges to those at points (rows) so that their dipole moments about `centre` become `moments` (a
-/// column for each of the charges), as far as the points allow; the sums of the charges stay.
-void match_moments(const std::vector<Vector3d>& points, const Vector3d& centre, double radius,
-                   const MatrixXd& moments, MatrixXd& charges) {
-  /// Least extent of the points in a direction, relative to the largest one, in which moments are matched:
-  /// across a flat part they hardly differ.
+/// column for each of the charges), with a pair of points more in each direction in which the points hardly
+/// differ; the sums of the charges stay.
+void match_moments(const Vector3d& centre, double radius, const MatrixXd& moments,
+                   std::vector<Vector3d>& points, MatrixXd& charges) {
+  /// Least extent of the points in a direction, relative to the largest one, in which their charges can have
+  /// moments.
   constexpr double least_extent = 0.1;
+  /// Distance of the added points from the centre, over the radius.
+  constexpr double arm = 0.25;
+  /// Part of the moments that rounding may leave.
+  constexpr double rounding = 1e-9;
   MatrixXd conditions(4, index_of(points.size()));
   for (std::size_t k = 0; k < points.size(); ++k)
     conditions.col(index_of(k)) << 1, (points[k] - centre) / radius;
   MatrixXd missing = MatrixXd::Zero(4, charges.cols());
-  missing.bottomRows(3) = moments / radius - (conditions * charges).bottomRows(3);
+  missing.bottomRows(3) = (moments - moments_of(points, centre, charges)) / radius;
   Eigen::CompleteOrthogonalDecomposition<MatrixXd> solver;
   solver.setThreshold(least_extent);
   solver.compute(conditions);
   charges += solver.solve(missing);
+  const MatrixXd left = moments - moments_of(points, centre, charges);
+  for (Index axis = 0; axis < 3; ++axis) {
+    if (left.row(axis).norm() <= rounding * radius * charges.norm())
+      continue;
+    charges.conservativeResize(charges.rows() + 2, Eigen::NoChange);
+    for (const double sign : {1.0, -1.0}) {
+      points.emplace_back(centre + sign * arm * radius * Vector3d::Unit(axis));
+      charges.row(index_of(points.size()) - 1) = sign / (2 * arm * radius) * left.row(axis);
+    }
+  }
+}
+
+/// Adds the second moments of charges (columns of a row) at a place to their sums, six rows for each.
+void add_second_moments(const Vector3d& place, const Eigen::RowVectorXd& charges, MatrixXd& sums) {
+  for (Index a = 0, row = 0; a < 3; ++a)
+    for (Index b = a; b < 3; ++b, ++row)
+      // What is off the diagonal counts twice in the norm of the matrix.
+      sums.row(row) += (a == b ? 1 : std::numbers::sqrt2) * place[a] * place[b] * charges;
 }
 
 /// A part of a body's surface, and how important it is to divide it.
@@ -136,14 +238,13 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
     const double value = count > 1 ? importance({box_of(mesh, panels), density(panels), densities[body]}) : 0;
     candidates.push({value, first, count, body, whole});
   };
-  const auto divide_into = [&](std::size_t number) {
-    while (candidates.size() < number && candidates.top().importance > 0) {
+  const auto divide_into = [&](std::size_t number, double least) {
+    while (candidates.size() < number && candidates.top().importance > least) {
       const auto [value, first, count, body, whole] = candidates.top();
       candidates.pop();
-      split_at_median(std::span(order).subspan(first, count), count / 2,
-                      [&](std::size_t panel) -> const Vector3d& { return mesh.panels()[panel].centre; });
-      add_candidate(first, count / 2, body, whole);
-      add_candidate(first + count / 2, count - count / 2, body, whole);
+      const std::size_t in_first = split(mesh, std::span(order).subspan(first, count));
+      add_candidate(first, in_first, body, whole);
+      add_candidate(first + in_first, count - in_first, body, whole);
     }
     std::vector<Candidate> parts;
     for (; !candidates.empty(); candidates.pop())
@@ -152,6 +253,15 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
               [](const Candidate& a, const Candidate& b) { return a.first < b.first; });
     return parts;
   };
+  // Returns the greatest importance of the parts when there are as many as there may be.
+  const auto greatest_importance = [&] {
+    const std::priority_queue<Candidate> undivided = candidates;
+    double greatest = 0;
+    for (const Candidate& part : divide_into(most, 0))
+      greatest = std::max(greatest, part.importance);
+    candidates = undivided;
+    return greatest;
+  };
   for (const auto& panels : of_bodies)
     order.insert(order.end(), panels.begin(), panels.end());
   for (std::size_t body = 0, first = 0; body < of_bodies.size(); first += of_bodies[body].size(), ++body)
@@ -159,11 +269,13 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
       boxes_.push_back(box_of(mesh, of_bodies[body]));
       add_candidate(first, of_bodies[body].size(), body, 0);
     }
-  for (Candidate part : divide_into(most / 2)) {
+  // A halving divides an importance, a square of sizes, by 1.6 to 2.5: these parts are halved once at least.
+  constexpr double once = 2.5;
+  for (Candidate part : divide_into(most / 2, once * greatest_importance())) {
     part.whole = static_cast<std::size_t>(coarse_.count++);
     candidates.push(part);
   }
-  const std::vector<Candidate> parts = divide_into(most);
+  const std::vector<Candidate> parts = divide_into(most, 0);
 
   const ClusterTree& tree = conductors.panel_operator().tree();
   coarse_.shares.resize(index_of(parts.size()));
@@ -204,6 +316,10 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
     for (std::size_t k = 0; k < given_[level].size() && given.cols() > 0; ++k)
       points_[level].given.row(index_of(k)) = given_[level][k].transpose().cast<float>();
     given_[level].clear();
+    points_[level].missing.resize(index_of(parts.size()), given.cols());
+    for (std::size_t k = 0; k < parts.size() && given.cols() > 0; ++k)
+      points_[level].missing.row(index_of(k)) = missing_[level][k].transpose().cast<float>();
+    missing_[level].clear();
   }
 }
 
@@ -217,9 +333,12 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
       radius = std::max(radius, (corner - box.center()).norm());
   radii_.push_back(radius);
   conductors_.push_back(conductor);
-  MatrixXd moments = MatrixXd::Zero(3, given.cols());
-  for (const std::size_t panel : panels)
-    moments += (mesh.panels()[panel].centre - box.center()) * row_of(given, panel);
+  MatrixXd moments = MatrixXd::Zero(3, given.cols()), second_moments = MatrixXd::Zero(6, given.cols());
+  for (const std::size_t panel : panels) {
+    const Vector3d place = mesh.panels()[panel].centre - box.center();
+    moments += place * row_of(given, panel);
+    add_second_moments(place, row_of(given, panel), second_moments);
+  }
   for (std::size_t level = 0; level < points_.size(); ++level) {
     const std::size_t wanted = points_per_function[level];
     std::vector<std::span<std::size_t>> parts;
@@ -255,7 +374,13 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
     for (std::size_t k = 0; k < at.size() && all.cols() > 0; ++k)
       all.row(index_of(k)) = charges[k];
     if (level >= first_with_moments && given.cols() > 0)
-      match_moments(at, box.center(), radius, moments, all);
+      match_moments(box.center(), radius, moments, at, all);
+    // Added points have moments of the given charges only.
+    shares.resize(at.size(), 0);
+    MatrixXd missing = second_moments;
+    for (std::size_t k = 0; k < at.size() && all.cols() > 0; ++k)
+      add_second_moments(at[k] - box.center(), -all.row(index_of(k)), missing);
+    missing_[level].emplace_back(missing.colwise().norm());
     FunctionPoints& points = points_[level];
     points.first.push_back(points.at.size());
     for (std::size_t k = 0; k < at.size(); ++k) {

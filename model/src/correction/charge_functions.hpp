@@ -23,10 +23,13 @@ struct FunctionPoints {
   std::vector<Eigen::Vector3f> at;  ///< m
   std::vector<float> shares;        ///< charges at the points of a function with unit charge
   Eigen::MatrixXf given;            ///< the given charges at the points (rows)
+  /// How far the second moments of the given charges (columns) in each function (rows) are off, as the norm
+  /// of the matrix; first ones are right.
+  Eigen::MatrixXf missing = {};
 
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {
-    archive(self.first, self.at, self.shares, self.given);
+    archive(self.first, self.at, self.shares, self.given, self.missing);
   }
 };
 
@@ -117,7 +120,8 @@ class ChargeFunctions {
   std::vector<std::size_t> conductors_;
   std::array<FunctionPoints, points_per_function.size()> points_;
   FunctionPanels panels_;
-  std::array<std::vector<Eigen::VectorXd>, points_per_function.size()> given_;  ///< while it is made
+  std::array<std::vector<Eigen::VectorXd>, points_per_function.size()> given_,
+      missing_;  ///< while it is made
   std::vector<Eigen::AlignedBox3d> boxes_;
   Eigen::MatrixXd energies_;
   CoarseFunctions coarse_;

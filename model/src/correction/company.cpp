@@ -179,7 +179,7 @@ ChargeFunctions functions_of_machine(const ConductorsAtRest& conductors, const s
   const MatrixXd all = potentials(conductors.matrix(), conductors.bodies());
   const MatrixXd potentials_of_loads = all * loads.topRows(all.cols());
   MatrixXd given = conductors.charges() * potentials_of_loads;
-  if (resolution.least_panels > 0) {
+  if (resolution.is_estimated) {
     given.conservativeResize(Eigen::NoChange, 2 * loads.cols());
     given.rightCols(loads.cols()) =
         given.leftCols(loads.cols()) - conductors.coarse_charges() * potentials_of_loads;
@@ -263,6 +263,22 @@ MachineAtRest::MachineAtRest(const ConductorsAtRest& conductors, const std::vect
       answers_(stored(inverse(functions_.energies(), net_on_floating(functions_, conductors.bodies()),
                               to_ground_of(conductors.bodies())))) {}
 
+namespace {
+
+/// Ratio of the stated error to the parts that are not found by less than half as many functions: these lose
+/// more than what functions lack (model/CORRECTIONS.md, section 8).
+constexpr double stated_per_estimate = 2;
+
+/// Largest stated error, relative to the change, that an estimate can be trusted to find: beyond it, the next
+/// finer functions may change more than these.
+constexpr double most_known = 0.75;
+
+/// Largest ratio of a function's radius to its distance from what is sensed or driven at which its points
+/// see the gap.
+constexpr double most_nearness = 4;
+
+}  // namespace
+
 double Approach::relative_size(const AlignedBox3d& part) const {
   const double size = part.diagonal().norm();
   double largest = 0;
@@ -291,6 +307,11 @@ TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors, const CompanyReso
           resolution.functions),
       coarse_(functions_, MatrixXd(index_of(functions_.count()), 0), VectorXd(0)), rtol_(resolution.rtol),
       error_(conductors.error()) {
+  const FunctionPanels& panels = functions_.panels();
+  for (std::size_t function = 0; function < functions_.count(); ++function)
+    parts_.push_back(placed_box(
+        std::span(panels.corners)
+            .subspan(panels.first[function], panels.first[function + 1] - panels.first[function])));
   const ChargedBodies& bodies = conductors.bodies();
   const MatrixXd inverse = detail::inverse(functions_.energies());
   inverse_ = stored(inverse);
@@ -318,8 +339,24 @@ TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors, const CompanyReso
   to_ground_ = Eigen::Map<const VectorXd>(to_ground.data(), static_cast<Index>(to_ground.size()));
 }
 
-const std::vector<double>& CompanyFormula::changes(const MachineAtRest& machine, const TargetAtRest& target,
-                                                   const Isometry3d& pose) {
+double TargetAtRest::distance(std::size_t function, const PlacedBox& box, const Isometry3d& pose) const {
+  /// Ratio of a function's radius to the distance of its centre below which the two distances hardly differ.
+  constexpr double small = 0.3;
+  double distance = box.distance(pose * functions_.centre(function));
+  if (functions_.radius(function) < small * distance)
+    return distance;
+  const Isometry3d to_part = pose.inverse(Eigen::Isometry) * box.to_box.inverse(Eigen::Isometry);
+  distance = std::min(distance, parts_[function].distance(to_part * box.box.center()));
+  for (int corner = 0; corner < 8; ++corner)
+    distance = std::min(
+        distance,
+        parts_[function].distance(to_part * box.box.corner(static_cast<AlignedBox3d::CornerType>(corner))));
+  return distance;
+}
+
+const std::vector<CompanyFormula::Change>&
+CompanyFormula::changes(const MachineAtRest& machine, const TargetAtRest& target, const Isometry3d& pose) {
+  of_machine_ = &machine.functions();
   place(machine, target, pose);
   find_potentials(machine, target);
   find_answers(machine, target);
@@ -345,8 +382,8 @@ double CompanyFormula::nearness(const MachineAtRest& machine, const TargetAtRest
   double nearness = 0;
   for (std::size_t function = 0; function < target.functions().count(); ++function)
     for (const PlacedBox& box : machine.used())
-      nearness = std::max(nearness, target.functions().radius(function) /
-                                        box.distance(pose * target.functions().centre(function)));
+      nearness =
+          std::max(nearness, target.functions().radius(function) / target.distance(function, box, pose));
   return nearness;
 }
 
@@ -379,6 +416,8 @@ void CompanyFormula::place_target(const MachineAtRest& machine, const TargetAtRe
 /// Places the machine's points, finer where it is close to a body of the target.
 void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtRest& target,
                                    const Isometry3d& pose) {
+  /// Part of the largest potential that points leave out from which on a function has more of them.
+  constexpr double large_part = 0.25;
   const ChargeFunctions& functions = machine.functions();
   const Isometry3d to_target = pose.inverse(Eigen::Isometry);
   machine_.levels.resize(functions.count());
@@ -386,15 +425,31 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
   given_.resize(static_cast<std::size_t>(machine.given()));
   for (std::vector<float>& charges : given_)
     charges.clear();
+  // What the points leave out of the given charges' potentials on the target, for every function and load.
+  std::vector<double> distances(functions.count());
+  const auto missing = [&](std::size_t function) -> VectorXd {
+    const auto moments = functions.points(machine_.levels[function]).missing.row(index_of(function));
+    return moments.head(machine.loads()).cast<double>() / std::pow(distances[function], 3);
+  };
+  VectorXd most = VectorXd::Zero(machine.loads());
   for (std::size_t function = 0; function < functions.count(); ++function) {
     const Vector3d centre = to_target * functions.centre(function);
     double nearest = std::numeric_limits<double>::infinity();
     for (const AlignedBox3d& box : target.functions().boxes())
       nearest = std::min(nearest, box.squaredExteriorDistance(centre));
     // Charges of both signs nearly cancel far away, where their moments are what is left.
-    const std::size_t level = machine_.levels[function] =
+    machine_.levels[function] =
         std::max(functions.level(function, std::sqrt(nearest), false), ChargeFunctions::first_with_moments);
-    const FunctionPoints& points = functions.points(level);
+    distances[function] = std::sqrt(nearest) + functions.radius(function);
+    most = most.cwiseMax(missing(function));
+  }
+  unresolved_.setZero(machine.loads());
+  for (std::size_t function = 0; function < functions.count(); ++function) {
+    if (machine_.levels[function] == ChargeFunctions::first_with_moments &&
+        (missing(function).array() > large_part * most.array()).any())
+      ++machine_.levels[function];
+    unresolved_ += missing(function).cwiseAbs2();
+    const FunctionPoints& points = functions.points(machine_.levels[function]);
     for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k) {
       machine_.x.push_back(points.at[k].x()), machine_.y.push_back(points.at[k].y());
       machine_.z.push_back(points.at[k].z());
@@ -403,6 +458,7 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
         given_[load].push_back(points.given(static_cast<Index>(k), static_cast<Index>(load)));
     }
   }
+  unresolved_ = unresolved_.cwiseSqrt();
   machine_.count = machine_.x.size();
   const auto padded = static_cast<std::size_t>(whole_blocks(static_cast<std::ptrdiff_t>(machine_.count)));
   for (std::vector<float>* coordinates : {&machine_.x, &machine_.y, &machine_.z})
@@ -482,6 +538,11 @@ void CompanyFormula::find_answers(const MachineAtRest& machine, const TargetAtRe
   const NodeMatrix matrix{distances_.data(), static_cast<std::ptrdiff_t>(target_.count),
                           static_cast<std::ptrdiff_t>(machine_.count)};
   form_ = MatrixXd::Zero(directions, directions);
+  own_.resize(count, directions);
+  own_.rightCols(conductors) = target.net().cast<float>();
+  lacking_.resize(count, loads);
+  answers_.resize(index_of(of_machine.count()), directions);
+  std::vector<float> lacking(static_cast<std::size_t>(whole_blocks(count)));
   potentials_ = MatrixXd::Zero(directions, loads);
   net_ = MatrixXd::Zero(directions, conductors);
   net_.bottomRows(conductors) = target.own();
@@ -502,22 +563,26 @@ void CompanyFormula::find_answers(const MachineAtRest& machine, const TargetAtRe
     displaced.col(load) = as_vector(charges) - target.equilibrium() * means.col(load);
     Eigen::Map<Eigen::VectorXf>(charges.data(), static_cast<Index>(count)) =
         displaced.col(load).cast<float>();
+    own_.col(load) = (by_given.col(load) - target.net() * means.col(load)).cast<float>();
     spread(of_target, charges.data(), target_);
-    kernels.apply(matrix, target_.charges.data(), machine_.charges.data(), target_.potentials.data(),
-                  machine_.potentials.data());
+    kernels.apply(matrix, target_.charges.data(), given_[static_cast<std::size_t>(loads + load)].data(),
+                  target_.potentials.data(), machine_.potentials.data());
     gather(machine_, of_machine, on_machine_[static_cast<std::size_t>(load)].data());
+    gather(target_, of_target, lacking.data());
+    lacking_.col(load) = Eigen::Map<const Eigen::VectorXf>(lacking.data(), static_cast<Index>(count));
   }
   form_.topLeftCorner(loads, loads) = displaced.transpose() * by_given;
   potentials_.topRows(loads) = displaced.transpose() * by_given;
   potentials_.bottomRows(conductors) = net_charges;
-  answer_.resize(on_machine_.front().size());
-  const auto padded = static_cast<std::ptrdiff_t>(answer_.size());
+  std::vector<float> answer(on_machine_.front().size());
+  const auto padded = static_cast<std::ptrdiff_t>(answer.size());
   for (Index a = 0; a < directions; ++a) {
     kernels.multiply(machine.answers().data(), static_cast<std::ptrdiff_t>(of_machine.count()),
-                     on_machine_[static_cast<std::size_t>(a)].data(), answer_.data());
+                     on_machine_[static_cast<std::size_t>(a)].data(), answer.data());
+    answers_.col(a) = Eigen::Map<const Eigen::VectorXf>(answer.data(), answers_.rows());
     for (Index b = a; b < directions; ++b) {
       const double energy =
-          kernels.dot(answer_.data(), on_machine_[static_cast<std::size_t>(b)].data(), padded);
+          kernels.dot(answer.data(), on_machine_[static_cast<std::size_t>(b)].data(), padded);
       form_(a, b) -= energy;
       if (a != b)
         form_(b, a) -= energy;
@@ -549,19 +614,92 @@ void CompanyFormula::combine(const MachineAtRest& machine, const TargetAtRest& t
              (solver.eigenvectors() * (inverse_values.asDiagonal() *
                                        (solver.eigenvectors().transpose() * (scales.asDiagonal() * right))));
     };
-    const VectorXd sense = potentials_.col(reading.sense)(chosen),
-                   drive = potentials_.col(reading.drive)(chosen);
-    const VectorXd driven = solve(drive);
-    double change = sense.dot(driven);
+    const VectorXd sense = potentials_.col(reading.sense)(chosen);
+    Charged charged{chosen, solve(sense), solve(potentials_.col(reading.drive)(chosen))};
     if (!target.floating().empty()) {
       const MatrixXd net = net_(chosen, target.floating());
       const MatrixXd responses = solve(net);
       MatrixXd block = net.transpose() * responses;
       block.diagonal() += target.to_ground();
-      change -= (responses.transpose() * sense).dot(block.llt().solve(responses.transpose() * drive));
+      const Eigen::LLT<MatrixXd> factor(block);
+      for (VectorXd* coefficients : {&charged.sensed, &charged.driven})
+        *coefficients -= responses * factor.solve(net.transpose() * *coefficients);
     }
-    changes_.push_back(reading.sign * change);
+    const double change = sense.dot(charged.driven);
+    changes_.push_back({reading.sign * change, error(machine, target, reading, charged, change)});
   }
+}
+
+/// Returns the energy of the charges that the potential still displaces which a load leaves on the target,
+/// with no one else there: what the next step of conjugate gradients would add, at least.
+///
+/// @param own the potentials of the charges found on the target's functions, by themselves
+/// @param answer the charges of the machine's functions that answer them
+double CompanyFormula::missing_energy(const TargetAtRest& target, Index load, const Eigen::VectorXf& own,
+                                      const Eigen::VectorXf& answer) {
+  const auto& kernels = best_kernels<NodeKernels>();
+  const ChargeFunctions& functions = target.functions();
+  spread(*of_machine_, answer.data(), machine_);
+  kernels.apply({distances_.data(), static_cast<std::ptrdiff_t>(target_.count),
+                 static_cast<std::ptrdiff_t>(machine_.count)},
+                target_.charges.data(), machine_.charges.data(), target_.potentials.data(),
+                machine_.potentials.data());
+  std::vector<float> left(static_cast<std::size_t>(whole_blocks(own.size()))), displaced = left;
+  gather(target_, functions, left.data());
+  Eigen::Map<Eigen::VectorXf> residual(left.data(), own.size());
+  residual += Eigen::Map<const Eigen::VectorXf>(by_given_[static_cast<std::size_t>(load)].data(), own.size());
+  residual -= own;
+  // Conductors that float keep a potential of their own.
+  const VectorXd means = target.own().llt().solve(target.equilibrium().transpose() * residual.cast<double>());
+  residual -= (target.net() * means).cast<float>();
+  kernels.multiply(target.inverse().data(), static_cast<std::ptrdiff_t>(own.size()), left.data(),
+                   displaced.data());
+  return std::max(0.0F, kernels.dot(left.data(), displaced.data(), whole_blocks(own.size())));
+}
+
+/// Estimates the error of a change; infinity where that cannot be known.
+double CompanyFormula::error(const MachineAtRest& machine, const TargetAtRest& target,
+                             const MachineAtRest::OfReading& reading, const Charged& charged, double change) {
+  const auto functions = index_of(target.functions().count());
+  const bool is_one = reading.sense == reading.drive;
+  Eigen::MatrixXf coefficients(index_of(charged.directions.size()), is_one ? 1 : 2);
+  coefficients.col(0) = charged.driven.cast<float>();
+  if (!is_one)
+    coefficients.col(1) = charged.sensed.cast<float>();
+  Eigen::MatrixXf charges = Eigen::MatrixXf::Zero(functions, coefficients.cols()), own = charges,
+                  answers = Eigen::MatrixXf::Zero(answers_.rows(), coefficients.cols()), seen = answers;
+  for (std::size_t k = 0; k < charged.directions.size(); ++k) {
+    const Index direction = charged.directions[k];
+    const auto of_direction = coefficients.row(index_of(k));
+    const auto as_column = [](const std::vector<float>& values, Index count) {
+      return Eigen::Map<const Eigen::VectorXf>(values.data(), count);
+    };
+    charges += as_column(charges_[static_cast<std::size_t>(direction)], functions) * of_direction;
+    own += own_.col(direction) * of_direction;
+    answers += answers_.col(direction) * of_direction;
+    seen += as_column(on_machine_[static_cast<std::size_t>(direction)], answers.rows()) * of_direction;
+  }
+  const auto part = [&](const MatrixXd& defects) {
+    return std::sqrt(std::max(defects(0, 0), 0.0) * std::max(defects.bottomRightCorner(1, 1)(0, 0), 0.0));
+  };
+  target.coarse().find_defects(charges, own, of_target_);
+  machine.coarse().find_defects(answers, seen, of_answers_);
+  double missing = missing_energy(target, reading.drive, own.col(0), answers.col(0));
+  if (!is_one)
+    missing = std::sqrt(missing * missing_energy(target, reading.sense, own.col(1), answers.col(1)));
+  const double lacking =
+      std::sqrt(std::max(machine.excess(), 1.0)) *
+      (std::abs(static_cast<double>(charges.rightCols(1).col(0).dot(lacking_.col(reading.drive)))) +
+       std::abs(static_cast<double>(charges.col(0).dot(lacking_.col(reading.sense)))));
+  const double of_target = part(of_target_.defects);
+  const double of_points = unresolved_[reading.drive] * charges.rightCols(1).cwiseAbs().sum() +
+                           unresolved_[reading.sense] * charges.col(0).cwiseAbs().sum();
+  const double others = of_points + target.error_of_panels(change, of_target) + missing + lacking;
+  const double stated = (of_target + part(of_answers_.defects) + stated_per_estimate * others) *
+                        std::sqrt(std::max(nearness_, 1.0));
+  return stated < most_known * std::abs(change) && nearness_ < most_nearness
+             ? stated
+             : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace fringe::detail

@@ -21,12 +21,13 @@ struct CompanyResolution {
   std::size_t most_panels;  ///< refinement ends there, too
   std::size_t functions;    ///< largest number of parts of their surfaces
   std::size_t least_panels = 0;
-  std::size_t threads = 1;  ///< 0: as many as this process may run at once
+  std::size_t threads = 1;    ///< 0: as many as this process may run at once
+  bool is_estimated = false;  ///< whether what the panels lack is given as charges of its own
 
   /// Describes what the charges depend on: they are the same for any number of threads.
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {
-    archive(self.rtol, self.most_panels, self.functions, self.least_panels);
+    archive(self.rtol, self.most_panels, self.functions, self.least_panels, self.is_estimated);
   }
 };
 
@@ -106,8 +107,8 @@ class MachineAtRest {
   /// Returns boxes around the bodies that are sensed or driven.
   const std::vector<PlacedBox>& used() const { return used_; }
   Eigen::Index loads() const { return loads_; }
-  /// Returns the number of charges that the functions are given: those of the loads and, if there are
-  /// `least_panels`, what these lack with one density on each group of panels.
+  /// Returns the number of charges that the functions are given: those of the loads and, if it is estimated,
+  /// what these lack with one density on each group of panels.
   Eigen::Index given() const { return functions_.points(0).given.cols(); }
   /// Returns the charges of the functions by their potentials, floating conductors without net charge: a
   /// symmetric matrix in whole blocks.
@@ -119,7 +120,7 @@ class MachineAtRest {
   double excess() const { return excess_; }
 
   /// Resolution of the formula, 0.1 to 1 s to prepare.
-  static constexpr CompanyResolution usual{3e-2, 6000, 200};
+  static constexpr CompanyResolution usual{3e-2, 6000, 200, 0, 1, true};
 
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {
@@ -178,6 +179,10 @@ class TargetAtRest {
   const std::vector<Eigen::Index>& floating() const { return floating_; }
   const Eigen::VectorXd& to_ground() const { return to_ground_; }
   const CoarseCharges& coarse() const { return coarse_; }
+  /// Returns the distance of a function's part of the surface from a box of the machine.
+  ///
+  /// @param pose from the frame of the targets to that of the box
+  double distance(std::size_t function, const PlacedBox& box, const Eigen::Isometry3d& pose) const;
   /// Returns the error of a change by the panels: the stated one of the targets' own charges, which counts
   /// all parts of them. Where this exceeds what was asked for, it is limited by what half as many functions
   /// lose of the change, which is more than what the panels lose: a function has several of them.
@@ -190,8 +195,8 @@ class TargetAtRest {
 
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {
-    archive(self.functions_, self.coarse_, self.inverse_, self.net_, self.equilibrium_, self.own_,
-            self.floating_, self.to_ground_, self.rtol_, self.error_);
+    archive(self.functions_, self.parts_, self.coarse_, self.inverse_, self.net_, self.equilibrium_,
+            self.own_, self.floating_, self.to_ground_, self.rtol_, self.error_);
   }
 
  private:
@@ -199,6 +204,7 @@ class TargetAtRest {
                const std::optional<Approach>& approach);
 
   ChargeFunctions functions_;
+  std::vector<PlacedBox> parts_;  ///< around the part of every function
   CoarseCharges coarse_;
   std::vector<float> inverse_;
   Eigen::MatrixXd net_;
@@ -213,22 +219,20 @@ class TargetAtRest {
 /// Evaluates what targets change, pose by pose.
 class CompanyFormula {
  public:
-  /// Returns the change of every reading in m, to be multiplied by 4πε; valid until the next call.
-  ///
-  /// @param pose from the frame of the targets to that of the machine
-  const std::vector<double>& changes(const MachineAtRest& machine, const TargetAtRest& target,
-                                     const Eigen::Isometry3d& pose);
-
-  /// A change and what is stated of its error, in m.
+  /// A change and what is stated of its error, in m; infinite: the error is not known.
   struct Change {
     double value;
     double error;
   };
 
-  /// Returns the largest ratio, in the last pose, of the radius of a function of the target to its distance
-  /// from what is sensed or driven: gaps below it are not resolved.
-  double nearness() const { return nearness_; }
-  /// Returns that ratio in a pose.
+  /// Returns the change of every reading in m, to be multiplied by 4πε; valid until the next call.
+  ///
+  /// @param pose from the frame of the targets to that of the machine
+  const std::vector<Change>& changes(const MachineAtRest& machine, const TargetAtRest& target,
+                                     const Eigen::Isometry3d& pose);
+
+  /// Returns the largest ratio, in a pose, of the radius of a function of the target to its distance from
+  /// what is sensed or driven: gaps below it are not resolved.
   static double nearness(const MachineAtRest& machine, const TargetAtRest& target,
                          const Eigen::Isometry3d& pose);
 
@@ -240,27 +244,43 @@ class CompanyFormula {
     std::size_t count = 0;
   };
 
+  /// What the target is charged with for a reading: the directions that count, and their coefficients if the
+  /// sensed and if the driven conductors have the voltage.
+  struct Charged {
+    std::vector<Eigen::Index> directions;
+    Eigen::VectorXd sensed, driven;
+  };
+
   void place(const MachineAtRest& machine, const TargetAtRest& target, const Eigen::Isometry3d& pose);
   void place_target(const MachineAtRest& machine, const TargetAtRest& target, const Eigen::Isometry3d& pose);
   void place_machine(const MachineAtRest& machine, const TargetAtRest& target, const Eigen::Isometry3d& pose);
   void find_potentials(const MachineAtRest& machine, const TargetAtRest& target);
   void find_answers(const MachineAtRest& machine, const TargetAtRest& target);
   void combine(const MachineAtRest& machine, const TargetAtRest& target);
+  double missing_energy(const TargetAtRest& target, Eigen::Index load, const Eigen::VectorXf& own,
+                        const Eigen::VectorXf& answer);
+  double error(const MachineAtRest& machine, const TargetAtRest& target,
+               const MachineAtRest::OfReading& reading, const Charged& charged, double change);
   static void gather(const Points& points, const ChargeFunctions& functions, float* of_functions);
   static void spread(const ChargeFunctions& functions, const float* of_functions, Points& points);
 
   Points target_, machine_;
+  const ChargeFunctions* of_machine_ = nullptr;
   std::vector<std::vector<float>> given_;       ///< the machine's given charges at its points
   std::vector<float> distances_;                ///< 1/r of the target's points (rows) and the machine's
   std::vector<std::vector<float>> by_given_;    ///< potentials of the given charges on the target's functions
   std::vector<std::vector<float>> charges_;     ///< the charges of the target's functions in each direction
   std::vector<std::vector<float>> on_machine_;  ///< their potentials on the machine's functions
-  std::vector<float> answer_;
+  Eigen::MatrixXf own_;      ///< potentials of each direction (columns) on the target's functions by itself
+  Eigen::MatrixXf answers_;  ///< charges by which the machine's functions answer each direction (columns)
+  Eigen::MatrixXf lacking_;  ///< potentials of what the given charges lack on the target's functions
+  Eigen::VectorXd unresolved_;  ///< potentials on the target that the points of the given charges may lack
   Eigen::MatrixXd form_;        ///< energies of the directions before the machine
   Eigen::MatrixXd potentials_;  ///< of the given charges (columns) by direction
   Eigen::MatrixXd net_;         ///< net charges of the directions on each target conductor (columns)
   double nearness_ = 0;
-  std::vector<double> changes_;
+  CoarseCharges::Workspace of_target_, of_answers_;
+  std::vector<Change> changes_;
 };
 
 }  // namespace fringe::detail

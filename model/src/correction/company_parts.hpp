@@ -55,8 +55,8 @@ ChargedBodies part_of(const ChargedBodies& bodies, const std::function<bool(std:
 /// Returns 4πε of a scene's medium, F/m.
 double unit_of(const Scene& scene);
 
-/// Where targets touch bodies of a machine: the conductors of these that they ground, whether a contact joins
-/// other potentials, and whether grounded targets touch what is grounded.
+/// Where targets touch bodies of a machine: the conductors of these that they ground, whether a contact
+/// joins other potentials, and whether grounded targets touch what is grounded.
 struct TargetContacts {
   std::vector<std::size_t> grounded;
   bool is_unknown = false;
@@ -70,8 +70,8 @@ TargetContacts contacts_of(const ChargedBodies& machine,
                            const ChargedBodies& targets, const std::vector<Eigen::AlignedBox3d>& target_boxes,
                            const Eigen::Isometry3d& pose);
 
-/// Returns a change in F, `unit` is 4πε; unknown if its error is. Where targets are joined to the machine,
-/// their charges lie in its own: then it may be wrong by as much as it is.
+/// Returns a change in F; `unit` is 4πε. Its error is unknown where none is stated. Where targets are joined
+/// to the machine, their charges lie in its own: then it may be wrong by as much as it is.
 Estimate estimate_of(const CompanyFormula::Change& change, double unit, bool is_joined);
 
 /// Tells whether a change of the readings is known and finite: then its derivatives may be known.

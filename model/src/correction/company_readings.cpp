@@ -24,15 +24,9 @@ using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
-/// Returns the error that is stated, relative to the change (model/CORRECTIONS.md, section 8): more than the
-/// largest one in the open set-ups on machines, and more for gaps that the functions do not resolve.
-double stated_error(double nearness) {
-  return std::min(0.25 * std::sqrt(std::max(nearness, 1.0)), 1.0);
-}
-
 /// Returns how finely the machine is prepared for an accuracy.
 CompanyResolution machine_resolution(std::optional<double> rtol, std::size_t threads) {
-  return rtol ? CompanyResolution{*rtol / 2, 25000, 400, 1600, threads} : MachineAtRest::usual;
+  return rtol ? CompanyResolution{*rtol / 2, 25000, 400, 1600, threads, true} : MachineAtRest::usual;
 }
 
 }  // namespace
@@ -84,10 +78,12 @@ bool are_within(const std::vector<ReadingAnswer>& answers, double rtol) {
 }
 
 Estimate estimate_of(const CompanyFormula::Change& change, double unit, bool is_joined) {
-  if (!std::isfinite(change.value) || !std::isfinite(change.error))
+  if (!std::isfinite(change.value))
     return {};
-  const double least_error = is_joined ? std::abs(change.value) : 0;
-  return {unit * change.value, unit * std::max(change.error, least_error)};
+  Estimate estimate{unit * change.value};
+  if (std::isfinite(change.error))
+    estimate.error = unit * std::max(change.error, is_joined ? std::abs(change.value) : 0);
+  return estimate;
 }
 
 bool is_any_known(const std::vector<ReadingAnswer>& answers) {
@@ -284,12 +280,9 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
       answers[k].change = Estimate{infinity, 0};
   if (!needs_formula(touching))
     return;
-  std::vector<CompanyFormula::Change> in_closed_form;
-  if (tabulated == nullptr)
-    for (const double change : formula.changes(*machine_, *target_, pose))
-      in_closed_form.push_back({change, stated_error(formula.nearness()) * std::abs(change)});
   const std::vector<CompanyFormula::Change>& changes =
-      tabulated != nullptr ? tabulated->solved(*tabulated_, *target_, pose, *rtol_) : in_closed_form;
+      tabulated != nullptr ? tabulated->solved(*tabulated_, *target_, pose, *rtol_)
+                           : formula.changes(*machine_, *target_, pose);
   for (std::size_t k = 0; k < changes.size(); ++k)
     if (!answers[k].change.value)
       answers[k].change = estimate_of(changes[k], unit_, touching.is_joined);

@@ -171,7 +171,10 @@ void InsulatedReadings::enclose(std::vector<ReadingAnswer>& answers) {
     // Between two conductors the change may have either sign.
     const double below = drive_themselves_[k] ? *share_ * range : range;
     const double above = drive_themselves_[k] ? range - *share_ * range : range;
-    change = {value, std::max(std::abs(below) + *lower.error, std::abs(above) + *change.error)};
+    const bool is_estimated = lower.error && change.error;
+    change = {value, is_estimated ? std::optional(std::max(std::abs(below) + *lower.error,
+                                                           std::abs(above) + *change.error))
+                                  : std::nullopt};
   }
 }
 

@@ -64,8 +64,8 @@ double MovingFormula::nearness(const MovingMachine& machine, const TargetAtRest&
     const Isometry3d to_link = pose.links[link].inverse(Eigen::Isometry) * pose.target;
     for (std::size_t function = 0; function < target.functions().count(); ++function)
       for (const PlacedBox& box : machine.used(link))
-        nearness = std::max(nearness, target.functions().radius(function) /
-                                          box.distance(to_link * target.functions().centre(function)));
+        nearness =
+            std::max(nearness, target.functions().radius(function) / target.distance(function, box, to_link));
   }
   return nearness;
 }

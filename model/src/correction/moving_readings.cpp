@@ -219,25 +219,29 @@ void MovingReadings::write_pose(MovingFormula& formula, const PoseOfMachine& pos
     answers[k].value = answers[k].background = answers[k].change = {};
     answers[k].derivatives.clear();
   }
-  std::vector<bool> are_shorted(answers.size(), false);
-  bool is_joined = false;
+  bool is_unknown = false, is_joined = false;
   for (std::size_t link = 0; link < links_.size(); ++link) {
     const TargetContacts touching =
         contacts_of(links_[link].bodies, links_[link].boxes, target_group_->bodies, target_group_->boxes,
                     pose.links[link].inverse(Eigen::Isometry) * pose.target);
-    if (touching.is_unknown)
-      return;
+    is_unknown = is_unknown || touching.is_unknown;
     is_joined = is_joined || touching.is_joined;
     for (const std::size_t conductor : touching.grounded)
       for (std::size_t k = 0; k < answers.size(); ++k) {
         const ChargedReading& reading = machine_->readings_on(link)[k];
-        are_shorted[k] = are_shorted[k] || reading.sense[index_of(conductor)] != 0 ||
-                         reading.drive[index_of(conductor)] != 0;
+        if (reading.sense[index_of(conductor)] != 0 || reading.drive[index_of(conductor)] != 0)
+          answers[k].change = Estimate{infinity, 0};
       }
+  }
+  if (is_unknown) {
+    for (ReadingAnswer& answer : answers)
+      answer.change = {};
+    return;
   }
   const std::vector<CompanyFormula::Change>& changes = formula.solved(*machine_, *tables_, *target_, pose);
   for (std::size_t k = 0; k < answers.size(); ++k)
-    answers[k].change = are_shorted[k] ? Estimate{infinity, 0} : estimate_of(changes[k], unit_, is_joined);
+    if (!answers[k].change.value)
+      answers[k].change = estimate_of(changes[k], unit_, is_joined);
 }
 
 std::optional<std::vector<std::vector<ReadingAnswer>>>

@@ -22,7 +22,7 @@ constexpr std::array registry{
     CorrectionInfo{
         Correction::recommended, "recommended",
         "the Maxwell matrix by reduced boundary elements; formula where it states an error above 10 %, and "
-        "for meshes of fewer than 96 or more than 2,000 triangles, or several",
+        "for meshes of fewer than 96 or more than 2,500 triangles, or several",
         "model/BOUNDARY_ELEMENTS.md, section 8", "",
         "some microseconds for plates and boxes, all bodies together, ten integrals for a mesh; else that of "
         "formula"},

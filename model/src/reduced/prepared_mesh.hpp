@@ -19,7 +19,7 @@
 namespace fringe::detail {
 
 /// Largest number of panels; with more the preparation takes many seconds.
-constexpr std::size_t most_mesh_panels = 2000;
+constexpr std::size_t most_mesh_panels = 2500;
 
 /// The reduced basis of a body of triangles: the charges with which it responds to others, most important
 /// first, each given on every panel. They are orthonormal in the energy.

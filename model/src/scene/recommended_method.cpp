@@ -38,10 +38,6 @@ constexpr std::size_t most_unknowns = 1'000;
 /// worse.
 constexpr double most_unreached_error = 0.1;
 
-/// Largest stated error, relative, of a matrix that says anything. Where the formula knows nothing, beyond it
-/// boundary elements of all unknowns are tried.
-constexpr double most_useful_error = 0.5;
-
 /// Returns the number of steps with which the reduced method begins.
 int first_steps(double rtol) {
   int steps = 1;
@@ -152,6 +148,14 @@ bool formula_answers(const Scene& scene) {
   return !scene.sensors.empty() || InsulatedReadings::knows(scene);
 }
 
+/// Returns the largest relative error of what the formula answers: of the changes of readings if it knows
+/// these, else infinity, unless all its capacitances are certain.
+double error_of(const Evaluation& formula) {
+  if (!formula.readings.empty())
+    return largest_error_of_changes(formula.readings);
+  return formula.reached ? 0 : infinity;
+}
+
 }  // namespace
 
 RecommendedMethod::RecommendedMethod(double rtol, bool goes_on, std::shared_ptr<LinkPoses> poses)
@@ -175,29 +179,38 @@ Evaluation RecommendedMethod::evaluate(const Scene& scene, std::optional<double>
       return *std::move(answer);
   if (best && best->error <= std::max(rtol_, most_unreached_error))
     return answer_of(scene, *std::move(best));
-  std::string refusal_of_formula;
+  std::optional<Evaluation> formula;
+  std::string refused_by_formula;
   if (formula_answers(scene)) {
     try {
-      if (std::optional<Evaluation> answer = by_formula(scene, limit))
-        return *std::move(answer);
+      formula = by_formula(scene, limit);
     } catch (const InputError& error) {
-      refusal_of_formula = error.what();
+      refused_by_formula = error.what();
     }
   }
-  find_something(scene, best, limit);
-  if (!best || std::isinf(best->error))
-    throw InputError(refusal(refusal_of_formula, max_seconds.value_or(0)));
-  return answer_of(scene, *std::move(best));
+  const double of_formula = formula ? error_of(*formula) : infinity;
+  if (!goes_on_ && std::isinf(of_formula))
+    try_all_unknowns(scene, best, formula.has_value(), limit);
+  if (best && std::isfinite(best->error) && best->error <= of_formula)
+    return answer_of(scene, *std::move(best));
+  if (formula)
+    return *std::move(formula);
+  throw InputError(refusal(refused_by_formula, max_seconds.value_or(0)));
 }
 
-/// Tries all unknowns of boundary elements where the best matrix says nothing, unless this has been done.
-void RecommendedMethod::find_something(const Scene& scene, std::optional<Candidate>& best, TimeLimit* limit) {
-  if (goes_on_ || (best && best->error <= most_useful_error))
-    return;
-  if (std::optional<Candidate> other = in_time(
-          limit, 0, [&] { return by_boundary_elements(scene, BoundaryElementOptions{}.most_unknowns); });
-      other && (!best || other->error < best->error))
-    best = std::move(other);
+/// Replaces the best matrix by that of all unknowns which boundary elements may have, if this states less.
+/// @param is_answered whether there is an answer if it is interrupted
+void RecommendedMethod::try_all_unknowns(const Scene& scene, std::optional<Candidate>& best, bool is_answered,
+                                         const TimeLimit* limit) {
+  try {
+    if (std::optional<Candidate> other = in_time(
+            limit, 0, [&] { return by_boundary_elements(scene, BoundaryElementOptions{}.most_unknowns); });
+        other && (!best || other->error < best->error))
+      best = std::move(other);
+  } catch (const Interrupted&) {
+    if (!best && !is_answered)
+      throw;
+  }
 }
 
 /// Says why no method has an answer.
@@ -231,14 +244,7 @@ std::optional<Evaluation> RecommendedMethod::by_going_on(const Scene& scene, std
     // Boundary elements answer where the formula refuses.
     formula.reset();
   }
-  try {
-    if (std::optional<Candidate> other = by_boundary_elements(scene, BoundaryElementOptions{}.most_unknowns);
-        other && (!best || other->error < best->error))
-      best = std::move(other);
-  } catch (const Interrupted&) {
-    if (!best && !formula && !(limit != nullptr && limit->is_over()))
-      throw;
-  }
+  try_all_unknowns(scene, best, formula.has_value(), limit);
   if (!formula || (best && best->error <= largest_error_of_changes(formula->readings)))
     return std::nullopt;
   return formula;

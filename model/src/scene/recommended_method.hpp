@@ -48,11 +48,12 @@ class RecommendedMethod {
   double seconds_of_accurate_formula(const Scene& scene) const;
   std::optional<Candidate> by_reduced_method(const Scene& scene);
   std::optional<Candidate> by_boundary_elements(const Scene& scene, std::size_t most_unknowns);
+  void try_all_unknowns(const Scene& scene, std::optional<Candidate>& best, bool is_answered,
+                        const TimeLimit* limit);
   std::optional<Evaluation> by_formula(const Scene& scene, TimeLimit* limit);
   Evaluation by_formula(const Scene& scene);
   std::optional<Evaluation> by_accurate_formula(const Scene& scene, const Evaluation& in_closed_form);
   std::optional<Evaluation> by_going_on(const Scene& scene, std::optional<Candidate>& best, TimeLimit* limit);
-  void find_something(const Scene& scene, std::optional<Candidate>& best, TimeLimit* limit);
   std::string refusal(const std::string& of_formula, double seconds) const;
   Evaluation answer_of(const Scene& scene, Candidate candidate) const;
 

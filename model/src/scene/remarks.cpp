@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "correction/company_readings.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "geometry/winding_number.hpp"
@@ -289,6 +290,28 @@ void remark_on_insulators(const Scene& scene, const Evaluation& answer, std::vec
                 listed(enclosed), answer.answered_by));
 }
 
+/// Remarks on a room, of which no method of the library knows more than that it is there.
+void remark_on_room(const Scene& scene, const Evaluation& answer, std::vector<std::string>& found) {
+  if (scene.has_room)
+    found.push_back(fmt::format("room: the method {} answers as in free space, without the grounded walls; "
+                                "the field solver knows them",
+                                answer.answered_by));
+}
+
+/// Remarks on changes that the formula in company cannot tell the error of.
+void remark_on_unknown_errors(const Evaluation& answer, std::vector<std::string>& found) {
+  std::vector<std::string> unknown;
+  for (const ReadingAnswer& reading : answer.readings)
+    if (reading.answered_by == detail::CompanyReadings::name && reading.change.value && !reading.change.error)
+      unknown.push_back(reading.name);
+  if (!unknown.empty())
+    found.push_back(
+        fmt::format("reading {}: how far off its change is, is not known: the {} is too coarse for "
+                    "it, and may be off by factors; ask for an accuracy with rtol, or "
+                    "boundary-elements",
+                    listed(unknown), detail::CompanyReadings::name));
+}
+
 /// Remarks on derivatives that are asked for and not known.
 void remark_on_derivatives(const std::vector<ReadingAnswer>& readings, std::vector<std::string>& found) {
   for (const ReadingAnswer& reading : readings)
@@ -332,6 +355,8 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
               "boundary-elements and reduced:K do");
   if (options.faces == FaceRule::facing)
     remark_on_backs(answer.capacitance, found);
+  remark_on_room(scene, answer, found);
+  remark_on_unknown_errors(answer, found);
   remark_on_insulators(scene, answer, found);
   remark_on_shields(scene, bodies, answer, found);
   return found;

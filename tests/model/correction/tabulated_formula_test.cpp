@@ -40,7 +40,7 @@ class TabulatedFormulaTest : public testing::Test {
     return scene;
   }
 
-  static constexpr CompanyResolution resolution{5e-2, 2000, 100, 400};
+  static constexpr CompanyResolution resolution{5e-2, 2000, 100, 400, 1, true};
   const MachineAtRest machine{charged_bodies(machine_scene()), readings(machine_scene()), resolution};
   const TargetAtRest target{charged_bodies(hand_scene()), {5e-2, 1000, 48}};
   const OutsidePotentials potentials{machine.functions(), true};

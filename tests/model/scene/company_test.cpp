@@ -236,6 +236,85 @@ TEST(FormulaInCompany, IsInfiniteWhereAGroundedTargetTouchesWhatIsSensedOrDriven
   EXPECT_FALSE(evaluate(scene, by_formula).readings[0].change.value);
 }
 
+/// A sensor of 10 cm × 8 cm before a housing, and a target on a link of its own.
+Scene before_a_target(const Shape& shape, double height) {
+  Scene scene;
+  Sensor sensor;
+  sensor.name = "front";
+  sensor.plates = {{{-0.05, -0.04, 0}, {0.1, 0, 0}, {0, 0.08, 0}}};
+  scene.sensors = {sensor};
+  scene.links = {{"hand", std::nullopt, Eigen::Isometry3d::Identity()}};
+  scene.objects = {object_of("housing", Cuboid{0.12, 0.1, 0.04}, at(0, 0, -0.03)),
+                   object_of("target", shape, at(0, 0, height))};
+  scene.objects[1].link = 0;
+  scene.objects[1].target = true;
+  return scene;
+}
+
+Estimate change_of(const Scene& scene, const EvaluationOptions& options) {
+  return evaluate(scene, options).readings.at(0).change;
+}
+
+void expect_within_known_error(const Estimate& found, double truth) {
+  if (found.error) {
+    EXPECT_LE(std::abs(found.value.value() - truth), *found.error);
+  }
+}
+
+TEST(FormulaInCompany, EstimatesItsErrorBeforeTargetsOfEverySizeOrSaysThatItIsUnknown) {
+  // Boundary elements, the field solver and the sensor before its mirror image agree from 3 m on.
+  const std::vector<std::pair<double, double>> truths{
+      {0.1, 3.6065e-13}, {0.3, 4.29e-13}, {3, 4.295e-13}, {10, 4.295e-13}, {300, 4.295e-13}};
+  for (const auto& [side, truth] : truths) {
+    SCOPED_TRACE(side);
+    const Estimate found = change_of(before_a_target(Plate{side, side}, 0.06), by_formula);
+    expect_within_known_error(found, truth);
+    EXPECT_EQ(found.error.has_value(), side < 1);
+  }
+}
+
+TEST(FormulaInCompany, EstimatesItsErrorBeforeBoxesOfEveryThickness) {
+  EvaluationOptions to_accuracy = by_formula;
+  to_accuracy.rtol = 3e-2;
+  for (const double thickness : {0.002, 0.02, 0.3}) {
+    SCOPED_TRACE(thickness);
+    const Scene scene = before_a_target(Cuboid{0.3, 0.3, thickness}, 0.08 + thickness / 2);
+    const double truth = change_of(scene, by_boundary_elements).value.value();
+    const Estimate found = change_of(scene, by_formula), accurate = change_of(scene, to_accuracy);
+    ASSERT_TRUE(found.error && accurate.error);
+    expect_within_known_error(found, truth);
+    expect_within_known_error(accurate, truth);
+    EXPECT_LT(*accurate.error, 0.06 * truth);
+  }
+}
+
+TEST(FormulaInCompany, DoesNotDependOnTheUnitOfLength) {
+  const auto enlarged = [](double by) {
+    Scene scene = before_a_target(Cuboid{0.1 * by, 0.1 * by, 0.03 * by}, 0.06 * by);
+    scene.sensors[0].plates = {{by * Eigen::Vector3d(-0.05, -0.04, 0), by * Eigen::Vector3d(0.1, 0, 0),
+                                by * Eigen::Vector3d(0, 0.08, 0)}};
+    scene.objects[0].shape = Cuboid{0.12 * by, 0.1 * by, 0.04 * by};
+    scene.objects[0].pose = at(0, 0, -0.03 * by);
+    return change_of(scene, by_formula);
+  };
+  const Estimate one = enlarged(1);
+  // Powers of two round nothing, so that nothing is divided in another way.
+  for (const double by : {1.0 / 1024, 1024.0}) {
+    const Estimate other = enlarged(by);
+    EXPECT_NEAR(*other.value / by, *one.value, 1e-4 * *one.value);
+    EXPECT_NEAR(other.error.value() / by, one.error.value(), 1e-2 * one.error.value());
+  }
+}
+
+TEST(FormulaInCompany, IsNotWhatRecommendedAnswersWhereItsErrorIsUnknown) {
+  const Scene scene = before_a_target(Plate{10, 10}, 0.06);
+  EXPECT_FALSE(change_of(scene, by_formula).error);
+  const Evaluation answer = evaluate(scene, {.method = Recommended{}});
+  EXPECT_EQ(answer.answered_by, "boundary-elements");
+  const Estimate found = answer.readings.at(0).change;
+  EXPECT_LE(std::abs(*found.value - 4.295e-13), found.error.value());
+}
+
 TEST(FormulaInCompany, AnswersForRecommendedWhereMatricesWouldTakeTooLong) {
   Scene scene = machine(0.03);
   // More triangles than the reduced method prepares, and than boundary elements may have unknowns there.

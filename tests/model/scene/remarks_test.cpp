@@ -48,6 +48,25 @@ TEST(Remarks, AreNoneOnASoundScene) {
     EXPECT_THAT(remarks_on(sensor_and_box(), {.method = parse_method(method)}), IsEmpty()) << method;
 }
 
+TEST(Remarks, SayThatARoomIsNotKnown) {
+  Scene scene = sensor_and_box();
+  scene.has_room = true;
+  for (const char* method : {"exact", "recommended"})
+    EXPECT_THAT(remarks_on(scene, {.method = parse_method(method)}),
+                testing::Contains(AllOf(StartsWith("room: the method "), HasSubstr("free space"))))
+        << method;
+}
+
+TEST(Remarks, SayOfWhichReadingsTheErrorIsUnknown) {
+  Scene scene = sensor_and_box();
+  scene.objects[0].target = true;
+  EXPECT_THAT(remarks_on(scene, {.correction = Correction::formula}), IsEmpty());
+  scene.objects[0] = object_of("wall", Plate{10, 10}, {0, 0, 0.1});
+  scene.objects[0].target = true;
+  EXPECT_THAT(remarks_on(scene, {.correction = Correction::formula}),
+              testing::Contains(AllOf(StartsWith("reading \"front\": how far off"), HasSubstr("rtol"))));
+}
+
 TEST(Remarks, AskAboutLengthsThatMayBeInMillimetres) {
   Scene scene = sensor_and_box();
   scene.sensors[0].plates.push_back({{100, 0, 0}, {40, 0, 0}, {0, 30, 0}});
