@@ -13,7 +13,7 @@
 #include "fringe/triangle.hpp"
 #include "fringe/triangulation.hpp"
 
-namespace fringe {
+namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using detail::RoundShape;
@@ -135,4 +135,4 @@ TEST(RoundShapes, TheErrorOfARoundDielectricBodyContainsTheSeries) {
 }
 
 }  // namespace
-}  // namespace fringe
+}  // namespace fringe::FRINGE_TEST_FILE

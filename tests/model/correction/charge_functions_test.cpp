@@ -8,7 +8,7 @@
 #include "bem/bodies.hpp"
 #include "fringe/pose.hpp"
 
-namespace fringe::detail {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Index;
@@ -81,4 +81,4 @@ TEST(ChargeFunctions, AreAllDividedOnceMoreThanTheirSums) {
 }
 
 }  // namespace
-}  // namespace fringe::detail
+}  // namespace fringe::detail::FRINGE_TEST_FILE
