@@ -340,7 +340,7 @@ TEST(FormulaInCompany, AnswersForRecommendedToTheAccuracyThatIsGiven) {
 void expect_contact_is_told(const Scene& scene, const EvaluationOptions& options) {
   LiveScene live(scene), fresh(scene);
   fresh.set_pose("hand", at(0, 0, 0.03));
-  const Estimate alone = fresh.evaluate(options).readings[0].change;
+  const Estimate alone = fresh.evaluate(by_formula).readings[0].change;
   for (const double height : {-0.01, 0.03, -0.005}) {
     live.set_pose("hand", at(0, 0, height));
     const ReadingAnswer found = live.evaluate(options).readings[0];
@@ -359,7 +359,7 @@ void expect_contact_is_told(const Scene& scene, const EvaluationOptions& options
 TEST(FormulaInCompany, TellsOfContactAndAnswersAllOtherFrames) {
   expect_contact_is_told(with_one_reading(machine(0)), by_formula);
   EvaluationOptions to_accuracy = by_formula;
-  to_accuracy.rtol = 0.2;
+  to_accuracy.rtol = 0.5;
   to_accuracy.derivatives = true;
   expect_contact_is_told(with_one_reading(machine(0, Floating{})), to_accuracy);
 }
@@ -367,7 +367,7 @@ TEST(FormulaInCompany, TellsOfContactAndAnswersAllOtherFrames) {
 TEST(FormulaInCompany, OfATargetThatIsJoinedToTheMachineMayBeWrongByAsMuchAsItIs) {
   Scene scene = with_one_reading(machine(0));
   scene.objects[1].pose = at(0.1, 0, -0.02);
-  for (const std::optional<double> rtol : {std::optional<double>(), std::optional<double>(0.2)}) {
+  for (const std::optional<double> rtol : {std::optional<double>(), std::optional<double>(0.5)}) {
     EvaluationOptions options = by_formula;
     options.rtol = rtol;
     const Estimate joined = evaluate(scene, options).readings[0].change;
