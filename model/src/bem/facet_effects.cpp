@@ -17,7 +17,7 @@ using Eigen::RowVectorXd;
 using Eigen::Vector3d;
 
 /// Distance of the copies from a panel, relative to its size.
-constexpr double beside = 0.7;
+constexpr double steps_per_size = 0.7;
 
 Panel shifted(const Panel& panel, const Vector3d& by) {
   Panel result = panel;
@@ -28,7 +28,7 @@ Panel shifted(const Panel& panel, const Vector3d& by) {
 }
 
 double step_beside(const Panel& panel) {
-  return beside * std::sqrt(panel.area);
+  return steps_per_size * std::sqrt(panel.area);
 }
 
 /// Returns the roots of what a panel of a round conductor lacks, three rows.

@@ -12,6 +12,7 @@
 #include "fringe/boundary_elements.hpp"
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
+#include "fringe/triangulation.hpp"
 #include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
@@ -101,7 +102,7 @@ TEST(ReadingsAtLength, AreThoseOfSolutionsWithAndWithoutATargetThatACapacitorGro
 
 TEST(Readings, AreThoseOfSolutionsWithAndWithoutATargetOfTriangles) {
   Scene scene = machine();
-  scene.objects.back().shape = Cylinder{0.02, 0.05, 8};
+  scene.objects.back().shape = Mesh{"", 1, triangulate(Cylinder{0.02, 0.05, 8})};
   scene.objects.back().pose = at(0, 0, 0.06);
   expect_readings_of_separate_solutions(scene, 1e-2);
 }
