@@ -99,9 +99,7 @@ def measured(seed: int, number: int) -> dict[str, Answer]:
         seconds = time.process_time() - before
         difference = max(abs(reading.change - truth.change) - truth.error["change"], 0.0)
         stated = reading.error["change"]
-        result[name] = Answer(
-            difference / scale, math.inf if stated is None else stated / scale, seconds
-        )
+        result[name] = Answer(difference / scale, math.inf if stated is None else stated / scale, seconds)
     return result
 
 

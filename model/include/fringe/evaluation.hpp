@@ -29,9 +29,9 @@ struct EvaluationOptions {
   std::optional<double> rtol = {};
   /// Seconds after which the best answer so far is to do: of `recommended`, which does not begin what would
   /// take longer than what is left, and answers by the correction `formula` in closed form, in about a
-  /// second and within ten, where it has nothing better. Boundary elements answer with their best matrix; the reduced method
-  /// and the correction `formula` with an rtol throw Interrupted, as boundary elements do before their first
-  /// matrix.
+  /// second and within ten, where it has nothing better. Boundary elements answer with their best matrix; the
+  /// reduced method and the correction `formula` with an rtol throw Interrupted, as boundary elements do
+  /// before their first matrix.
   std::optional<double> max_seconds = {};
   bool derivatives = false;  ///< also of the readings' changes with respect to poses; of exact without a
                              ///< correction, boundary elements, the reduced method and formula with an rtol

@@ -10,8 +10,9 @@
 #include "fringe/triangle.hpp"
 
 /// The division of the faces of meshes, polygons of three or more corners in space, into triangles, in the
-/// order that geometries/SCENE.md fixes. A face is seen along the axis in which the areas of its fan are largest: that
-/// leaves its other two coordinates as they are, so that every decision about the outline is exact.
+/// order that geometries/SCENE.md fixes. A face is seen along the axis in which the areas of its fan are
+/// largest: that leaves its other two coordinates as they are, so that every decision about the outline is
+/// exact.
 namespace fringe::detail {
 
 /// What is remarkable about the faces of a mesh.
