@@ -25,6 +25,7 @@ OPTIONS, IMPORT, RUN = (
     "end_to_end/test_import.py",
     "end_to_end/test_run_script.py",
 )
+RUN_SCRIPT = "end_to_end/test_run_script.py"
 GOOGLE = "--benchmark_min_time=0 --benchmark_filter="
 # Command → how it is run here, in the place of what takes longer; {out} is an empty folder.
 SMALL = {
@@ -79,6 +80,7 @@ ELSEWHERE = {
     "python3 -m analysis live SCENE": ("analysis/live/test_paths.py", "test_every_option_of_the_command_acts", "live"),
     "python3 -m analysis sweep SCENE": ("analysis/sweep/test_sweep_page.py", "test_the_command_makes_a_page_and_its_table_from_its_options", "sweep"),
     "cmake --install build --prefix ~/fringe": ("packaging/test_tutorial.py", "test_the_commands_print_what_the_tutorial_shows", "prefix"),
+    "fringe sweep": ("model/test_sweep.py", "test_every_frame_has_the_reading_of_the_scene_in_its_poses", "sweep"),
     "fringe sweep SCENE": ("model/test_sweep.py", "test_every_frame_has_the_reading_of_the_scene_in_its_poses", "sweep"),
     "fringe capacitance SCENE --frame NAME": ("model/test_sweep.py", "test_capacitance_answers_in_one_frame", "--frame"),
     'fringe capacitance SCENE --frame "10 cm"': ("model/test_sweep.py", "test_capacitance_answers_in_one_frame", "--frame"),
@@ -86,10 +88,12 @@ ELSEWHERE = {
     "build/bin/fringe capacitance results/published/cases/CASE/scene.toml --method boundary-elements --rtol 1e-05": ("analysis/topics/published/test_table.py", "test_rows_drawn_by_chance_are_found_again", ""),
     "cmake --install build --prefix /usr/local": ("packaging/conftest.py", "prefix", "--prefix"),
     "./run --prepare": (RUN, "test_it_waits_for_another_package_manager_and_says_so", "./run"),
+    "./run --prepare TARGET…": (RUN_SCRIPT, "test_only_what_is_named_is_prepared", "--prepare"),
     "./run --python": ("end_to_end/test_run_script.py", "test_it_prints_the_python_that_has_the_field_solver", "--python"),
     "fringe capacitance SCENE": ("model/test_command_line.py", "test_capacitance_as_json", "capacitance"),
     "fringe export SCENE FILE": ("end_to_end/test_export.py", "test_the_capacitors_of_a_circuit_are_the_matrix", "export"),
     "fringe import SOURCE SCENE": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
+    "fringe import --missing leave-out": ("end_to_end/test_import_robots.py", "test_one_bad_mesh_is_told_and_stops_the_rest_only_if_it_shall", "--missing"),
     "fringe import": (IMPORT, "test_links_and_joints_at_zero_are_links_and_poses", "import"),
     "fringe info": ("model/test_command_line.py", "test_info_counts_the_defects_of_a_mesh", "info"),
     "fringe sense SCENE": ("model/test_sense_command.py", "test_sense_as_json", "sense"),
@@ -155,7 +159,7 @@ MINUTES = {
     "tests/fuzz/run SECONDS": "tests/fuzz/run 20",
 }
 # What these tests run on, and in.
-ABOVE = {"./check", "cmake --preset release && cmake --build build"}
+ABOVE = {"./check", "./check --all", "cmake --preset release && cmake --build build"}
 _STARTS = re.compile(
     r"\./run|\./check|build/bin/|python3 -m [a-z]|tests/[\w/]+(?=[ `]|$)|fringe [a-z…]|cmake |\(cd build|pkg-config |sha256sum |[a-z_]+_benchmark"
 )
@@ -179,9 +183,14 @@ def given() -> dict[str, set[str]]:
 
 
 def is_tested(command: str) -> bool:
-    """Whether it names tests, or a program by its bare name that others give with its place."""
-    if command.startswith("python3 -m pytest "):
-        return all((ROOT / file).is_file() for file in command.split()[3:] if file != "-s")
+    """Whether it builds and runs tests that exist, or names a program by its bare name that others give with its place."""
+    steps = command.split(" && ")
+    if all(
+        re.match(r"cmake --build build --target |ctest |python3 -m pytest |build/bin/ROOM_tests ", step)
+        for step in steps
+    ):
+        named = [word for word in command.split() if word.startswith("tests/")]
+        return all((ROOT / word.removesuffix("/FOLDER")).exists() for word in named)
     return (ROOT / command).is_dir() or f"build/bin/{command}" in {
         name.split()[0] for name in [*SMALL, *MINUTES]
     }

@@ -173,7 +173,7 @@ def test_row_10_capitals_and_other_systems_lines_are_read(place: Place) -> None:
 def test_row_11_a_round_plate_is_told_that_plates_are_rectangles(place: Place) -> None:
     told = place.refusal(SENSOR.replace(PLATE, "{ centre = [0, 0, 0], radius = 0.02 }") + HAND)
     assert "a plate is a rectangle with corner, edge_u and edge_v" in told
-    round_electrode = '[[object]]\nname = "s"\npotential = "electrode"\nshape = { type = "disc", radius = 0.02, segments = 24 }\n'
+    round_electrode = '[[object]]\nname = "s"\npotential = "electrode"\nshape = { type = "disc", radius = 0.02, segments = 96 }\n'
     reading = '[[reading]]\nname = "r"\ndrive = ["s"]\nsense = "s"\n'
     answer = place.run("capacitance", place.write(round_electrode + HAND + reading), "--json", *TRUTH)
     assert answer.returncode == 0, answer.stderr

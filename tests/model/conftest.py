@@ -32,7 +32,7 @@ def fringe_command() -> Command:
 
 @pytest.fixture(scope="session")
 def shown_on_a_terminal() -> Callable[..., str]:
-    """Runs build/bin/fringe, which must succeed and print an answer, and returns what it shows on the terminal that its errors go to."""
+    """Runs build/bin/fringe, which must print an answer, and returns what it shows on the terminal that its errors go to."""
 
     def run(*arguments: str | Path) -> str:
         command = [str(ROOT / "build" / "bin" / "fringe"), *map(str, arguments)]
@@ -53,7 +53,7 @@ def shown_on_a_terminal() -> Callable[..., str]:
             answer, _ = process.communicate(timeout=DEADLINE)
         reader.join()
         os.close(terminal)
-        assert answer and process.returncode == 0
+        assert answer and process.returncode in (0, 3)
         return b"".join(parts).decode()
 
     return run

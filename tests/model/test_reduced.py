@@ -114,7 +114,7 @@ def test_a_ball_is_known_by_its_triangles(tmp_path: Path) -> None:
     ball = '"sphere", radius = 0.02, segments = 12'
     path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', ball))
     scene = fringe.Scene.load(path)
-    answer, truth = scene.maxwell(method="reduced:1"), scene.maxwell(rtol=5e-3)
+    answer, truth = scene.maxwell(method="reduced:1", rtol=0.1), scene.maxwell(rtol=5e-3)
     assert answer["reached"]
     assert np.all(np.abs(answer["maxwell"] - truth["maxwell"]) <= answer["error"] + truth["error"])
 

@@ -46,6 +46,7 @@ _MODEL = """
 import os
 import numpy as np
 from tests.analysis.synthetic import boundary_document, model_document
+from contextlib import nullcontext as InterruptionScope
 __version__ = "toy"
 def plate_integral(triangles, corner, edge_u, edge_v):
     return np.ones(len(triangles))

@@ -53,7 +53,7 @@ def test_a_scene_scales_its_mesh_and_finds_it_beside_itself(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("name", "content", "reason"),
     [
-        ("empty.obj", "", "holds no triangles"),
+        ("empty.obj", "", "is empty"),
         ("points.obj", "v 0 0 0\nv 1 0 0\n", "holds no triangles"),
         ("words.ply", "this is not a mesh", "cannot|not a mesh"),
         ("words.obj", "v a b c\n", "is not a mesh that can be read"),
