@@ -37,7 +37,7 @@ MatrixXd potentials_beside(const PanelMesh& mesh, const InsulatedBodies& bodies,
                            const MatrixXd& values, double tolerance) {
   const InsulatedUnknowns& unknowns = equations.unknowns;
   if (targets.empty())
-    return MatrixXd(0, values.cols());
+    return MatrixXd::Zero(0, values.cols());
   const MatrixXd potentials = potentials_of_panels(bodies, unknowns, values);
   MatrixXd charges = MatrixXd::Zero(index_of(mesh.panels().size()), values.cols());
   std::vector<Index> interfaces;

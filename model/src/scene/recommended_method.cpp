@@ -79,6 +79,13 @@ std::vector<Index> electrodes(const MaxwellMatrix& matrix, const Scene& scene) {
   return rows.empty() ? all : rows;
 }
 
+/// Returns the larger of two errors; infinity if the second is not a number.
+double larger(double largest, double error) {
+  if (std::isnan(error))
+    return infinity;
+  return std::max(largest, error);
+}
+
 /// Returns the largest relative error of the entries that tell what is felt: a sensor's own, and those of the
 /// objects in its row; without sensors those in the rows of electrodes, relative to what boundary elements
 /// refine.
@@ -88,7 +95,7 @@ double largest_error_of_entries(const MaxwellMatrix& matrix, const Scene& scene)
   double largest = 0;
   const auto add = [&](Index row, Index column, double scale) {
     const double error = matrix.errors(row, column) / scale;
-    largest = std::isnan(error) ? infinity : std::max(largest, error);
+    largest = larger(largest, error);
   };
   const auto sensors = static_cast<Index>(matrix.sensors);
   for (Index sensor = 0; sensor < sensors; ++sensor)
@@ -113,7 +120,7 @@ double largest_error(const MaxwellMatrix& matrix, const Scene& scene) {
   double largest = largest_error_of_entries(matrix, scene);
   if (asks_for_changes(scene))
     for (const double error : errors_of_changes(matrix.readings))
-      largest = std::isnan(error) ? infinity : std::max(largest, error);
+      largest = larger(largest, error);
   return largest;
 }
 
@@ -139,7 +146,7 @@ double largest_error_of_changes(const std::vector<ReadingAnswer>& readings) {
     return infinity;
   double largest = 0;
   for (const double error : errors_of_changes(readings))
-    largest = std::isnan(error) ? infinity : std::max(largest, error);
+    largest = larger(largest, error);
   return largest;
 }
 
