@@ -15,6 +15,7 @@ import pytest
 from tests.processes import marked, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
+WRAP = str(ROOT / "build" / "bin" / "fringe-wrap")
 SCENE = """
 [[object]]
 name = "tube"
@@ -53,9 +54,10 @@ def test_the_wrap_ends_with_the_field_solver(
     with subprocess.Popen(
         command, cwd=ROOT, env=environment(folder), stderr=subprocess.PIPE, start_new_session=True
     ) as solver:
-        wait_until(lambda: any("fringe-wrap" in words.split(" ")[0] for words in marked(folder).values()))
-        solver.send_signal(ending)
-        solver.wait()
+        try:
+            wait_until(lambda: any(words.startswith(WRAP) for words in marked(folder).values()))
+        finally:
+            solver.send_signal(ending)
     wait_until(lambda: nothing_is_left(folder))
 
 
