@@ -61,6 +61,9 @@ def supervised(command: Callable[[Report], int], unreached: int) -> int:
             receiving.close()
             # MPI and compilers leave files when they are killed.
             os.environ["TMPDIR"] = str(folder)
+            if _NUMBER not in os.environ:
+                # Without mpirun a daemon of Open MPI outlives the command by a moment, and would complain that its shared files are gone.
+                os.environ.setdefault("PMIX_MCA_gds", "hash")
             return command(sending.send)
         sending.close()
         return _watched(child, receiving, wakes, unreached)
