@@ -2,12 +2,7 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable
 from pathlib import Path
-
-# Only a failure takes so long (s), however busy the machine is.
-_PATIENCE = 120.0
 
 
 def marked(folder: Path) -> dict[int, str]:
@@ -23,11 +18,3 @@ def marked(folder: Path) -> dict[int, str]:
             # It has ended, or is another user's.
             continue
     return found
-
-
-def wait_until(condition: Callable[[], bool]) -> None:
-    """Returns when a condition holds; AssertionError if it does not within minutes."""
-    end = time.monotonic() + _PATIENCE
-    while not condition():
-        assert time.monotonic() < end, "the condition does not come true"
-        time.sleep(0.02)

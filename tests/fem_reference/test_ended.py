@@ -12,7 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.processes import marked, wait_until
+from tests.processes import marked
+from tests.waiting import wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 WRAP = str(ROOT / "build" / "bin" / "fringe-wrap")
@@ -55,10 +56,10 @@ def test_the_wrap_ends_with_the_field_solver(
         command, cwd=ROOT, env=environment(folder), stderr=subprocess.PIPE, start_new_session=True
     ) as solver:
         try:
-            wait_until(lambda: any(words.startswith(WRAP) for words in marked(folder).values()))
+            wait_until(lambda: any(words.startswith(WRAP) for words in marked(folder).values()), "a wrap")
         finally:
             solver.send_signal(ending)
-    wait_until(lambda: nothing_is_left(folder))
+    wait_until(lambda: nothing_is_left(folder), "the end of all processes and files")
 
 
 def test_the_limit_of_time_ends_a_wrap(tmp_path: Path, command: list[str]) -> None:
@@ -70,4 +71,4 @@ def test_the_limit_of_time_ends_a_wrap(tmp_path: Path, command: list[str]) -> No
     assert done.returncode == 3 and "no level was finished within 0.1 s; " in done.stderr
     assert "wrapped" in done.stderr and "--wrap-alpha" in done.stderr
     assert json.loads(done.stdout)["stopped_by"] == "no level was finished within 0.1 s"
-    wait_until(lambda: nothing_is_left(folder))
+    wait_until(lambda: nothing_is_left(folder), "the end of all processes and files")

@@ -15,7 +15,7 @@ enum class UrdfGeometry { collision, visual };
 /// Reads "collision" or "visual"; throws InputError for anything else.
 UrdfGeometry parse_urdf_geometry(const std::string& name);
 
-/// What becomes of a robot with a mesh that is missing or cannot be read.
+/// Tells whether a robot with a mesh that is missing or cannot be read is refused, or imported without it.
 enum class MissingMesh { refuse, leave_out };
 
 /// Reads "refuse" or "leave-out"; throws InputError for anything else.

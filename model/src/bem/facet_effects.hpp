@@ -6,7 +6,7 @@
 
 #include "bem/insulated_equations.hpp"
 
-/// What the facets of round conductors and dielectric bodies change beside each other
+/// First-order effect of the facets of round conductors and dielectric bodies beside each other
 /// (model/BOUNDARY_ELEMENTS.md, section 13).
 namespace fringe::detail {
 

@@ -322,7 +322,8 @@ MaxwellMatrix refined_answer(const InsulatedBodies& bodies, const BoundaryElemen
     const double excess = excess_error(answer, conductors, geometry, options.rtol);
     if (excess <= 1 || system.panels() >= most)
       break;
-    // What undivided triangles lack goes with their division, not like the number of panels.
+    // The error of undivided triangles ends when they are divided; it does not fall with the number of
+    // panels.
     lasting.entries += errors_of_roots(all.undivided);
     if (is_in_vain(excess_error(answer, conductors, lasting, options.rtol), system.panels(), most,
                    refinements))

@@ -20,7 +20,7 @@ struct AngleTarget {
   Eigen::Index component;  ///< that it lies on; `AngleSums::unknown` if that is not known
 };
 
-/// What the quadratures' errors leave in the sums of solid angles. Multiplied by a permittivity of a thousand
+/// Corrects the errors of quadratures in the sums of solid angles. Multiplied by a permittivity of a thousand
 /// they would charge a body as a whole, and its potential would be lost.
 class AngleSums {
  public:

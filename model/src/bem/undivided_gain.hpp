@@ -5,7 +5,7 @@
 #include "bem/error_indicators.hpp"
 #include "bem/insulated_equations.hpp"
 
-/// What conductors and interfaces of dielectrics would gain if their undivided triangles were divided
+/// Energy that conductors and interfaces of dielectrics would gain if their undivided triangles were divided
 /// (model/BOUNDARY_ELEMENTS.md, section 13).
 namespace fringe::detail {
 

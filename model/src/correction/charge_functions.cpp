@@ -193,7 +193,7 @@ void match_moments(const Vector3d& centre, double radius, const MatrixXd& moment
 void add_second_moments(const Vector3d& place, const Eigen::RowVectorXd& charges, MatrixXd& sums) {
   for (Index a = 0, row = 0; a < 3; ++a)
     for (Index b = a; b < 3; ++b, ++row)
-      // What is off the diagonal counts twice in the norm of the matrix.
+      // An element off the diagonal counts twice in the norm of the symmetric matrix.
       sums.row(row) += (a == b ? 1 : std::numbers::sqrt2) * place[a] * place[b] * charges;
 }
 

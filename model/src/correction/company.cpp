@@ -425,7 +425,7 @@ void CompanyFormula::place_machine(const MachineAtRest& machine, const TargetAtR
   given_.resize(static_cast<std::size_t>(machine.given()));
   for (std::vector<float>& charges : given_)
     charges.clear();
-  // What the points leave out of the given charges' potentials on the target, for every function and load.
+  // Potentials of the given charges on the target that the points leave out, for every function and load.
   std::vector<double> distances(functions.count());
   const auto missing = [&](std::size_t function) -> VectorXd {
     const auto moments = functions.points(machine_.levels[function]).missing.row(index_of(function));

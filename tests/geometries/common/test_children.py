@@ -14,7 +14,8 @@ from pathlib import Path
 import pytest
 
 from geometries.common.children import ending_with_this, temporary_folder
-from tests.processes import marked, wait_until
+from tests.processes import marked
+from tests.waiting import wait_until
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 # A process that makes a folder, in which the program that it starts writes files without end, and a fork; it says so and sleeps.
@@ -56,7 +57,9 @@ def test_nothing_is_left_of_a_process_at_work(
         assert parent.stdout is not None and parent.stdout.readline() == "begun\n"
         assert len(marked(tmp_path)) >= 3 and list(tmp_path.iterdir())
         (os.killpg if whole_session else os.kill)(parent.pid, ending)
-    wait_until(lambda: not marked(tmp_path) and not list(tmp_path.iterdir()))
+    wait_until(
+        lambda: not marked(tmp_path) and not list(tmp_path.iterdir()), "the end of all processes and files"
+    )
 
 
 def test_nothing_is_left_of_processes_that_are_killed_at_any_moment(tmp_path: Path) -> None:
@@ -65,7 +68,9 @@ def test_nothing_is_left_of_processes_that_are_killed_at_any_moment(tmp_path: Pa
         with start(tmp_path) as parent:
             time.sleep(moments.uniform(0, 0.2))
             os.kill(parent.pid, ending)
-    wait_until(lambda: not marked(tmp_path) and not list(tmp_path.iterdir()))
+    wait_until(
+        lambda: not marked(tmp_path) and not list(tmp_path.iterdir()), "the end of all processes and files"
+    )
 
 
 def test_a_program_whose_starter_has_ended_before_it_began_does_not_run(tmp_path: Path) -> None:
