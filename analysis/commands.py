@@ -83,7 +83,9 @@ def _run(options: argparse.Namespace) -> int:
     chosen, target = _study(options.study, options.results)
     with exclusive(target):
         cluster.end_left_over(target)
-        failures = workflow.run(chosen, target, options.jobs, options.measure_model)
+        failures = workflow.run(
+            chosen, target, options.jobs, options.measure_model, lambda: _tell_of_first_report(target)
+        )
         failures += _verified(options, target)
         _tell(failures)
         made = _own_report(target)
@@ -161,6 +163,15 @@ def _status(failures: list[Failure], made: report.Report) -> int:
 
 def _reached(made: report.Report) -> int:
     return NOT_REACHED if made.not_reached else ANSWERED
+
+
+def _tell_of_first_report(folder: Path) -> None:
+    """Reports the answers before the pictures are solved for, which can take as long again."""
+    made = report.make(folder)
+    print(
+        f"The report is there and can be read now: {made.path}; pictures of the potential are still to come",
+        flush=True,
+    )
 
 
 def _own_report(folder: Path) -> report.Report:
@@ -282,6 +293,32 @@ def _coverage(options: argparse.Namespace) -> int:
     return ANSWERED
 
 
+def _honesty(options: argparse.Namespace) -> int:
+    # It loads scipy, which few commands of this module need.
+    from analysis.honesty import run as honesty
+
+    share = 0.0 if options.no_field_solver else options.field_solver
+    given = {
+        "scenes": options.scenes,
+        "first": options.first,
+        "field_share": share,
+        "seconds": options.seconds,
+        "jobs": options.jobs,
+    }
+    more = {name: value for name, value in given.items() if value is not None}
+    asked = honesty.options(options.kinds, options.methods, **more)
+    target = options.results or installation.results_folder() / honesty.FOLDER
+    if options.only is not None:
+        for line in honesty.show(options.only, target, asked):
+            print(line, flush=True)
+        return ANSWERED
+    with exclusive(target):
+        league = honesty.run(target, asked)
+    print(league.text, end="")
+    print(f"table: {league.path}")
+    return ANSWERED if league.is_met else FAILED
+
+
 def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
     place, output = (
         answers or installation.results_folder() / published_stage.FOLDER,
@@ -323,4 +360,5 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "live": _live,
     "sweep": _sweep,
     "coverage": _coverage,
+    "honesty": _honesty,
 }

@@ -81,7 +81,7 @@ def solve(file: Path) -> None:
         if not file.is_file():
             return
         work = _left(Work(**entry), results)
-        failures += workflow.compute([work], study, results, workers=1, shown=False)
+        failures += workflow.compute(work, study, results)
     write_json(file.with_name(file.stem + _ENDED), {"failures": [asdict(failure) for failure in failures]})
 
 

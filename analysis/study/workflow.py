@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 from analysis.pipeline import boundary_stage, measurement_stage, model_stage, reference_stage
@@ -24,10 +25,17 @@ from analysis.topics.trade_off import stage as trade_off
 from geometries.studies.study import Study
 
 
-def run(study: Study, folder: Path, workers: int | None, measure_model: bool = False) -> list[Failure]:
+def run(
+    study: Study,
+    folder: Path,
+    workers: int | None,
+    measure_model: bool = False,
+    before_pictures: Callable[[], None] = lambda: None,
+) -> list[Failure]:
     """Brings every case of the study up to date in `folder`; returns the failures, which are written down there too.
 
-    With `measure_model` the model is also measured by itself. Outdated measurements are removed in any case.
+    With `measure_model` the model is also measured by itself. Outdated measurements are removed in any case. `before_pictures` is called
+    when every answer is there and slices of the potential, which only pictures need, are still to be solved.
 
     KeyboardInterrupt ends it at once; finished answers are kept.
     """
@@ -35,12 +43,16 @@ def run(study: Study, folder: Path, workers: int | None, measure_model: bool = F
     works = plan.missing(study, cases, folder)
     forget(works, folder)
     failures = measure(folder, measure_model)
-    failures += compute(works, study, folder, workers or parallel_jobs())
+    failures += answers(works, study, folder, workers or parallel_jobs())
     # The trade-off reads the pairs of plates from the manifest.
     write_manifest(folder, study, failures)
-    measured = trade_off.run(folder, [case.identity for case in cases], measure_model)
-    if measured:
-        failures += measured
+    late = trade_off.run(folder, [case.identity for case in cases], measure_model)
+    pictures = stages(works, study, folder, (SLICE,))
+    if pictures:
+        before_pictures()
+        late += run_all(pictures, workers or parallel_jobs(), "pictures of the potential")
+    if late:
+        failures += late
         write_manifest(folder, study, failures)
     return failures
 
@@ -65,12 +77,18 @@ def write_scenes(works: list[Work], folder: Path) -> None:
             write_text(scene, work.scene)
 
 
-def compute(works: list[Work], study: Study, folder: Path, workers: int, shown: bool = True) -> list[Failure]:
+def compute(work: Work, study: Study, folder: Path) -> list[Failure]:
+    """Computes what is missing of one case, without a progress bar."""
+    failures = answers([work], study, folder, workers=1, shown=False)
+    return failures + run_all(stages([work], study, folder, (SLICE,)), 1, shown=False)
+
+
+def answers(works: list[Work], study: Study, folder: Path, workers: int, shown: bool = True) -> list[Failure]:
     """Computes the missing answers: first, one after the other because their times are stored, those of the model and of boundary
     elements, then the reference's, `workers` at a time, with a progress bar if `shown`."""
     write_scenes(works, folder)
     quick = run_all(stages(works, study, folder, (MODEL, BOUNDARY)), 1, shown=False)
-    return quick + run_all(stages(works, study, folder, (REFERENCE, SLICE)), workers, shown=shown)
+    return quick + run_all(stages(works, study, folder, (REFERENCE,)), workers, shown=shown)
 
 
 def stages(works: list[Work], study: Study, folder: Path, files: tuple[str, ...]) -> list[Stage]:

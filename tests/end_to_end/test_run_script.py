@@ -61,14 +61,36 @@ def test_the_report_is_told_before_anything_is_built_that_it_does_not_need(tmp_p
     folder = empty_repository(tmp_path, "cmake", "em++")
     printed = run_in(folder, "./run", f"{folder}:{os.environ['PATH']}")
     told = [
-        "Building product",
+        "Building study_programs",
         "asked: run default",
         "results/default/report.html",
         "Still to come",
-        "Building measurements",
+        "Building product measurements",
     ]
     places = [printed.index(words) for words in [*told, "for browsers"]]
     assert places == sorted(places)
+
+
+def test_packages_that_no_report_needs_are_installed_after_it(tmp_path: Path) -> None:
+    folder = empty_repository(tmp_path, "cmake", "em++", "apt-get")
+    for program, does in {"dpkg-query": "exit 1", "sudo": 'exec "$@"'}.items():
+        (folder / program).write_text(f"#!/bin/sh\n{does}\n")
+        (folder / program).chmod(0o755)
+    (folder / "packages.txt").write_text("# build\nfirst\n# -- the rest\n# documentation\nsecond\n")
+    for given, installed in (
+        ("./run", ["first", "first second"]),
+        ("./run experiment_1", ["first"]),
+        ("./run nightly", ["first second"]),
+        ("./run --prepare", ["first second"]),
+    ):
+        printed = run_in(folder, given, f"{folder}:{os.environ['PATH']}")
+        assert re.findall("apt-get -q install -y --no-install-recommends (.*)", printed) == installed
+        if given == "./run":
+            assert (
+                printed.index("install -y")
+                < printed.index("asked: run default")
+                < printed.index("first second")
+            )
 
 
 def test_only_what_is_named_is_prepared(tmp_path: Path) -> None:

@@ -60,12 +60,14 @@ function makeReadings({ data, byId, element, state, readings, theme, recolour, t
     const hint = refused && refused.length >= 20 ? refused : known ? "" : "This method does not know this reading.";
     if (row.title !== hint) row.title = hint;
   }
-  /** Tells by the best answer at hand whether a change is above its threshold: with an error, only if it is by more than that. */
+  /** Tells by the best answer at hand whether a change is above its threshold: with an error, only if it is by more than that; never by
+   * one whose method could not find its error. */
   function noticedBy(threshold, said) {
     if (!threshold) return "";
     const best = ["reference", "reduced", "formula", "model"].find(name => said[name] && said[name].change !== null && said[name].change !== undefined);
     if (!best) return "";
     const { change, error } = said[best], size = Math.abs(change);
+    if (best === "formula" && error === null) return "perhaps noticed (formula, error unknown)";
     if (size - (error || 0) > threshold) return `noticed (${best})`;
     return size + (error || 0) < threshold ? `not noticed (${best})` : `perhaps noticed (${best})`;
   }

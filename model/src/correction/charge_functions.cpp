@@ -84,7 +84,8 @@ std::size_t split_sides(const PanelMesh& mesh, std::span<std::size_t> panels) {
       flat.push_back(panel);
   if (flat.empty())
     return 0;
-  const auto [lowest, highest] = std::ranges::minmax_element(flat, {}, height_of);
+  const auto [lowest, highest] = std::minmax_element(
+      flat.begin(), flat.end(), [&](std::size_t a, std::size_t b) { return height_of(a) < height_of(b); });
   const double middle = (height_of(*lowest) + height_of(*highest)) / 2;
   /// Sums over a side: of areas, of heights above the middle, and of their squares.
   struct Side {

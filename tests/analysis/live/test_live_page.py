@@ -93,8 +93,8 @@ def test_models_and_geometry_are_those_of_the_native_library(
         np.testing.assert_allclose(changes(said["exact"]), changes(answer), rtol=ROUNDING)
         answer = native.capacitance(correction="formula")
         np.testing.assert_allclose(changes(said["formula"]), changes(answer), rtol=ITERATION)
-        for reading in said["formula"]["readings"]:
-            assert reading["error"]["change"] >= 0.25 * abs(reading["change"])
+        for reading, known in zip(said["formula"]["readings"], answer["readings"]):
+            assert reading["error"]["change"] == pytest.approx(known["error"]["change"], rel=ITERATION)
         eye, other = said["eyes"]["distance_sensors"][0], native.sense()["distance_sensors"][0]
         assert (eye["distance"] is None) == (other["distance"] is None)
         if other["distance"] is not None:
@@ -115,6 +115,10 @@ def test_the_other_methods_are_right_within_the_errors_that_the_page_states(
         for method, stated in (("reduced", 0.3), ("formula", 1.0)):
             for reading in said[method]["readings"]:
                 best = truth[reading["name"]]
+                if reading["error"]["change"] is None:
+                    # Close to the sensor the formula does not know its error.
+                    assert method == "formula" and number == 7
+                    continue
                 allowed = reading["error"]["change"] + best.error["change"]
                 assert abs(reading["change"] - best.change) <= allowed, (method, number, reading["name"])
                 assert reading["error"]["change"] < stated * abs(reading["change"])

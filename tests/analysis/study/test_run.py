@@ -20,6 +20,7 @@ from analysis import __main__ as command_line
 from analysis.pipeline import model_stage, processes, scheduler
 from analysis.pipeline.stage import Stage
 from analysis.results import store, study_results as results
+from analysis.study import report
 from tests.analysis.synthetic import EDGE, HEAD, PARALLEL, model_document
 from tests.waiting import DEADLINE, has_ended, wait_until
 
@@ -110,6 +111,22 @@ def test_a_study_is_solved_reported_and_told(place: Workplace, capsys: pytest.Ca
     assert "mutual      model error over 2 cases: rms 10.0%" in printed
     assert f"report: {place.folder / 'results' / 'report.html'}" in printed
     assert (place.folder / "results" / "table.csv").read_text().count("\n") == 5
+
+
+def test_the_report_is_there_before_pictures_are_solved_for(
+    place: Workplace, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    asked: list[int] = []
+
+    def make(folder: Path) -> report.Report:
+        asked.append(place.solved())
+        return report.Report(folder / "report.html", [], 0, 0, 0, [])
+
+    monkeypatch.setattr(report, "make", make)
+    place.run(TWO)
+    assert asked == [3, SLICES]
+    printed = capsys.readouterr().out
+    assert printed.index("can be read now") < printed.index("report: ")
 
 
 def test_a_second_run_solves_nothing_that_is_answered(place: Workplace) -> None:
@@ -244,7 +261,7 @@ def test_a_terminated_run_says_so_and_keeps_what_is_finished(tmp_path: Path) -> 
         import sys, time
         from analysis import __main__ as command_line
         from analysis.study import workflow
-        def run(study, folder, workers, measure_model):
+        def run(*options):
             print("running", flush=True)
             time.sleep({2 * DEADLINE})
         workflow.run = run
