@@ -154,7 +154,53 @@ def _parser(program: str) -> argparse.ArgumentParser:
     _add_live(commands)
     _add_sweep(commands)
     _add_coverage(commands)
+    _add_honesty(commands)
     return parser
+
+
+def _add_honesty(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    honesty = commands.add_parser(
+        "honesty",
+        help="ask every method for random scenes of every kind, and print how often its stated errors hold (hours; finished scenes are kept); "
+        "status 1 if they hold less often than they should",
+    )
+    honesty.add_argument(
+        "--scenes", type=positive_integer, metavar="N", help="how many scenes (default: 416, 32 of each kind)"
+    )
+    honesty.add_argument("--first", type=_seed, metavar="SEED", help="the first scene's seed (default: 0)")
+    honesty.add_argument("--kinds", metavar="A,B,…", help="kinds of scenes (default: all)")
+    honesty.add_argument("--methods", metavar="A,B,…", help="methods that are asked (default: all)")
+    field = honesty.add_mutually_exclusive_group()
+    field.add_argument(
+        "--field-solver",
+        type=_share,
+        metavar="SHARE",
+        help="part of the scenes for which the field solver is asked, up to a minute each (default: 0.05)",
+    )
+    field.add_argument("--no-field-solver", action="store_true", help="do not ask the field solver")
+    honesty.add_argument(
+        "--seconds",
+        type=positive_number,
+        metavar="S",
+        help="most processor time for an answer of the model (default: 10)",
+    )
+    honesty.add_argument(
+        "--only", type=_seed, metavar="SEED", help="print this scene and all answers instead"
+    )
+    honesty.add_argument(
+        "--results", type=Path, metavar="DIR", help="where to keep the answers (default: results/honesty)"
+    )
+    _add_jobs(honesty, "scenes")
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least 0")
+    return int(text)
+
+
+def _share(text: str) -> float:
+    return 1.0 if text == "1" else _relative(text)
 
 
 def _add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

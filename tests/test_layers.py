@@ -32,6 +32,7 @@ LAYERS = (
     "analysis.live",
     "analysis.sweep",
     "analysis.coverage",
+    "analysis.honesty",
     "analysis.nightly",
     "analysis",
 )

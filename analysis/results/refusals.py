@@ -52,12 +52,14 @@ def refusals(results: Results) -> list[Refusal]:
     for failure in results.failures:
         # The slice of a refused case is refused too.
         if failure.refused and failure.case in results.cases:
-            by_reason.setdefault((FIELD, _words(failure.reason)), {}).setdefault(failure.case, failure.reason)
+            by_reason.setdefault((FIELD, without_numbers(failure.reason)), {}).setdefault(
+                failure.case, failure.reason
+            )
     for case in results.cases.values():
         if case.refused:
-            by_reason.setdefault((BOUNDARY, _words(case.refused)), {})[case.id] = case.refused
+            by_reason.setdefault((BOUNDARY, without_numbers(case.refused)), {})[case.id] = case.refused
         for method, reason in (case.model.refused if case.model is not None else {}).items():
-            by_reason.setdefault((method, _words(reason)), {})[case.id] = reason
+            by_reason.setdefault((method, without_numbers(reason)), {})[case.id] = reason
     found = [
         Refusal(
             method, _common(cases), tuple(cases), sum(results.cases[case].truth is not None for case in cases)
@@ -68,7 +70,8 @@ def refusals(results: Results) -> list[Refusal]:
     return sorted(found, key=lambda refusal: (order.get(refusal.method, 2), -len(refusal.cases)))
 
 
-def _words(reason: str) -> str:
+def without_numbers(reason: str) -> str:
+    """Returns a reason with the same sign in the place of every number."""
     return _NUMBER.sub("#", reason)
 
 

@@ -44,6 +44,7 @@ SMALL = {
     "python3 -m analysis show x_ray_arm": "python3 -m analysis show x_ray_arm --output {out}/show.html",
     "python3 -m analysis sweep guarded_sensor": "python3 -m analysis sweep guarded_sensor --rtol 0.1 --output {out}/sweep.html",
     "python3 -m analysis coverage guarded_sensor": "python3 -m analysis coverage guarded_sensor --probe sphere:0.02 --grid 0.06 --method none --output {out}/coverage.html",
+    "python3 -m analysis honesty": "python3 -m analysis honesty --only 0 --methods reduced:1 --results {out}/honesty",
     "python3 -m analysis.coverage.check guarded_sensor": "python3 -m analysis.coverage.check guarded_sensor --probe sphere:0.02 --places 1 --bodies 1 --grid 0.06",
     "python3 -m analysis.topics.machines.moving --write FOLDER": "python3 -m analysis.topics.machines.moving --write {out}/moving",
     "python3 -m analysis.coverage.cost x_ray_arm --grid 0.0362": "python3 -m analysis.coverage.cost guarded_sensor --probe sphere:0.02 --grid 0.2",

@@ -31,6 +31,7 @@ COVERAGE = (
     "analysis/coverage/test_coverage.py",
     "test_the_command_makes_page_table_and_file_from_its_options",
 )
+HONESTY = ("analysis/honesty/test_run.py", "test_every_option_of_the_command_acts")
 PERSON = ("geometries/scene/test_person.py", "test_the_command_writes_a_mesh_or_capsules")
 HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
 EXPORTED = ("end_to_end/test_export.py", "test_the_method_and_the_error_asked_for_are_the_users")
@@ -169,6 +170,10 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     ("analysis", "coverage"): {
         "--help": SAID,
         **dict.fromkeys(("--probe", "--reading", "--grid", "--potential", "--threshold", "--method", "--output"), COVERAGE),
+    },
+    ("analysis", "honesty"): {
+        "--help": SAID,
+        **dict.fromkeys(("--scenes", "--first", "--kinds", "--methods", "--field-solver", "--no-field-solver", "--seconds", "--only", "--results", "--jobs"), HONESTY),
     },
 }  # fmt: skip
 SCENE = """

@@ -160,6 +160,7 @@ COMMANDS = {
         "show",
         "sweep",
         "coverage",
+        "honesty",
     ),
     "fringe-geometries": ("convert", "person", "expand"),
     "fringe-reference": (),

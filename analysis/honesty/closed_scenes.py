@@ -1,0 +1,178 @@
+"""Random scenes whose answers are known in closed form, with these answers."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from scipy.constants import epsilon_0
+
+from analysis.honesty import closed_forms
+from analysis.honesty.drawing import Chance, logarithmic, turn, uniform
+from analysis.honesty.other_scenes import bowl, mesh
+from analysis.honesty.quantities import entry, part_of
+from analysis.results.answers import Estimate
+from analysis.topics.verification import truths
+from geometries.scene.poses import AxisRotation, Pose
+from geometries.scene.scene import Medium, Object, Reading, Scene
+from geometries.scene.shapes import Cuboid, Disc, Ellipsoid, PlateShape, Shape, Sphere
+
+Truths = dict[str, Estimate]
+_UNIT = 4 * math.pi * epsilon_0
+_ROUNDING = 1e-9
+"""Relative error of a formula."""
+_SEGMENTS = (16, 24, 48)
+_BOWL_SEGMENTS, _BOWL_ROWS = 48, 16
+_OF_FACETS = 0.2
+"""Part of the area that a mesh lacks which its capacitance may still lack after its radius is enlarged to have the sphere's area."""
+
+
+@dataclass(frozen=True)
+class Known:
+    """A scene with the answers that are known: by quantity, in F, with their errors."""
+
+    scene: Scene
+    truths: Truths
+
+
+def one_body(chance: Chance, folder: Path) -> Known:
+    """An ellipsoid of ratio 1 to 100, a disc, a cube or a square, alone."""
+    size, ratio = logarithmic(chance, 0.01, 0.5), logarithmic(chance, 1, 100)
+    middle = uniform(chance, size / ratio, size) if ratio > 1 else size
+    segments, thin = chance.choice(_SEGMENTS), size / ratio
+    kinds: dict[str, tuple[Shape, float, float]] = {
+        "sphere": (Sphere(size, segments), size, _ROUNDING),
+        "flat": (
+            Ellipsoid((size, size, thin), segments),
+            closed_forms.ellipsoid(size, size, thin),
+            _ROUNDING,
+        ),
+        "long": (
+            Ellipsoid((thin, thin, size), segments),
+            closed_forms.ellipsoid(thin, thin, size),
+            _ROUNDING,
+        ),
+        "three axes": (
+            Ellipsoid((size, middle, thin), segments),
+            closed_forms.ellipsoid(size, middle, thin),
+            _ROUNDING,
+        ),
+        "disc": (Disc(size, segments), closed_forms.ellipsoid(size, size, 0), _ROUNDING),
+        "cube": (Cuboid((size, size, size)), closed_forms.cube(size), _ROUNDING),
+        "square": (PlateShape((size, size)), size * truths.UNIT_SQUARE_PLATE, truths.UNIT_SQUARE_PLATE_ERROR),
+    }
+    shape, length, error = kinds[chance.choice(sorted(kinds))]
+    permittivity = uniform(chance, 1, 5) if chance.random() < 0.2 else 1.0
+    body = Object("a", shape, pose=Pose((0.0, 0.0, 0.0), turn(chance)), potential="electrode")
+    scene = Scene(medium=Medium(permittivity), objects=(body,))
+    return Known(scene, {entry("a", "a"): _estimate(permittivity * length, error)})
+
+
+def two_spheres(chance: Chance, folder: Path) -> Known:
+    """Two spheres: the matrix, or what the second one changes of the first one's reading, grounded, floating or insulating."""
+    a = logarithmic(chance, 0.01, 0.2)
+    b = a * logarithmic(chance, 0.2, 5)
+    gap = min(a, b) * logarithmic(chance, 0.03, 3)
+    segments = chance.choice(_SEGMENTS)
+    kind = chance.choice(("matrix", "grounded", "floating", "insulating"))
+    if kind == "insulating":
+        gap = max(gap, min(a, b) / 3)
+    more: dict[str, dict[str, object]] = {
+        "matrix": {"potential": "electrode"},
+        "grounded": {"target": True},
+        "floating": {"potential": "floating", "target": True},
+        "insulating": {"relative_permittivity": logarithmic(chance, 1.5, 1e6), "target": True},
+    }
+    at = Pose((0.0, 0.0, round(a + b + gap, 9)))
+    second = Object("b", Sphere(b, segments), pose=at, **more[kind])  # type: ignore[arg-type]
+    first = Object("a", Sphere(a, segments), potential="electrode")
+    gap = at.translation[2] - a - b
+    own, other, between = closed_forms.two_spheres(a, b, gap)
+    if kind == "matrix":
+        values = {entry("a", "a"): own, entry("b", "b"): other, entry("a", "b"): between}
+        return Known(
+            Scene(objects=(first, second)), {name: _estimate(value) for name, value in values.items()}
+        )
+    if second.relative_permittivity is not None:
+        value = closed_forms.beside_insulator(a, b, gap, second.relative_permittivity)
+    else:
+        value = own if kind == "grounded" else own - between**2 / other
+    return _read(first, second, value, a)
+
+
+def coaxial_discs(chance: Chance, folder: Path) -> Known:
+    """Two equal coaxial discs: the matrix."""
+    radius, segments = logarithmic(chance, 0.02, 0.3), chance.choice((24, 48))
+    gap = round(radius * logarithmic(chance, 0.06, 3), 9)
+    own, between = closed_forms.coaxial_discs(radius, gap)
+    discs = tuple(
+        Object(name, Disc(radius, segments), pose=Pose((0.0, 0.0, height)), potential="electrode")
+        for name, height in (("a", 0.0), ("b", gap))
+    )
+    values = {entry("a", "a"): own, entry("b", "b"): own, entry("a", "b"): between}
+    return Known(Scene(objects=discs), {name: _estimate(value) for name, value in values.items()})
+
+
+def bowls(chance: Chance, folder: Path) -> Known:
+    """A bowl of a mesh whose area is that of the true one."""
+    radius, angle = logarithmic(chance, 0.02, 0.3), uniform(chance, 0.4, 2.7)
+    triangles = bowl(1.0, angle, _BOWL_SEGMENTS, _BOWL_ROWS)
+    sides = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
+    share = float(np.linalg.norm(sides, axis=1).sum() / 2) / (2 * math.pi * (1 - math.cos(angle)))
+    shape = mesh(radius / math.sqrt(share) * triangles, folder)
+    body = Object("a", shape, pose=Pose((0.0, 0.0, 0.0), turn(chance)), potential="electrode")
+    length = closed_forms.bowl(radius, angle)
+    return Known(Scene(objects=(body,)), {entry("a", "a"): _estimate(length, _OF_FACETS * (1 - share))})
+
+
+def coated_spheres(chance: Chance, folder: Path) -> Known:
+    """A sphere in a layer of an insulator, which comes and goes."""
+    radius, segments = logarithmic(chance, 0.02, 0.2), chance.choice(_SEGMENTS)
+    outer, material = radius * (1 + logarithmic(chance, 0.01, 1)), logarithmic(chance, 1.5, 1e4)
+    layer = Object("b", Sphere(outer, segments), relative_permittivity=material, target=True)
+    value = closed_forms.coated_sphere(radius, outer, material)
+    return _read(Object("a", Sphere(radius, segments), potential="electrode"), layer, value, radius)
+
+
+def crossing_spheres(chance: Chance, folder: Path) -> Known:
+    """Two spheres that cross at right angles, one conductor."""
+    a, segments = logarithmic(chance, 0.02, 0.2), chance.choice(_SEGMENTS)
+    b = a * logarithmic(chance, 0.3, 3)
+    poses = (Pose(), Pose((0.0, 0.0, math.hypot(a, b)), AxisRotation((0.0, 0.0, 1.0), 3.0)))
+    parts = tuple(
+        Object(f"part {number}", Sphere(radius, segments), pose=pose, potential="electrode", conductor="a")
+        for number, (radius, pose) in enumerate(zip((a, b), poses))
+    )
+    length = closed_forms.crossing_spheres(a, b)
+    return Known(Scene(objects=parts), {entry("a", "a"): _estimate(length)})
+
+
+def _read(first: Object, second: Object, value: float, background: float) -> Known:
+    """Returns a scene with a reading of the first body, which the second one changes."""
+    scene = Scene(objects=(first, second), readings=(Reading("a", "a", ("a",)),))
+    known = {
+        part_of("a", "value"): _estimate(value),
+        part_of("a", "background"): _estimate(background),
+        part_of("a", "change"): Estimate(_UNIT * (value - background), _UNIT * value * _ROUNDING),
+    }
+    return Known(scene, known)
+
+
+def _estimate(length: float, error: float = _ROUNDING) -> Estimate:
+    return Estimate(_UNIT * length, abs(_UNIT * length) * error)
+
+
+FORMS: tuple[Callable[[Chance, Path], Known], ...] = (
+    one_body,
+    two_spheres,
+    one_body,
+    two_spheres,
+    coaxial_discs,
+    bowls,
+    coated_spheres,
+    crossing_spheres,
+)
+"""What is drawn from; those of many shapes or roles are there twice."""

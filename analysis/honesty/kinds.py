@@ -1,0 +1,88 @@
+"""The kinds of random scenes, and the scene that a seed stands for."""
+
+from __future__ import annotations
+
+import itertools
+import random
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from analysis.honesty import before_sensors, closed_scenes, other_scenes
+from analysis.honesty.closed_scenes import Known
+from analysis.honesty.drawing import Chance
+from analysis.honesty.quantities import has_readings
+from analysis.results.answers import Estimate
+from geometries.scene.scene import Object, Scene
+from geometries.scene.shapes import ROUND_SHAPES
+from geometries.scene.writer import canonical
+
+_FINE_SEGMENTS = 96
+"""Sides of round bodies for the finer answer by boundary elements, of which the facets' error is then a part of a thousand."""
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """A random scene: its kind, its text, the same with finer round bodies, and what is known of it in closed form."""
+
+    seed: int
+    kind: str
+    text: str
+    finer: str
+    has_readings: bool
+    truths: dict[str, Estimate]
+
+
+def _alone(make: Callable[[Chance], Scene]) -> Callable[[Chance, Path], Known]:
+    return lambda chance, folder: Known(make(chance), {})
+
+
+def _unknown(make: Callable[[Chance, Path], Scene]) -> Callable[[Chance, Path], Known]:
+    return lambda chance, folder: Known(make(chance, folder), {})
+
+
+def _closed(chance: Chance, folder: Path) -> Known:
+    return chance.choice(closed_scenes.FORMS)(chance, folder)
+
+
+KINDS: dict[str, Callable[[Chance, Path], Known]] = {
+    "plates": _alone(before_sensors.plates),
+    "sizes": _alone(before_sensors.sizes),
+    "round": _alone(before_sensors.round_targets),
+    "flat-boxes": _alone(before_sensors.flat_boxes),
+    "covers": _alone(before_sensors.covered),
+    "insulators": _alone(before_sensors.insulators),
+    "floating": _alone(before_sensors.floating),
+    "guards": _alone(before_sensors.guarded),
+    "transmit": _alone(before_sensors.transmitted),
+    "hollow": _unknown(other_scenes.hollow),
+    "no-sensors": _unknown(other_scenes.unsensed),
+    "robots": _unknown(other_scenes.robot),
+    "closed-forms": _closed,
+}
+"""What is drawn, by the kinds' names: a seed's kind is its remainder."""
+
+
+def kind_of(seed: int) -> str:
+    """Returns the kind of a seed's scene."""
+    return list(KINDS)[seed % len(KINDS)]
+
+
+def seeds(first: int, kinds: frozenset[str]) -> Iterator[int]:
+    """Returns the seeds from the first one on whose scenes are of these kinds, without end."""
+    return (seed for seed in itertools.count(first) if kind_of(seed) in kinds)
+
+
+def drawn(seed: int, folder: Path) -> Drawn:
+    """Draws a seed's scene; its meshes are files in the folder."""
+    kind = kind_of(seed)
+    known = KINDS[kind](random.Random(seed), folder)
+    finer = replace(known.scene, objects=tuple(map(_finer, known.scene.objects)))
+    text = canonical(known.scene)
+    return Drawn(seed, kind, text, canonical(finer), has_readings(known.scene), known.truths)
+
+
+def _finer(body: Object) -> Object:
+    if not isinstance(body.shape, ROUND_SHAPES):
+        return body
+    return replace(body, shape=replace(body.shape, segments=max(_FINE_SEGMENTS, body.shape.segments)))

@@ -1,0 +1,55 @@
+"""The methods that state errors, and how each is asked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any
+
+FIELD_SOLVER = "field-solver"
+BOUNDARY_ELEMENTS = "boundary-elements"
+METHODS: dict[str, dict[str, Any]] = {
+    "formula": {"method": "exact", "correction": "formula"},
+    "formula:1e-2": {"method": "exact", "correction": "formula", "rtol": 1e-2},
+    "reduced:1": {"method": "reduced:1"},
+    "boundary-elements:1e-2": {"method": BOUNDARY_ELEMENTS, "rtol": 1e-2},
+    "boundary-elements:3e-2": {"method": BOUNDARY_ELEMENTS, "rtol": 3e-2},
+    "recommended": {"method": "recommended"},
+    "recommended:1e-2": {"method": "recommended", "rtol": 1e-2},
+}
+"""The methods of the library, with their options in Python; after a colon is the relative accuracy asked for."""
+ALL = (*METHODS, FIELD_SOLVER)
+
+FINER = "boundary-elements, finer"
+"""The answer that others are held against: boundary elements at a tenth of the error, round bodies with more sides."""
+FINER_RTOL = 1e-3
+FINER_SECONDS = 20.0
+"""After which it ends with the best that it has."""
+
+FIELD_RTOL = 1e-2
+FIELD_SECONDS = 60.0
+"""After which the field solver starts no further mesh."""
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A value (F) and the error stated of it; None where the method says that it does not know one. `by` is who answered."""
+
+    value: float | None
+    error: float | None
+    by: str = ""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one method made of a scene: values by the names of the quantities, or why there are none, and seconds of the clock. `key`
+    stands for the scene, the options and the code that answered."""
+
+    outcome: str
+    seconds: float
+    reason: str = ""
+    values: dict[str, Stated] = field(default_factory=dict)
+    key: str = ""
+
+
+ANSWERED, REFUSED, LATE, ENDED = "answered", "refused", "late", "ended"
+"""Outcomes of a question: an answer, a refusal by name, none in time, and a process that ended or an error that names no input."""

@@ -1,0 +1,230 @@
+"""Runs the league: asks every method for every scene, keeps the answers, and writes the table."""
+
+from __future__ import annotations
+
+import functools
+import itertools
+import queue
+import random
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import dataclass
+from pathlib import Path
+
+from analysis.honesty import methods, records, table
+from analysis.honesty.field_answer import field_answer
+from analysis.honesty.judging import Judged, judged
+from analysis.honesty.kinds import KINDS, Drawn, drawn, seeds
+from analysis.honesty.methods import ALL, FIELD_SOLVER, FINER, METHODS, Answer
+from analysis.honesty.records import Record
+from analysis.honesty.workers import Worker
+from analysis.pipeline import keys
+from analysis.pipeline.model_stage import model_module
+from analysis.pipeline.processes import Processes
+from analysis.pipeline.scheduler import parallel_jobs, run_all
+from analysis.results.store import write_text
+from analysis.results.study_results import Failure
+from analysis.results.units import picofarads
+from geometries.common import installation
+from geometries.common.errors import InputError
+
+FOLDER, TABLE, MESHES = "honesty", "league.md", "meshes"
+SCENES = 32 * len(KINDS)
+"""Scenes, if no other number is asked for: as many of each kind."""
+FIELD_SHARE = 0.05
+"""Part of the scenes that the field solver is asked for, which takes up to a minute for one."""
+SECONDS = 10.0
+"""Most processor time for an answer of the library."""
+
+
+@dataclass(frozen=True)
+class Options:
+    """What is asked: so many scenes of these kinds from the seed `first` on, by these methods, the field solver in a part of them."""
+
+    scenes: int = SCENES
+    first: int = 0
+    kinds: tuple[str, ...] = tuple(KINDS)
+    methods: tuple[str, ...] = ALL
+    field_share: float = FIELD_SHARE
+    seconds: float = SECONDS
+    jobs: int | None = None
+
+
+def options(kinds: str | None, of_methods: str | None, **more: object) -> Options:
+    """Returns options of which names are lists with commas, as on the command line; InputError for one that is not known."""
+    return Options(
+        kinds=_named("--kinds", kinds, tuple(KINDS)),
+        methods=_named("--methods", of_methods, ALL),
+        **more,  # type: ignore[arg-type]
+    )
+
+
+def _named(option: str, names: str | None, known: tuple[str, ...]) -> tuple[str, ...]:
+    chosen = known if names is None else tuple(names.split(","))
+    for name in chosen:
+        if name not in known:
+            raise InputError("", option, f"{name!r} is none of {', '.join(known)}")
+    return chosen
+
+
+@dataclass(frozen=True)
+class League:
+    """What a run has found: the table's rows and its file."""
+
+    rows: list[table.Row]
+    path: Path
+    text: str
+
+    @property
+    def is_met(self) -> bool:
+        return not table.misses(self.rows)
+
+
+def run(folder: Path, asked: Options) -> League:
+    """Asks what has no answer yet in the folder, then writes the table; KeyboardInterrupt keeps all scenes that are finished."""
+    model_module()
+    known, codes = records.load(folder), _Codes.now()
+    chosen = itertools.islice(seeds(asked.first, frozenset(asked.kinds)), asked.scenes)
+    scenes = [drawn(seed, folder / MESHES) for seed in chosen]
+    workers = asked.jobs or parallel_jobs()
+    with ExitStack() as stack:
+        idle: queue.SimpleQueue[Worker] = queue.SimpleQueue()
+        for number in range(workers):
+            idle.put(stack.enter_context(Worker(number)))
+        jobs = [_Scene(scene, known, folder, asked, codes, idle) for scene in scenes]
+        run_all([job for job in jobs if job.missing], workers, "scenes")
+    wanted = (*asked.methods, FINER, FIELD_SOLVER)
+    current = [
+        Record(
+            scene.seed,
+            scene.kind,
+            scene.truths,
+            {
+                method: answer
+                for method, answer in known[scene.seed].answers.items()
+                if method in wanted and answer.key == codes.key(scene, method, asked)
+            },
+        )
+        for scene in scenes
+    ]
+    found = table.rows(current, asked.methods)
+    text = table.text(found, f"{installation.command('analysis')} honesty --only")
+    write_text(folder / TABLE, text)
+    return League(found, folder / TABLE, text)
+
+
+def show(seed: int, folder: Path, asked: Options) -> Iterator[str]:
+    """Asks the methods for one scene, and returns its file and every answer, line by line, as they come."""
+    scene = drawn(seed, folder / MESHES)
+    yield f"# seed {seed}: {scene.kind}\n{scene.text}"
+    record = Record(seed, scene.kind, scene.truths)
+    processes = Processes()
+    with Worker(0) as worker:
+        for method in _asked_of(scene, asked):
+            record.answers[method] = answer = _ask(scene, method, asked, folder, worker, processes)
+            yield f"{method}: {answer.outcome} in {answer.seconds:.1f} s{answer.reason and f': {answer.reason}'}"
+            yield from (
+                f"  {name}: {picofarads(each.value, each.error)} pF"
+                for name, each in answer.values.items()
+                if each.value is not None and each.error is not None
+            )
+            yield from (
+                f"  {name}: error unknown"
+                for name, each in answer.values.items()
+                if each.value is not None and each.error is None
+            )
+    yield from (
+        f"closed form\n  {name}: {picofarads(each.value, each.error)} pF"
+        for name, each in scene.truths.items()
+    )
+    found = (each for method in record.answers if method != FINER for each in judged(record, method))
+    yield from (table.finding(each) for each in found if isinstance(each, Judged))
+
+
+@dataclass(frozen=True)
+class _Codes:
+    """The versions of the programs that answer."""
+
+    model: str
+    reference: str
+
+    @staticmethod
+    def now() -> _Codes:
+        return _Codes(keys.model_code(), keys.reference_code())
+
+    def key(self, scene: Drawn, method: str, asked: Options) -> str:
+        """Returns the key of a method's answer: equal keys, equal answers."""
+        if method == FIELD_SOLVER:
+            limits = methods.FIELD_RTOL, methods.FIELD_SECONDS
+            return keys.measurement_key(f"{method} {scene.text} {limits}", self.reference, {})
+        if method == FINER:
+            limits = methods.FINER_RTOL, methods.FINER_SECONDS
+            return keys.measurement_key(f"{method} {scene.finer} {limits}", self.model, {})
+        how = METHODS[method], asked.seconds
+        return keys.measurement_key(f"{method} {scene.text} {how}", self.model, {})
+
+
+def _asked_of(scene: Drawn, asked: Options) -> list[str]:
+    """Returns the methods that are asked for a scene, with those that others are held against."""
+    found = [method for method in asked.methods if method != FIELD_SOLVER]
+    if FIELD_SOLVER in asked.methods and random.Random(f"field {scene.seed}").random() < asked.field_share:
+        found.append(FIELD_SOLVER)
+    return found if scene.truths else [*found, FINER]
+
+
+def _ask(
+    scene: Drawn, method: str, asked: Options, folder: Path, worker: Worker, processes: Processes
+) -> Answer:
+    if method == FIELD_SOLVER:
+        return field_answer(scene, folder, processes)
+    go_on = processes.refuse_to_go_on
+    if method == FINER:
+        limit = methods.FINER_SECONDS
+        finer = {"method": methods.BOUNDARY_ELEMENTS, "rtol": methods.FINER_RTOL, "max_seconds": limit}
+        return worker.ask(scene.finer, scene.has_readings, finer, 2 * limit, go_on)
+    return worker.ask(scene.text, scene.has_readings, METHODS[method], asked.seconds, go_on)
+
+
+class _Scene:
+    """The job of asking for what one scene lacks."""
+
+    def __init__(
+        self,
+        scene: Drawn,
+        known: dict[int, Record],
+        folder: Path,
+        asked: Options,
+        codes: _Codes,
+        idle: queue.SimpleQueue[Worker],
+    ) -> None:
+        self._scene, self._folder, self._asked, self._idle = scene, folder, asked, idle
+        self._key: Callable[[str], str] = functools.cache(lambda method: codes.key(scene, method, asked))
+        self._record = known.setdefault(scene.seed, Record(scene.seed, scene.kind, scene.truths))
+
+    @property
+    def missing(self) -> list[str]:
+        """The methods that have not answered yet."""
+        have = {method: answer.key for method, answer in self._record.answers.items()}
+        return [
+            method for method in _asked_of(self._scene, self._asked) if have.get(method) != self._key(method)
+        ]
+
+    @property
+    def seconds(self) -> float:
+        """The expected time: the same for all scenes, so that they are asked for in the order of their seeds."""
+        return 2 * self._asked.seconds
+
+    def run(self, processes: Processes) -> Failure | None:
+        new = Record(self._scene.seed, self._scene.kind, self._scene.truths)
+        worker = self._idle.get()
+        try:
+            for method in self.missing:
+                answer = _ask(self._scene, method, self._asked, self._folder, worker, processes)
+                new.answers[method] = Answer(
+                    answer.outcome, answer.seconds, answer.reason, answer.values, self._key(method)
+                )
+        finally:
+            self._idle.put(worker)
+        records.append(self._folder, new)
+        self._record.answers |= new.answers
+        return None
