@@ -319,32 +319,6 @@ def _honesty(options: argparse.Namespace) -> int:
     return ANSWERED if league.is_met else FAILED
 
 
-def _honesty(options: argparse.Namespace) -> int:
-    # It loads scipy, which few commands of this module need.
-    from analysis.honesty import run as honesty
-
-    share = 0.0 if options.no_field_solver else options.field_solver
-    given = {
-        "scenes": options.scenes,
-        "first": options.first,
-        "field_share": share,
-        "seconds": options.seconds,
-        "jobs": options.jobs,
-    }
-    more = {name: value for name, value in given.items() if value is not None}
-    asked = honesty.options(options.kinds, options.methods, **more)
-    target = options.results or installation.results_folder() / honesty.FOLDER
-    if options.only is not None:
-        for line in honesty.show(options.only, target, asked):
-            print(line, flush=True)
-        return ANSWERED
-    with exclusive(target):
-        league = honesty.run(target, asked)
-    print(league.text, end="")
-    print(f"table: {league.path}")
-    return ANSWERED if league.is_met else FAILED
-
-
 def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
     place, output = (
         answers or installation.results_folder() / published_stage.FOLDER,
@@ -386,6 +360,5 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "live": _live,
     "sweep": _sweep,
     "coverage": _coverage,
-    "honesty": _honesty,
     "honesty": _honesty,
 }
