@@ -114,10 +114,11 @@ void append(detail::MeshContent& content, const aiMesh& mesh) {
 }
 
 /// Reads one file.
-class Reader {
+class ColladaReader {
  public:
   /// `upright`: what is up in the file becomes z.
-  Reader(const fs::path& path, const std::string& content, bool upright, std::vector<std::string>& warnings)
+  ColladaReader(const fs::path& path, const std::string& content, bool upright,
+                std::vector<std::string>& warnings)
       : path_(path), warnings_(warnings) {
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, !upright);
     importer_.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_USE_COLLADA_NAMES, true);
@@ -213,7 +214,7 @@ class Reader {
 
 Scene read_collada(const fs::path& path, const std::string& content, bool upright,
                    std::vector<std::string>& warnings) {
-  return Reader(path, content, upright, warnings).links();
+  return ColladaReader(path, content, upright, warnings).links();
 }
 
 }  // namespace fringe::cli

@@ -94,9 +94,9 @@ NodePose pose_of(const tinygltf::Node& node) {
   return pose;
 }
 
-class Reader {
+class GltfReader {
  public:
-  explicit Reader(const tinygltf::Model& model) : model_(model) {}
+  explicit GltfReader(const tinygltf::Model& model) : model_(model) {}
 
   Scene read() {
     if (model_.scenes.empty())
@@ -148,7 +148,7 @@ class Reader {
 Scene read_gltf(const fs::path& path) {
   try {
     const tinygltf::Model model = parse(path);
-    return Reader(model).read();
+    return GltfReader(model).read();
   } catch (const std::exception& error) {
     throw InputError(fmt::format("{}: {}", path.string(), error.what()));
   }

@@ -86,9 +86,9 @@ Eigen::Vector3d metres(const gp_Pnt& point) {
 }
 
 /// Reads one file.
-class Reader {
+class StepReader {
  public:
-  Reader(const fs::path& path, std::optional<double> deflection) : path_(path) {
+  StepReader(const fs::path& path, std::optional<double> deflection) : path_(path) {
     const std::string text = whole_text(path);
     // It would print its messages on standard output.
     Message::DefaultMessenger()->ChangePrinters().Clear();
@@ -289,7 +289,7 @@ class Reader {
 
 StepImport read_step(const fs::path& path, std::optional<double> deflection) {
   try {
-    return Reader(path, deflection).read();
+    return StepReader(path, deflection).read();
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path.string(), error.what()));
   } catch (const Standard_Failure& failure) {

@@ -81,9 +81,9 @@ struct Model {
 };
 
 /// Reads one file.
-class Reader {
+class ThreeMfReader {
  public:
-  Reader(const fs::path& path, std::string content, std::vector<std::string>& warnings)
+  ThreeMfReader(const fs::path& path, std::string content, std::vector<std::string>& warnings)
       : path_(path), warnings_(warnings), archive_(std::move(content)) {}
 
   Scene read() {
@@ -223,7 +223,7 @@ class Reader {
 }  // namespace
 
 Scene read_three_mf(const fs::path& path, std::string content, std::vector<std::string>& warnings) {
-  return Reader(path, std::move(content), warnings).read();
+  return ThreeMfReader(path, std::move(content), warnings).read();
 }
 
 }  // namespace fringe::cli

@@ -75,15 +75,15 @@ Eigen::Isometry3d pose_of(const urdf::Pose& pose) {
 }
 
 /// Reads one robot. The parameter `what` is the element of the file that an error message names.
-class Reader {
+class UrdfReader {
  public:
-  Reader(const fs::path& path, const UrdfRequest& request, std::vector<std::string>& warnings)
+  UrdfReader(const fs::path& path, const UrdfRequest& request, std::vector<std::string>& warnings)
       : path_(path), request_(request), warnings_(warnings), model_(parse(path, request.geometry, warnings)) {
   }
-  Reader(const Reader&) = delete;
-  Reader& operator=(const Reader&) = delete;
+  UrdfReader(const UrdfReader&) = delete;
+  UrdfReader& operator=(const UrdfReader&) = delete;
   /// Breaks the parser's ownership of children by their parents: links in a circle would never be freed.
-  ~Reader() {
+  ~UrdfReader() {
     for (const auto& [name, link] : model_->links_)
       link->child_links.clear();
   }
@@ -413,7 +413,7 @@ MissingMesh parse_missing_mesh(const std::string& name) {
 }
 
 Scene read_urdf(const fs::path& path, const UrdfRequest& request, std::vector<std::string>& warnings) {
-  return Reader(path, request, warnings).read();
+  return UrdfReader(path, request, warnings).read();
 }
 
 }  // namespace fringe::cli
