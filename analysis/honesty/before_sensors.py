@@ -19,20 +19,25 @@ from geometries.scene.covers import covers
 from geometries.scene.person import Person
 from geometries.scene.scene import Object, Reading, Scene, Sensor
 from geometries.scene.shapes import Cuboid, PlateShape, Shape, Sphere
-from geometries.studies.machines import ARM, GUARD, HOUSING, NONE, around
+from geometries.studies.machines import ARM, GUARD, HOUSING, NONE, around, before as with_readings
 
 _GAPS = (0.005, 0.3)
 TARGET = "target"
+
+
+def on_machine(chance: Chance, scene: Scene, *machines: str) -> Scene:
+    """Draws one of the machines around sensors and targets. Without one, targets are marked and readings named in half of the scenes:
+    some methods answer for changes only where a scene asks for them."""
+    machine = chance.choice(machines)
+    return with_readings(scene, ()) if machine == NONE and chance.random() < 0.5 else around(scene, machine)
 
 
 def plates(chance: Chance) -> Scene:
     """A sensor by itself before a plate in any direction."""
     size = logarithmic(chance, 0.02, 0.3), logarithmic(chance, 0.02, 0.3)
     rotation = turn(chance)
-    return Scene(
-        sensors=(sensor(chance),),
-        objects=(before(TARGET, PlateShape(size), _gap(chance), aside(chance), rotation),),
-    )
+    target = before(TARGET, PlateShape(size), _gap(chance), aside(chance), rotation)
+    return on_machine(chance, Scene(sensors=(sensor(chance),), objects=(target,)), NONE)
 
 
 def sizes(chance: Chance) -> Scene:
@@ -48,13 +53,13 @@ def sizes(chance: Chance) -> Scene:
     }
     target = before(TARGET, shapes[chance.choice(sorted(shapes))], gap, aside(chance, 0.3 * size))
     scene = Scene(sensors=(sensor(chance),), objects=(target,))
-    return around(scene, chance.choice((HOUSING, GUARD, ARM)))
+    return on_machine(chance, scene, HOUSING, GUARD, ARM)
 
 
 def round_targets(chance: Chance) -> Scene:
     """A sensor, alone or before a housing, and a body with a curved surface."""
     target = before(TARGET, round_body(chance), _gap(chance), aside(chance), turn(chance))
-    return around(Scene(sensors=(sensor(chance),), objects=(target,)), chance.choice((NONE, HOUSING)))
+    return on_machine(chance, Scene(sensors=(sensor(chance),), objects=(target,)), NONE, HOUSING)
 
 
 def flat_boxes(chance: Chance) -> Scene:
@@ -72,7 +77,7 @@ def flat_boxes(chance: Chance) -> Scene:
         bodies.append(
             before(name, shape, gap, at, rotation) if rotation is not None else before(name, shape, gap, at)
         )
-    return around(Scene(sensors=(sensor(chance),), objects=tuple(bodies)), chance.choice((NONE, HOUSING)))
+    return on_machine(chance, Scene(sensors=(sensor(chance),), objects=tuple(bodies)), NONE, HOUSING)
 
 
 def covered(chance: Chance) -> Scene:
@@ -93,7 +98,7 @@ def insulators(chance: Chance) -> Scene:
     shape = round_body(chance, is_solid=True) if chance.random() < 0.5 else _box(chance)
     material = 1.0 if chance.random() < 0.05 else logarithmic(chance, 1.05, 1e6)
     target = before(TARGET, shape, _gap(chance), aside(chance), turn(chance), relative_permittivity=material)
-    return around(Scene(sensors=(sensor(chance),), objects=(target,)), chance.choice((NONE, HOUSING)))
+    return on_machine(chance, Scene(sensors=(sensor(chance),), objects=(target,)), NONE, HOUSING)
 
 
 def floating(chance: Chance) -> Scene:
@@ -109,8 +114,7 @@ def floating(chance: Chance) -> Scene:
         potential="floating",
         to_ground=to_ground,
     )
-    machine = chance.choice((HOUSING, GUARD))
-    return around(Scene(sensors=(sensor(chance),), objects=(target,)), machine)
+    return on_machine(chance, Scene(sensors=(sensor(chance),), objects=(target,)), HOUSING, GUARD)
 
 
 def guarded(chance: Chance) -> Scene:
@@ -127,7 +131,7 @@ def guarded(chance: Chance) -> Scene:
 def transmitted(chance: Chance) -> Scene:
     """Two sensors, alone or on a housing: each by itself, and one that senses what the other drives."""
     target = before(TARGET, angular(chance), _gap(chance), aside(chance), turn(chance))
-    scene = around(Scene(sensors=_pair(chance), objects=(target,)), chance.choice((NONE, HOUSING)))
+    scene = on_machine(chance, Scene(sensors=_pair(chance), objects=(target,)), NONE, HOUSING)
     own = tuple(Reading(each.name, each.name, (each.name,)) for each in scene.sensors)
     return replace(scene, readings=(*own, Reading("transmitted", "front", ("beside",))))
 

@@ -17,8 +17,9 @@ from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import ROUND_SHAPES
 from geometries.scene.writer import canonical
 
-_FINE_SEGMENTS = 96
-"""Sides of round bodies for the finer answer by boundary elements, of which the facets' error is then a part of a thousand."""
+_FINE_SEGMENTS, _MOST_FINER = 48, 2
+"""Sides of round bodies for the finer answer by boundary elements, at least, where there are no more such bodies than this: with more
+triangles it would have no time to refine."""
 
 
 @dataclass(frozen=True)
@@ -77,12 +78,18 @@ def drawn(seed: int, folder: Path) -> Drawn:
     """Draws a seed's scene; its meshes are files in the folder."""
     kind = kind_of(seed)
     known = KINDS[kind](random.Random(seed), folder)
-    finer = replace(known.scene, objects=tuple(map(_finer, known.scene.objects)))
     text = canonical(known.scene)
-    return Drawn(seed, kind, text, canonical(finer), has_readings(known.scene), known.truths)
+    return Drawn(seed, kind, text, canonical(_finer(known.scene)), has_readings(known.scene), known.truths)
 
 
-def _finer(body: Object) -> Object:
+def _finer(scene: Scene) -> Scene:
+    """Returns the scene with round bodies of more sides."""
+    if sum(isinstance(body.shape, ROUND_SHAPES) for body in scene.objects) > _MOST_FINER:
+        return scene
+    return replace(scene, objects=tuple(map(_with_more_sides, scene.objects)))
+
+
+def _with_more_sides(body: Object) -> Object:
     if not isinstance(body.shape, ROUND_SHAPES):
         return body
     return replace(body, shape=replace(body.shape, segments=max(_FINE_SEGMENTS, body.shape.segments)))

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.honesty.before_sensors import TARGET, hand
+from analysis.honesty.before_sensors import TARGET, hand, on_machine
 from analysis.honesty.drawing import (
     Chance,
     angular,
@@ -27,7 +27,7 @@ from geometries.scene.joints import Joint
 from geometries.scene.poses import AxisRotation, Pose, Vector3
 from geometries.scene.scene import Link, Medium, Object, Plate, Reading, Scene, Sensor
 from geometries.scene.shapes import Capsule, Cuboid, Cylinder, MeshShape, PlateShape
-from geometries.studies.machines import HOUSING, NONE, around
+from geometries.studies.machines import HOUSING, NONE
 
 Array = NDArray[np.float64]
 _SEGMENTS = 24
@@ -92,7 +92,7 @@ def hollow(chance: Chance, folder: Path) -> Scene:
         )
         objects = (before(TARGET, mesh(triangles, folder), gap, at, rotation),)
     scene = Scene(sensors=(sensor(chance),), objects=objects)
-    return around(scene, chance.choice((NONE, HOUSING)))
+    return on_machine(chance, scene, NONE, HOUSING)
 
 
 def _tray(radius: float, height: float, gap: float, at: tuple[float, float]) -> tuple[Object, ...]:

@@ -89,8 +89,8 @@ def run(folder: Path, asked: Options) -> League:
     workers = asked.jobs or parallel_jobs()
     with ExitStack() as stack:
         idle: queue.SimpleQueue[Worker] = queue.SimpleQueue()
-        for number in range(workers):
-            idle.put(stack.enter_context(Worker(number)))
+        for _ in range(workers):
+            idle.put(stack.enter_context(Worker()))
         jobs = [_Scene(scene, known, folder, asked, codes, idle) for scene in scenes]
         run_all([job for job in jobs if job.missing], workers, "scenes")
     wanted = (*asked.methods, FINER, FIELD_SOLVER)
@@ -119,7 +119,7 @@ def show(seed: int, folder: Path, asked: Options) -> Iterator[str]:
     yield f"# seed {seed}: {scene.kind}\n{scene.text}"
     record = Record(seed, scene.kind, scene.truths)
     processes = Processes()
-    with Worker(0) as worker:
+    with Worker() as worker:
         for method in _asked_of(scene, asked):
             record.answers[method] = answer = _ask(scene, method, asked, folder, worker, processes)
             yield f"{method}: {answer.outcome} in {answer.seconds:.1f} s{answer.reason and f': {answer.reason}'}"

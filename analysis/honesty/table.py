@@ -154,4 +154,4 @@ def _line(cells: Sequence[str]) -> str:
 
 
 def _number(value: float) -> str:
-    return "∞" if math.isinf(value) else f"{value:.2g}" if value < 100 else f"{value:.0f}"
+    return "∞" if math.isinf(value) else f"{value:.3g}" if value < 100 else f"{value:.0f}"

@@ -25,10 +25,9 @@ _PATIENCE = 0.2
 
 
 class Worker:
-    """One process at a time on one core, started when it is first asked, and anew after it has ended; a context manager."""
+    """One process at a time, started when it is first asked, and anew after it has ended; a context manager."""
 
-    def __init__(self, core: int) -> None:
-        self._core = core
+    def __init__(self) -> None:
         self._process: Any = None
         self._pipe: Connection | None = None
 
@@ -81,7 +80,7 @@ class Worker:
         if self._pipe is None:
             context = multiprocessing.get_context("spawn")
             self._pipe, other = context.Pipe()
-            self._process = context.Process(target=_serve, args=(other, os.getpid(), self._core), daemon=True)
+            self._process = context.Process(target=_serve, args=(other, os.getpid()), daemon=True)
             with _STARTS:
                 self._process.start()
             other.close()
@@ -96,12 +95,10 @@ _STARTS = threading.Lock()
 """Processes are started one after the other: their ends of pipes must not be inherited by others."""
 
 
-def _serve(pipe: Connection, parent: int, core: int) -> None:
-    """Answers until the pipe ends. A worker computes on one core, so that a limit of time means the same beside others."""
+def _serve(pipe: Connection, parent: int) -> None:
+    """Answers until the pipe ends."""
     end_with(parent)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    cores = sorted(os.sched_getaffinity(0))
-    os.sched_setaffinity(0, {cores[core % len(cores)]})
     model_module()
     pipe.send(None)
     while True:

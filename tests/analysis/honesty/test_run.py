@@ -35,7 +35,7 @@ class Ends:
 @needs_model
 def test_a_worker_answers_refuses_and_survives_what_ends_its_process(tmp_path: Path) -> None:
     scene = drawn(PLATES, tmp_path)
-    with Worker(0) as worker:
+    with Worker() as worker:
         answer = worker.ask(scene.text, scene.has_readings, QUICK, 60, go_on)
         assert answer.outcome == ANSWERED and answer.values["front: change"].error
         refused = worker.ask(scene.text, scene.has_readings, {"method": "none"}, 60, go_on)
@@ -48,7 +48,7 @@ def test_a_worker_answers_refuses_and_survives_what_ends_its_process(tmp_path: P
 @needs_model
 def test_what_takes_too_long_has_no_answer(tmp_path: Path) -> None:
     scene = drawn(list(KINDS).index("robots"), tmp_path)
-    with Worker(0) as worker:
+    with Worker() as worker:
         assert worker.ask(scene.text, True, METHODS["boundary-elements:1e-2"], 1e-3, go_on).outcome == LATE
 
 
