@@ -26,6 +26,7 @@ def test_nothing_is_lost_it_is_told_and_the_next_run_completes(study: Study, kin
     assert (tally.rounds, tally.told, tally.completed_afterwards) == (1, 1, 1)
 
 
+@pytest.mark.night
 def test_a_lock_that_is_left_behind_is_not_one_that_is_held(study: Study) -> None:
     """The run that came first goes on, the second is refused, although the file of the lock was there before both."""
     study.toy.results.mkdir(parents=True, exist_ok=True)
