@@ -156,11 +156,10 @@ MINUTES = {
     "build/bin/reduced_benchmark --meshes 40": "build/bin/reduced_benchmark --meshes 1",
     "build/bin/reduced_benchmark SCENE…": f"build/bin/reduced_benchmark {HAND}",
     "python3 -m analysis.nightly.planning_benchmark": "python3 -m analysis.nightly.planning_benchmark --planned 500 --idle 4",
-    "tests/clean/run": "tests/clean/run valgrind",
     "tests/fuzz/run SECONDS": "tests/fuzz/run 20",
 }
-# What these tests run on, and in.
-ABOVE = {"./check", "./check --all", "cmake --preset release && cmake --build build"}
+# What these tests run on, and in, and the steps that a check of the night has beside them.
+ABOVE = {"./check", "./check --all", "cmake --preset release && cmake --build build", "tests/clean/run"}
 _STARTS = re.compile(
     r"\./run|\./check|build/bin/|python3 -m [a-z]|tests/[\w/]+(?=[ `]|$)|fringe [a-z…]|cmake |\(cd build|pkg-config |sha256sum |[a-z_]+_benchmark"
 )
