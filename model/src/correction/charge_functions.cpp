@@ -10,6 +10,8 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
+#include "bem/bodies.hpp"
+#include "bem/round_shape.hpp"
 #include "geometry/median_split.hpp"
 
 namespace fringe::detail {
@@ -302,6 +304,7 @@ ChargeFunctions::ChargeFunctions(const ConductorsAtRest& conductors, const Matri
     }
   }
   panels_.first.push_back(order.size());
+  find_facets(conductors, given, order);
   panels_.given.resize(index_of(order.size()), given.cols());
   for (std::size_t k = 0; k < order.size() && given.cols() > 0; ++k)
     panels_.given.row(index_of(k)) = given.row(index_of(order[k])).cast<float>();
@@ -390,6 +393,36 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
       given_[level].emplace_back(row_of(all, k).transpose());
     }
   }
+}
+
+void ChargeFunctions::find_facets(const ConductorsAtRest& conductors, const MatrixXd& given,
+                                  const std::vector<std::size_t>& order) {
+  const PanelMesh& mesh = conductors.mesh();
+  VectorXd lacks = VectorXd::Zero(index_of(mesh.panels().size()));
+  for (const PanelGroup& group : mesh.groups())
+    if (const RoundShape* const round = round_shape_of(conductors.bodies().bodies[group.body].surface);
+        round != nullptr)
+      for (std::size_t k = group.first; k < group.first + group.count; ++k)
+        lacks[index_of(k)] = error_per_facet_effect * round->lack_per_squared_charge(mesh.panels()[k]);
+  facets_.setZero(index_of(count()));
+  for (std::size_t function = 0; function < count(); ++function)
+    for (std::size_t k = panels_.first[function]; k < panels_.first[function + 1]; ++k)
+      facets_[index_of(function)] +=
+          static_cast<float>(lacks[index_of(order[k])]) * panels_.shares[k] * panels_.shares[k];
+  for (Index load = 0; load < given.cols(); ++load) {
+    // At unit potential the charges of one sign are the capacitance.
+    const double capacitance = given.col(load).cwiseMax(0).sum();
+    if (capacitance > 0)
+      facet_effect_of_given_ =
+          std::max(facet_effect_of_given_, given.col(load).cwiseAbs2().dot(lacks) / capacitance);
+  }
+}
+
+double ChargeFunctions::facet_effect(const Eigen::Ref<const Eigen::VectorXf>& charges,
+                                     const Eigen::Ref<const Eigen::VectorXf>& others) const {
+  const Index functions = facets_.size();
+  return static_cast<double>(
+      (facets_.array() * charges.head(functions).array().abs() * others.head(functions).array().abs()).sum());
 }
 
 std::size_t ChargeFunctions::most_points() const {

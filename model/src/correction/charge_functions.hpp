@@ -98,6 +98,12 @@ class ChargeFunctions {
   /// Returns the single-layer matrix of the functions, in 1/m.
   const Eigen::MatrixXd& energies() const { return energies_; }
   const CoarseFunctions& coarse() const { return coarse_; }
+  /// Returns by how much round bodies are larger than their panels: what an energy lacks (m) by the facets,
+  /// for charges of the functions by two loads.
+  double facet_effect(const Eigen::Ref<const Eigen::VectorXf>& charges,
+                      const Eigen::Ref<const Eigen::VectorXf>& others) const;
+  /// Returns the largest part of a given charge's energy that is lacking by the facets.
+  double facet_effect_of_given() const { return facet_effect_of_given_; }
   /// Returns the functions' net charges on each conductor (columns).
   Eigen::MatrixXd net(std::size_t conductors) const;
 
@@ -108,10 +114,12 @@ class ChargeFunctions {
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {
     archive(self.centres_, self.radii_, self.conductors_, self.points_, self.panels_, self.boxes_,
-            self.energies_, self.coarse_);
+            self.energies_, self.coarse_, self.facets_, self.facet_effect_of_given_);
   }
 
  private:
+  void find_facets(const ConductorsAtRest& conductors, const Eigen::MatrixXd& given,
+                   const std::vector<std::size_t>& order);
   void add_function(const PanelMesh& mesh, std::span<std::size_t> panels, std::size_t conductor,
                     const Eigen::VectorXd& weights, const Eigen::MatrixXd& given);
 
@@ -125,6 +133,8 @@ class ChargeFunctions {
   std::vector<Eigen::AlignedBox3d> boxes_;
   Eigen::MatrixXd energies_;
   CoarseFunctions coarse_;
+  Eigen::VectorXf facets_;  ///< what an energy lacks (m) per squared charge of each function
+  double facet_effect_of_given_ = 0;
 };
 
 }  // namespace fringe::detail

@@ -657,6 +657,12 @@ double CompanyFormula::missing_energy(const TargetAtRest& target, Index load, co
   return std::max(0.0F, kernels.dot(left.data(), displaced.data(), whole_blocks(own.size())));
 }
 
+double facet_effect(double of_given, const TargetAtRest& target, double change,
+                    const Eigen::Ref<const Eigen::VectorXf>& sensed,
+                    const Eigen::Ref<const Eigen::VectorXf>& driven) {
+  return target.functions().facet_effect(sensed, driven) + 2 * of_given * std::abs(change);
+}
+
 /// Estimates the error of a change; infinity where that cannot be known.
 double CompanyFormula::error(const MachineAtRest& machine, const TargetAtRest& target,
                              const MachineAtRest::OfReading& reading, const Charged& charged, double change) {
@@ -694,7 +700,9 @@ double CompanyFormula::error(const MachineAtRest& machine, const TargetAtRest& t
   const double of_target = part(of_target_.defects);
   const double of_points = unresolved_[reading.drive] * charges.rightCols(1).cwiseAbs().sum() +
                            unresolved_[reading.sense] * charges.col(0).cwiseAbs().sum();
-  const double others = of_points + target.error_of_panels(change, of_target) + missing + lacking;
+  const double of_facets = facet_effect(machine.functions().facet_effect_of_given(), target, change,
+                                        charges.rightCols(1).col(0), charges.col(0));
+  const double others = of_points + target.error_of_panels(change, of_target) + missing + lacking + of_facets;
   const double stated = (of_target + part(of_answers_.defects) + stated_per_estimate * others) *
                         std::sqrt(std::max(nearness_, 1.0));
   return stated < most_known * std::abs(change) && nearness_ < most_nearness

@@ -216,6 +216,12 @@ class TargetAtRest {
   double error_ = 0;
 };
 
+/// Returns what the facets of round bodies cost of a change: in first order the energy of the target's
+/// charges, and the part of the given charges' energies, once for what is sensed and once for what is driven.
+double facet_effect(double of_given, const TargetAtRest& target, double change,
+                    const Eigen::Ref<const Eigen::VectorXf>& sensed,
+                    const Eigen::Ref<const Eigen::VectorXf>& driven);
+
 /// Evaluates what targets change, pose by pose.
 class CompanyFormula {
  public:

@@ -336,9 +336,10 @@ void MovingFormula::state_errors(const MovingMachine& machine, const TargetAtRes
   target.coarse().find_defects(charges_on_target_, potentials_, lacking_);
   add_energy_of_ridge(*ridge_of_target_, energies_of_target_, charges_on_target_, lacking_.defects);
   unanswered_.setZero(2 * loads, 2 * loads);
-  double excess = 1;
+  double excess = 1, facets_of_given = 0;
   for (std::size_t k = 0; k < machine.links().size(); ++k) {
     const MachineLink& link = machine.links()[k];
+    facets_of_given = std::max(facets_of_given, link.functions().facet_effect_of_given());
     OfLink& own = of_links_[k];
     const Index size = first_[k + 1] - first_[k];
     own.charges.resize(size, 2 * loads);
@@ -367,8 +368,11 @@ void MovingFormula::state_errors(const MovingMachine& machine, const TargetAtRes
                          root(unanswered_, sense) * root(unanswered_, loads + drive) +
                          root(unanswered_, drive) * root(unanswered_, loads + sense) +
                          std::abs(shifts_(sense, drive)) + std::abs(shifts_(drive, sense));
+    const double of_facets = facet_effect(facets_of_given, target, value, charges_on_target_.col(sense),
+                                          charges_on_target_.col(drive));
     solved_.push_back({value, std::min(safety_of_links * parts * std::sqrt(std::max(nearness, 1.0)),
-                                       std::max(safety_of_links * parts, std::abs(value)))});
+                                       std::max(safety_of_links * parts, std::abs(value))) +
+                                  of_facets});
   }
 }
 

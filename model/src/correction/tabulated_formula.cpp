@@ -433,7 +433,9 @@ void TabulatedFormula::state_errors(const TabulatedMachine& machine, const Targe
                          std::abs(shifts_(drive, sense));
     // Gaps below a function are not resolved; then the change may be wrong by as much as it is.
     solved_[k].error = std::min(stated_per_parts * parts * std::sqrt(std::max(nearness, 1.0)),
-                                std::max(stated_per_parts * parts, std::abs(solved_[k].value)));
+                                std::max(stated_per_parts * parts, std::abs(solved_[k].value))) +
+                       facet_effect(machine.machine().functions().facet_effect_of_given(), target,
+                                    solved_[k].value, on_target_.col(sense), on_target_.col(drive));
   }
 }
 

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <string>
 #include <utility>
@@ -6,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
 #include "fringe/live_scene.hpp"
@@ -285,6 +287,30 @@ TEST(FormulaInCompany, EstimatesItsErrorBeforeBoxesOfEveryThickness) {
     expect_within_known_error(found, truth);
     expect_within_known_error(accurate, truth);
     EXPECT_LT(*accurate.error, 0.06 * truth);
+  }
+}
+
+TEST(FormulaInCompany, StatesWhatTheFacetsOfRoundBodiesCost) {
+  // Method of images: what a grounded sphere at half a radius changes of an equal one, over 4 pi eps radius.
+  constexpr double change = 0.2530227382, radius = 0.1;
+  const double truth = 4 * std::numbers::pi * vacuum_permittivity * radius * change;
+  for (const int segments : {12, 24}) {
+    SCOPED_TRACE(segments);
+    Scene scene;
+    scene.objects = {object_of("sensed", Sphere{radius, segments}, at(0, 0, 0)),
+                     object_of("near", Sphere{radius, segments}, at(0, 0, 2.5 * radius))};
+    scene.objects[0].role = Electrode{};
+    scene.objects[0].target = false;
+    scene.objects[1].target = true;
+    scene.readings = {{"self", "sensed", {"sensed"}}};
+    EvaluationOptions to_accuracy = by_formula;
+    to_accuracy.rtol = 1e-2;
+    for (const EvaluationOptions& options : {by_formula, to_accuracy}) {
+      const Estimate found = change_of(scene, options);
+      ASSERT_TRUE(found.error);
+      EXPECT_LE(std::abs(*found.value - truth), *found.error);
+      EXPECT_LT(*found.error, 12 * std::abs(*found.value - truth) + 0.02 * truth);
+    }
   }
 }
 
