@@ -127,7 +127,8 @@ def write(triangles: Array, target: Path) -> None:
 
     _require_format(target)
     points, inverse = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
-    mesh = meshio.Mesh(points, [("triangle", inverse.reshape(-1, 3))])
+    # PLY has no 64-bit integers, which meshio would say on the terminal.
+    mesh = meshio.Mesh(points, [("triangle", inverse.reshape(-1, 3).astype(np.int32))])
     try:
         with whole_file(target) as unfinished:
             meshio.write(unfinished, mesh)
