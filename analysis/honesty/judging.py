@@ -91,7 +91,7 @@ def _judged(
     for each in beside:
         if each.reference.error <= _ENOUGH * stated:
             return each
-    # What contradicts a reference by more than both errors is wrong, however wide the reference is.
+    # An answer that contradicts a reference by more than both errors is wrong, however wide the reference is.
     wrong = [each for each in beside if not each.is_held]
     return wrong[0] if wrong else Unjudged(record.kind, method, False)
 

@@ -61,7 +61,7 @@ KINDS: dict[str, Callable[[Chance, Path], Known]] = {
     "robots": _unknown(other_scenes.robot),
     "closed-forms": _closed,
 }
-"""What is drawn, by the kinds' names: a seed's kind is its remainder."""
+"""What is drawn, by the kinds' names: a seed's kind is its remainder by their number."""
 
 
 def kind_of(seed: int) -> str:

@@ -44,8 +44,8 @@ SAMPLES = 100_000
 """Number of points on the wrapped bodies by which the body nearest to a place on the wrap is found."""
 CLOSED = 1.5
 """Distance from the wrapped bodies, over that up to which a wrap may be simplified, from which on a wrap closes a hollow."""
-NEARLY = 0.1
-"""Relative error allowed of the distances to other bodies in this: small beside `CLOSED`."""
+OTHERS_TOLERANCE = 0.1
+"""Relative error of the distances to other bodies that this comparison allows: small beside `CLOSED`."""
 SPACINGS, SPACING_QUANTILE = 3.0, 0.99
 """Largest distance of a point from the nearest sample, over a quantile of the samples' distances from each other."""
 OPENING, OPENED, MOST_OPENINGS = 0.8, 0.6, 3
@@ -161,9 +161,9 @@ def _closed(wrapped: Vector, samples: Vector, others: Vector, allowance: tuple[f
     allowed, share, most = allowance
     limit = np.full(len(points), allowed)
     if len(others):
-        # From afar a plane of points is equally far everywhere: the exact nearest one takes a minute to find.
+        # All points of a distant plane are nearly equally far, and the exact nearest one takes a minute to find.
         nearest = cKDTree(spread_points([others])[0]).query(
-            points, eps=NEARLY, distance_upper_bound=most / share
+            points, eps=OTHERS_TOLERANCE, distance_upper_bound=most / share
         )[0]
         limit = np.clip(share * nearest, allowed, most)
     far = away > CLOSED * limit + SPACINGS * spacing

@@ -158,7 +158,7 @@ MINUTES = {
     "python3 -m analysis.nightly.planning_benchmark": "python3 -m analysis.nightly.planning_benchmark --planned 500 --idle 4",
     "tests/fuzz/run SECONDS": "tests/fuzz/run 20",
 }
-# What these tests run on, and in, and the steps that a check of the night has beside them.
+# Commands that are not run here: they build the programs, run these tests, or are a step of `check --all`.
 ABOVE = {"./check", "./check --all", "cmake --preset release && cmake --build build", "tests/clean/run"}
 _STARTS = re.compile(
     r"\./run|\./check|build/bin/|python3 -m [a-z]|tests/[\w/]+(?=[ `]|$)|fringe [a-z…]|cmake |\(cd build|pkg-config |sha256sum |[a-z_]+_benchmark"

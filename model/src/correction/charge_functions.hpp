@@ -98,11 +98,11 @@ class ChargeFunctions {
   /// Returns the single-layer matrix of the functions, in 1/m.
   const Eigen::MatrixXd& energies() const { return energies_; }
   const CoarseFunctions& coarse() const { return coarse_; }
-  /// Returns by how much round bodies are larger than their panels: what an energy lacks (m) by the facets,
-  /// for charges of the functions by two loads.
+  /// Returns the error (m) of an energy by the facets of round bodies, in first order, for the functions'
+  /// charges of two loads.
   double facet_effect(const Eigen::Ref<const Eigen::VectorXf>& charges,
                       const Eigen::Ref<const Eigen::VectorXf>& others) const;
-  /// Returns the largest part of a given charge's energy that is lacking by the facets.
+  /// Returns the largest error of a given charge's energy by the facets, relative to that energy.
   double facet_effect_of_given() const { return facet_effect_of_given_; }
   /// Returns the functions' net charges on each conductor (columns).
   Eigen::MatrixXd net(std::size_t conductors) const;
@@ -133,7 +133,7 @@ class ChargeFunctions {
   std::vector<Eigen::AlignedBox3d> boxes_;
   Eigen::MatrixXd energies_;
   CoarseFunctions coarse_;
-  Eigen::VectorXf facets_;  ///< what an energy lacks (m) per squared charge of each function
+  Eigen::VectorXf facets_;  ///< error of an energy (m) per squared charge, by facets
   double facet_effect_of_given_ = 0;
 };
 

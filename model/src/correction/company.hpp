@@ -216,8 +216,8 @@ class TargetAtRest {
   double error_ = 0;
 };
 
-/// Returns what the facets of round bodies cost of a change: in first order the energy of the target's
-/// charges, and the part of the given charges' energies, once for what is sensed and once for what is driven.
+/// Returns the error of a change by the facets of round bodies: that of the energy of the target's charges,
+/// and the relative one of the given charges, once for the sensed and once for the driven conductor.
 double facet_effect(double of_given, const TargetAtRest& target, double change,
                     const Eigen::Ref<const Eigen::VectorXf>& sensed,
                     const Eigen::Ref<const Eigen::VectorXf>& driven);
