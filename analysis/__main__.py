@@ -27,10 +27,9 @@ def main(arguments: list[str] | None = None) -> int:
 
         return run_command(options)
     except KeyboardInterrupt:
-        print(
-            "\nanalysis: stopped; finished cases are kept, the same command goes on from there",
-            file=sys.stderr,
-        )
+        kept = "finished cases are kept, the same command goes on from there"
+        left = "nothing is written" if options.command == "golden" else kept
+        print(f"\nanalysis: stopped; {left}", file=sys.stderr)
         return _INTERRUPTED
     finally:
         for number, handler in before.items():
@@ -155,7 +154,29 @@ def _parser(program: str) -> argparse.ArgumentParser:
     _add_sweep(commands)
     _add_coverage(commands)
     _add_honesty(commands)
+    _add_golden(commands)
     return parser
+
+
+def _add_golden(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
+    golden = commands.add_parser(
+        "golden",
+        help="record answers, stated errors and times of boundary elements, the reduced method and the formula in set-ups with stored truths (six minutes), "
+        "and compare them with an older record; status 1 if an answer left its error, or an error widened",
+    )
+    golden.add_argument(
+        "file", type=Path, metavar="FILE", help="the record, as JSON; its folder must be there"
+    )
+    golden.add_argument("--against", type=Path, metavar="OLD", help="an older record of the same cases")
+    golden.add_argument(
+        "--only",
+        default="",
+        metavar="PATTERN",
+        help="only cases whose names hold this, in which * stands for anything, as in machines/*reduced",
+    )
+    golden.add_argument(
+        "--times", action="store_true", help="fail, not only warn, where a method takes 10 %% longer"
+    )
 
 
 def _add_honesty(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:

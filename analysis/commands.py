@@ -319,6 +319,19 @@ def _honesty(options: argparse.Namespace) -> int:
     return ANSWERED if league.is_met else FAILED
 
 
+def _golden(options: argparse.Namespace) -> int:
+    # It loads scipy, which few commands of this module need.
+    from analysis.golden import run as golden
+
+    if options.times and options.against is None:
+        raise InputError("", "", "--times is an option of --against, which is missing")
+    comparison = golden.run(options.file, options.against, options.only, options.times)
+    if comparison is not None:
+        print(comparison.text, end="")
+    print(f"golden file: {options.file}")
+    return FAILED if comparison is not None and comparison.faults else ANSWERED
+
+
 def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
     place, output = (
         answers or installation.results_folder() / published_stage.FOLDER,
@@ -361,4 +374,5 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "sweep": _sweep,
     "coverage": _coverage,
     "honesty": _honesty,
+    "golden": _golden,
 }

@@ -33,6 +33,7 @@ LAYERS = (
     "analysis.sweep",
     "analysis.coverage",
     "analysis.honesty",
+    "analysis.golden",
     "analysis.nightly",
     "analysis",
 )

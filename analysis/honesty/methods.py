@@ -42,13 +42,15 @@ class Stated:
 @dataclass(frozen=True)
 class Answer:
     """What one method made of a scene: values by the names of the quantities, or why there are none, and seconds of the clock. `key`
-    stands for the scene, the options and the code that answered."""
+    stands for the scene, the options and the code that answered; `reached` tells whether a Maxwell matrix is as accurate as asked.
+    """
 
     outcome: str
-    seconds: float
+    seconds: float = 0.0
     reason: str = ""
     values: dict[str, Stated] = field(default_factory=dict)
     key: str = ""
+    reached: bool | None = None
 
 
 ANSWERED, REFUSED, LATE, ENDED = "answered", "refused", "late", "ended"

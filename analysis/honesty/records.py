@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -47,10 +47,11 @@ def append(folder: Path, record: Record) -> None:
 
 def _record(document: dict[str, Any]) -> Record:
     truths = {name: Estimate(**known) for name, known in document["truths"].items()}
-    answers = {name: _answer(answer) for name, answer in document["answers"].items()}
+    answers = {name: answer(each) for name, each in document["answers"].items()}
     return Record(document["seed"], document["kind"], truths, answers)
 
 
-def _answer(document: dict[str, Any]) -> Answer:
+def answer(document: dict[str, Any]) -> Answer:
+    """Reads a stored answer."""
     values = {name: Stated(**stated) for name, stated in document["values"].items()}
-    return Answer(document["outcome"], document["seconds"], document["reason"], values, document["key"])
+    return replace(Answer(**document), values=values)

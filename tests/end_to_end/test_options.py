@@ -32,6 +32,7 @@ COVERAGE = (
     "test_the_command_makes_page_table_and_file_from_its_options",
 )
 HONESTY = ("analysis/honesty/test_run.py", "test_every_option_of_the_command_acts")
+GOLDEN = ("analysis/golden/test_run.py", "test_every_option_of_the_command_acts")
 PERSON = ("geometries/scene/test_person.py", "test_the_command_writes_a_mesh_or_capsules")
 HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
 EXPORTED = ("end_to_end/test_export.py", "test_the_method_and_the_error_asked_for_are_the_users")
@@ -175,6 +176,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--help": SAID,
         **dict.fromkeys(("--scenes", "--first", "--kinds", "--methods", "--field-solver", "--no-field-solver", "--seconds", "--only", "--results", "--jobs"), HONESTY),
     },
+    ("analysis", "golden"): {"--help": SAID, **dict.fromkeys(("--against", "--only", "--times"), GOLDEN)},
 }  # fmt: skip
 SCENE = """
 [[sensor]]

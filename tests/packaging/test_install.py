@@ -161,6 +161,7 @@ COMMANDS = {
         "sweep",
         "coverage",
         "honesty",
+        "golden",
     ),
     "fringe-geometries": ("convert", "person", "expand"),
     "fringe-reference": (),

@@ -1,0 +1,119 @@
+"""The command golden in a few small cases: what it writes, what it compares, and what it refuses."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from pathlib import Path
+
+import pytest
+
+from analysis import __main__ as command_line
+from analysis.golden import cases, run
+from analysis.golden.cases import Case
+from analysis.pipeline import model_stage
+
+pytestmark = pytest.mark.skipif(
+    not model_stage.model_is_built(), reason="the model's Python module is not built"
+)
+
+
+@pytest.fixture(scope="module")
+def everything() -> list[Case]:
+    return cases.all_cases()
+
+
+@pytest.fixture
+def few(everything: list[Case], monkeypatch: pytest.MonkeyPatch) -> list[Case]:
+    """Leaves the cases of the first set-up that take milliseconds, and the least of the closed forms."""
+    quick = (cases.PAIRS, cases.REDUCED, cases.CLOSED)
+    chosen = [each for each in everything if each.method in quick and "parallel-000" in each.name]
+    chosen += [each for each in everything if each.name == f"closed forms/one_body 1/{cases.ELEMENTS}"]
+    monkeypatch.setattr(cases, "all_cases", lambda: chosen)
+    return chosen
+
+
+def test_all_kinds_of_cases_are_there_with_their_truths(everything: list[Case]) -> None:
+    assert len({each.name for each in everything}) == len({each.question for each in everything})
+    topics = Counter(each.name.partition("/")[0] for each in everything)
+    wanted = {"corrections", "company", "machines", "insulators", "closed forms", "moving"}
+    assert topics.keys() == wanted
+    assert all(each.truths for each in everything)
+    families = {each.name.split("/")[1].rpartition(" ")[0] for each in everything if "machines/" in each.name}
+    assert families == set(cases.machines.FAMILIES)
+
+
+def test_every_option_of_the_command_acts(
+    few: list[Case], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    old, new = tmp_path / "old.json", tmp_path / "new.json"
+    assert command_line.main(["golden", str(old)]) == 0
+    document = json.loads(old.read_text())
+    assert list(document["cases"]) == [each.name for each in few]
+    assert all(each["answer"]["outcome"] == "answered" for each in document["cases"].values())
+    assert all(run.load(old)[each.name].truths == each.truths for each in few)
+    assert command_line.main(["golden", str(new), "--against", str(old), "--only", "closed"]) == 0
+    assert len(json.loads(new.read_text())["cases"]) == 1
+    assert "The gate passes." in capsys.readouterr().out
+    # An old time of nothing makes any new one too long.
+    for each in document["cases"].values():
+        each["answer"]["seconds"] = 1e-9
+    old.write_text(json.dumps(document))
+    assert command_line.main(["golden", str(new), "--against", str(old)]) == 0
+    assert "warning" in capsys.readouterr().out
+    assert command_line.main(["golden", str(new), "--against", str(old), "--times"]) == 1
+    assert command_line.main(["golden", str(new), "--times"]) == 2
+
+
+def test_a_planted_change_makes_the_gate_fail(
+    few: list[Case], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "golden.json"
+    assert command_line.main(["golden", str(file)]) == 0
+    document = json.loads(file.read_text())
+    name = next(each.name for each in few if each.method == cases.REDUCED)
+    document["cases"][name]["answer"]["values"]["M[sensor, target]"]["value"] *= 1.05
+    file.write_text(json.dumps(document))
+    capsys.readouterr()
+    # The old file is read before it is replaced.
+    assert command_line.main(["golden", str(file), "--against", str(file)]) == 1
+    told = capsys.readouterr().out
+    assert f"fault: {name}: M[sensor, target]" in told and "The gate fails, faults: 1." in told
+    assert command_line.main(["golden", str(file), "--against", str(file)]) == 0
+
+
+def refused(capsys: pytest.CaptureFixture[str], *words: str | Path) -> str:
+    """The one line on standard error of a command that is refused."""
+    assert command_line.main(["golden", *map(str, words)]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    return line
+
+
+def test_what_cannot_be_used_is_refused_in_one_line(
+    few: list[Case], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file, other = tmp_path / "golden.json", tmp_path / "other.json"
+    assert "not there" in refused(capsys, tmp_path / "none" / "golden.json")
+    assert "is a folder" in refused(capsys, tmp_path)
+    assert "no golden file" in refused(capsys, file, "--against", other)
+    for text in ("", "[]", "{}", '{"format": 1, "cases": []}', '{"format": 1, "cases": {"a": {}}}'):
+        other.write_text(text)
+        assert "no golden file" in refused(capsys, file, "--against", other)
+    other.write_text('{"format": 1, "cases": {}}')
+    assert "other cases" in refused(capsys, file, "--against", other)
+    assert "--only" in refused(capsys, file, "--only", "nothing of this name")
+    assert not file.exists()
+
+
+def test_an_interrupt_writes_nothing(
+    few: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def interrupted(*_: object) -> None:
+        raise KeyboardInterrupt
+
+    file = tmp_path / "golden.json"
+    file.write_text("as it was")
+    monkeypatch.setattr(run, "run_all", interrupted)
+    assert command_line.main(["golden", str(file)]) == 130
+    assert file.read_text() == "as it was" and list(tmp_path.iterdir()) == [file]
+    assert "nothing is written" in capsys.readouterr().err
