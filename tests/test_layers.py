@@ -38,7 +38,7 @@ LAYERS = (
     "analysis",
 )
 # A quarter of a second and more each, which a command that does not need them should not take; mpi4py starts MPI when it is loaded.
-SLOW = {"dolfinx", "gmsh", "meshio", "mpi4py", "pandas", "scipy", "sklearn"}
+SLOW = {"dolfinx", "gmsh", "meshio", "mpi4py", "pandas", "scipy"}
 
 
 def name_of(path: Path) -> str:

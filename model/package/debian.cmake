@@ -27,7 +27,7 @@ set(CPACK_DEBIAN_PACKAGE_DEPENDS
   "python3 (>= ${Python_VERSION_MAJOR}.${Python_VERSION_MINOR}), python3 (<< ${Python_VERSION_MAJOR}.${FRINGE_NEXT_PYTHON}~), python3-numpy")
 # The model does without the field solver, the reports and the compiler.
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
-  "gcc, libc6-dev, openmpi-bin, python3-dolfinx, python3-gmsh, python3-jinja2, python3-meshio, python3-plotly, python3-psutil, python3-scipy, python3-sklearn, python3-tomli-w, python3-tqdm")
+  "gcc, libc6-dev, openmpi-bin, python3-dolfinx, python3-gmsh, python3-jinja2, python3-meshio, python3-plotly, python3-psutil, python3-scipy, python3-tomli-w, python3-tqdm")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS
   "g++, libeigen3-dev, libfmt-dev, libmeshoptimizer-dev, libsleef-dev, libtbb-dev, libtomlplusplus-dev, pkg-config, snakemake")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_EXTRA ${CMAKE_CURRENT_LIST_DIR}/postinst ${CMAKE_CURRENT_LIST_DIR}/prerm)

@@ -191,13 +191,6 @@ def corrections_document() -> dict[str, Any]:
         "set_ups": 9,
         "sealed": 3,
         "corrections": entries,
-        "discrepancy": {
-            "correction": "formula",
-            "open": errors,
-            "sealed": errors,
-            "open_coverage": 0.95,
-            "sealed_coverage": 0.94,
-        },
         "nanoseconds": {"plate": {"none": 100.0, "formula": 220.0, "recommended": 900.0}},
         "cases": [_corrected("parallel-000", 0.01), _corrected("parallel-001", -0.06)],
     }

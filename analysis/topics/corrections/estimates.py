@@ -1,4 +1,4 @@
-"""The estimate of every correction for every set-up, and its error. The module computes its own, `candidates` those that failed."""
+"""The estimate of every correction for every set-up, and its error."""
 
 from __future__ import annotations
 
@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.topics.corrections import candidates
 from analysis.topics.corrections.set_ups import SetUp, set_ups
 from analysis.topics.corrections.truths import Truth, load
 from geometries.common.children import temporary_folder
@@ -56,9 +55,8 @@ class Errors:
 
 
 def names(module: Any) -> tuple[str, ...]:
-    """Returns all corrections: the plain model, those that failed, and the module's own."""
-    plain, *others = (str(entry["name"]) for entry in module.corrections())
-    return (plain, *(each.name for each in candidates.CANDIDATES), *others)
+    """Returns all corrections, the plain model first."""
+    return tuple(str(entry["name"]) for entry in module.corrections())
 
 
 def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | None = None) -> Estimates:
@@ -71,13 +69,8 @@ def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | 
         for set_up in asked:
             path.write_text(canonical(set_up.scene), encoding="utf-8")
             scene = module.Scene.load(path)
-            failed = candidates.estimate(module, set_up.scene, corrections)
             for correction in corrections:
-                values[correction].append(
-                    failed[correction]
-                    if correction in failed
-                    else scene.capacitance(correction=correction)["sensors"][0]["total"]
-                )
+                values[correction].append(scene.capacitance(correction=correction)["sensors"][0]["total"])
     return Estimates(
         tuple(set_up.name for set_up in asked),
         tuple(set_up.family for set_up in asked),

@@ -8,9 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.topics.corrections import estimates, fit, gaussian_process
+from analysis.topics.corrections import fit
 from analysis.topics.corrections.estimates import Array, Errors, Estimates
-from analysis.topics.corrections.gaussian_process import Discrepancy
 from analysis.topics.corrections.set_ups import SetUp
 
 _FORMULA, _WITHOUT_CONSTANTS = "formula", "recommended"
@@ -20,8 +19,8 @@ _FORMULA, _WITHOUT_CONSTANTS = "formula", "recommended"
 class Evaluation:
     """One correction. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others.
 
-    `left_out`: errors of cross-validation by family, over all families. The constants of the formula, and a factor of
-    every other correction, are fitted to the open set-ups of the other families; `recommended` has nothing to fit.
+    `left_out`: errors of cross-validation by family, over all families. The constants of the formula, and a factor on
+    the plain model, are fitted to the open set-ups of the other families; `recommended` has nothing to fit.
     """
 
     name: str
@@ -30,19 +29,6 @@ class Evaluation:
     sealed: Errors
     families: dict[str, Errors]
     left_out: Errors
-
-
-@dataclass(frozen=True, eq=False)
-class Evaluated:
-    estimates: Estimates
-    evaluations: tuple[Evaluation, ...]
-    discrepancy: Discrepancy
-
-
-def evaluate(module: Any, chosen: list[SetUp]) -> Evaluated:
-    """Evaluates the whole registry on the set-ups; half a minute."""
-    found = estimates.estimate(module, estimates.names(module), chosen)
-    return Evaluated(found, evaluations(module, found, chosen), gaussian_process.discrepancy(found, _FORMULA))
 
 
 def evaluations(module: Any, found: Estimates, chosen: list[SetUp]) -> tuple[Evaluation, ...]:

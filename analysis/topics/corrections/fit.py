@@ -52,7 +52,7 @@ def part(found: dict[str, Array], mask: NDArray[np.bool_]) -> dict[str, Array]:
 
 
 def formula(found: dict[str, Array], constants: Array) -> Array:
-    """Returns the formula of model/CORRECTIONS.md, section 3, written a second time."""
+    """Returns the formula of model/CORRECTIONS.md, section 4, written a second time."""
     stiffness, (fringe, attraction, saturation, tilt, fringe_near) = constants[:3], constants[3:]
     product = found["own_of_sensor"] * found["own_of_object"]
     coupled = found["potential"] ** 2 * product

@@ -1,6 +1,6 @@
 """`python3 -m analysis.topics.corrections.notes`: prints the numbers of model/CORRECTIONS.md, section 5.
 
-A test compares the page with them. `python3 -m analysis corrections` measures run times and the Gaussian process.
+A test compares the page with them. `python3 -m analysis corrections` measures run times.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import numpy as np
 
 from analysis.pipeline.model_stage import model_module
 from analysis.results.units import percent
-from analysis.topics.corrections import estimates, evaluation, large_targets, shapes
+from analysis.topics.corrections import estimates, evaluation
 from analysis.topics.corrections.estimates import Errors
 from analysis.topics.corrections.evaluation import Evaluation
 from analysis.topics.corrections.set_ups import set_ups
@@ -61,8 +61,6 @@ def figures(module: Any) -> list[str]:
         *errors_table(found),
         f"{near_misses(asked)} of {len(chosen)} set-ups are more than 1 % off by recommended",
         by_family(found),
-        shapes.sentence(shapes.errors(module)),
-        *large_targets.lines(large_targets.measured(module)),
     ]
 
 

@@ -39,13 +39,11 @@ def finding(document: Document) -> str:
     plain, best = _entry(document, _PLAIN), _entry(document, _BEST)
     ratios = {shape: times[_BEST] / times[_PLAIN] for shape, times in document["nanoseconds"].items()}
     recommended = _entry(document, _RECOMMENDED)
-    statistical = document["discrepancy"]
     return (
         f"In the {best['sealed']['count']} set-ups never used to find it, the formula is {percent(best['sealed']['rms'])} off (rms) and "
         f"{percent(best['sealed']['worst'])} at worst, where the plain model is {percent(plain['sealed']['rms'])} and "
         f"{percent(plain['sealed']['worst'])}, at {min(ratios.values()):.1f} to {max(ratios.values()):.1f} times its time per "
-        f"triangle; a Gaussian process on top leaves {percent(statistical['sealed']['rms'])}, and its 95 % intervals hold the "
-        f"truth in {percent(statistical['sealed_coverage'])}. Recommended is the reduced method, which has no fitted constant: "
+        "triangle. Recommended is the reduced method, which has no fitted constant: "
         f"{percent(recommended['all']['rms'])} off (rms) and {percent(recommended['all']['worst'])} at worst in all "
         f"{recommended['all']['count']}."
     )
@@ -109,29 +107,10 @@ def _table(document: Document) -> Markup:
                 *(percent(every[name]) for name in ("rms", "median", "percentile_95", "worst")),
                 *(percent(entry["sealed"][name]) for name in ("rms", "worst")),
                 *(percent(entry["left_out"][name]) for name in ("rms", "worst")),
-                *(_nanoseconds(document, shape, entry["name"]) for shape in shapes),
+                *(f"{document['nanoseconds'][shape][entry['name']]:.3g}" for shape in shapes),
             ]
         )
-    both = document["discrepancy"]
-    unseen = [percent(both["open"][name]) for name in ("rms", "median", "percentile_95", "worst")]
-    sealed = [percent(both["sealed"][name]) for name in ("rms", "worst")]
-    rows.append(
-        [
-            f"{both['correction']} and Gaussian process",
-            *unseen,
-            *sealed,
-            "",
-            "",
-            *("" for _ in shapes),
-        ]
-    )
     return page.table(header, rows, strong=frozenset({_names(document).index(_RECOMMENDED)}))
-
-
-def _nanoseconds(document: Document, shape: str, correction: str) -> str:
-    """Returns a time per triangle; nothing for a correction that failed, which no program times."""
-    time = document["nanoseconds"][shape].get(correction)
-    return "" if time is None else f"{time:.3g}"
 
 
 def _families(document: Document) -> Markup:
@@ -163,13 +142,11 @@ def _registry(document: Document) -> Markup:
 
 
 def _explanation(document: Document) -> str:
-    both = document["discrepancy"]
     return (
         f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); {document['sealed']} of them are sealed "
         "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Family left out: each family with "
-        "the formula's constants fitted to the others, recommended as it is; for the rest, with the others' mean factor divided out. The process' row has the open set-ups in the places of all, each "
-        f"predicted from the other folds; there its 95 % intervals hold the truth in {percent(both['open_coverage'])}. Times: one "
-        f"core, one run, new pose each time; those without a time failed and are not in the product. Repeat: {stage.COMMAND}."
+        "the formula's constants fitted to the others, recommended as it is; for the plain model, with the others' mean factor divided out. Times: one "
+        f"core, one run, new pose each time. Repeat: {stage.COMMAND}."
     )
 
 

@@ -15,7 +15,7 @@ from analysis.pipeline.stage import NoAnswer, Stage, outdated
 from analysis.results import machine
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
-from analysis.topics.corrections import candidates, cases, evaluation
+from analysis.topics.corrections import cases, estimates, evaluation
 from analysis.topics.corrections.set_ups import set_ups
 from analysis.topics.corrections.truths import FILE
 from geometries.common.children import ending_with_this, temporary_folder
@@ -69,21 +69,19 @@ def beside(results: Path) -> Path:
 
 
 def evaluated(module: Any) -> Document:
-    """Returns the errors of every correction, also of those that failed, with what is known of it, as a document."""
+    """Returns the errors of every correction with what is known of it, as a document; half a minute."""
     chosen = list(set_ups(module))
-    found = evaluation.evaluate(module, chosen)
+    found = estimates.estimate(module, estimates.names(module), chosen)
     known = {str(entry["name"]): entry for entry in module.corrections()}
-    known |= {each.name: each.description() for each in candidates.CANDIDATES}
     return {
         "truths": FILE.relative_to(ROOT).as_posix(),
-        "set_ups": len(found.estimates.names),
-        "sealed": int(found.estimates.sealed.sum()),
+        "set_ups": len(found.names),
+        "sealed": int(found.sealed.sum()),
         "corrections": [
             {**known[entry.name], **{name.rstrip("_"): value for name, value in asdict(entry).items()}}
-            for entry in found.evaluations
+            for entry in evaluation.evaluations(module, found, chosen)
         ],
-        "discrepancy": {name.rstrip("_"): value for name, value in asdict(found.discrepancy).items()},
-        "cases": cases.documents(module, found.estimates, chosen),
+        "cases": cases.documents(module, found, chosen),
     }
 
 

@@ -17,7 +17,6 @@ from scipy.spatial import cKDTree
 
 from analysis.pipeline.model_stage import model_module
 from analysis.results.units import VACUUM_PERMITTIVITY
-from analysis.topics.corrections.quadrature import quarters
 from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical
 
@@ -128,12 +127,20 @@ class Machine:
                 large = sizes > relative_size * (distances.clip(0) + _LEAST_DISTANCE)
                 if not large.any():
                     return parts
-                parts = np.concatenate([parts[~large], quarters(parts[large])])
+                parts = np.concatenate([parts[~large], _quarters(parts[large])])
             if relative_size > 1e3:
                 raise ValueError(
                     f"most_panels {self._resolution.most_panels} are fewer than the {len(panels) + len(self._panels)} of machine and targets"
                 )
             relative_size *= _COARSER
+
+
+def _quarters(panels: Array) -> Array:
+    """Returns the four parts of each triangle (n, 3, 3) between its corners and the middles of its sides, (4n, 3, 3)."""
+    a, b, c = panels[:, 0], panels[:, 1], panels[:, 2]
+    ab, bc, ca = (a + b) / 2, (b + c) / 2, (c + a) / 2
+    four = [np.stack(corners, axis=1) for corners in ((a, ab, ca), (ab, b, bc), (ca, bc, c), (bc, ca, ab))]
+    return np.asarray(np.stack(four, axis=1).reshape(-1, 3, 3))
 
 
 def _blocks(centres: Array, members: NDArray[np.intp]) -> list[NDArray[np.intp]]:

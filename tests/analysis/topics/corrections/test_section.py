@@ -23,7 +23,6 @@ def test_the_section_tells_the_errors_and_the_times() -> None:
     assert (
         "2.1 % off (rms)" in told
         and "at 2.2 to 2.2 times" in told
-        and "94 %" in told
         and "2 % off (rms) and 7 % at worst in all 9" in told
     )
     text = section.section(document, SET_UPS)
