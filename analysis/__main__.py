@@ -8,10 +8,18 @@ import sys
 from pathlib import Path
 from types import FrameType
 
+from analysis import measure
 from geometries.common import installation
 from geometries.common.arguments import positive_integer, positive_number
 from geometries.common.interpreter import continue_with
 
+TOPICS = {
+    "errors": "split the model's error into parts in hundreds of set-ups, by boundary elements (a minute or two; finished ones are kept)",
+    "company": "Experiment VII: a hand before a sensor in company, by boundary elements (a minute or two; finished ones are kept)",
+    "machines": "the model's error on machines, taken apart in hundreds of set-ups with stored truths by boundary elements (a minute; finished ones are kept)",
+    "insulators": "Experiment VIII: covers, wet films, mattresses, blankets and insulating targets before a sensor, with stored truths by boundary elements (a minute; finished ones are kept)",
+}
+"""What the commands of the topics do. The topics themselves load slow libraries, which this interpreter may lack."""
 # What shells report for a command that was interrupted.
 _INTERRUPTED = 130
 
@@ -70,26 +78,8 @@ def _parser(program: str) -> argparse.ArgumentParser:
         help="compare the reference with known capacitances, and measure its run time against error (minutes; finished rows are kept)",
     )
     _add_output_and_jobs(verify, "rows", "rows", "verification")
-    errors = commands.add_parser(
-        "errors",
-        help="split the model's error into parts in hundreds of set-ups, by boundary elements (a minute or two; finished ones are kept)",
-    )
-    _add_output_and_jobs(errors, "answers", "set-ups", "errors")
-    company = commands.add_parser(
-        "company",
-        help="Experiment VII: a hand before a sensor in company, by boundary elements (a minute or two; finished ones are kept)",
-    )
-    _add_output_and_jobs(company, "answers", "set-ups", "company")
-    machines = commands.add_parser(
-        "machines",
-        help="the model's error on machines, taken apart in hundreds of set-ups with stored truths by boundary elements (a minute; finished ones are kept)",
-    )
-    _add_output_and_jobs(machines, "answers", "set-ups", "machines")
-    insulators = commands.add_parser(
-        "insulators",
-        help="Experiment VIII: covers, wet films, mattresses, blankets and insulating targets before a sensor, with stored truths by boundary elements (a minute; finished ones are kept)",
-    )
-    _add_output_and_jobs(insulators, "answers", "set-ups", "insulators")
+    for name, does in TOPICS.items():
+        _add_output_and_jobs(commands.add_parser(name, help=does), "answers", "set-ups", name)
     documentation = commands.add_parser(
         "documentation", help="make a site of all notes, algorithms and references (the model must be built)"
     )
@@ -155,6 +145,11 @@ def _parser(program: str) -> argparse.ArgumentParser:
     _add_coverage(commands)
     _add_honesty(commands)
     _add_golden(commands)
+    measure.add_arguments(
+        commands.add_parser(
+            "measure", help="make what is stored with the project anew, or measure what a note tells"
+        )
+    )
     return parser
 
 

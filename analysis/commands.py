@@ -5,14 +5,15 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
+from typing import Any
 
+from analysis import measure
 from analysis.documentation import make as documentation
 from analysis.live import make as live
 from analysis.nightly import chunks, cluster, night
 from analysis.pipeline import reference_stage
-from analysis.pipeline.set_up_stages import SetUpStages, SomeSetUp
-from analysis.report.page import Made
 from analysis.results import statistics, store
 from analysis.results.refusals import named
 from analysis.results.store import InUse, exclusive
@@ -20,29 +21,19 @@ from analysis.results.study_results import Failure
 from analysis.show import make as show, readings as show_readings
 from analysis.study import report, workflow
 from analysis.sweep import make as sweep
-from analysis.topics.company import page as company_page, set_ups as company_set_ups, stage as company_stage
+from analysis.topics.all import TOPICS
 from analysis.topics.corrections import (
     page as corrections_page,
     section as corrections_section,
     stage as corrections_stage,
 )
-from analysis.topics.errors import page as errors_page, set_ups as errors_set_ups, stage as errors_stage
 from analysis.topics.history import difference, nights, page as history_page
-from analysis.topics.insulators import (
-    page as insulators_page,
-    set_ups as insulators_set_ups,
-    stage as insulators_stage,
-)
-from analysis.topics.machines import (
-    page as machines_page,
-    set_ups as machines_set_ups,
-    stage as machines_stage,
-)
 from analysis.topics.published import (
     files as published_files,
     stage as published_stage,
     table as published_table,
 )
+from analysis.topics.topic import Topic
 from analysis.topics.verification import page as verification_page, stage as verification_stage
 from geometries.common import installation
 from geometries.common.errors import InputError
@@ -211,18 +202,13 @@ def _verify(folder: Path | None, jobs: int | None) -> int:
     return FAILED if failures else ANSWERED
 
 
-def _of_set_ups(
-    stages: SetUpStages[SomeSetUp],
-    set_ups: tuple[SomeSetUp, ...],
-    make: Callable[[Path], Made],
-    options: argparse.Namespace,
-) -> int:
+def _topic(topic: Topic[Any, Any], options: argparse.Namespace) -> int:
     """Brings the answers of a topic's set-ups up to date and makes the topic's page."""
-    target = options.output or installation.results_folder() / stages.name
+    target = options.output or installation.results_folder() / topic.name
     with exclusive(target):
-        failures = stages.run(target, set_ups, options.jobs)
+        failures = topic.stages.run(target, topic.set_ups(), options.jobs)
         _tell(failures)
-        made = make(target)
+        made = topic.make(target)
     print(made.headline)
     print(f"report: {made.path}")
     return FAILED if failures else ANSWERED
@@ -354,18 +340,7 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "job": lambda options: _job(options.file),
     "diff": lambda options: _diff(options.old, options.new, options.output),
     "verify": lambda options: _verify(options.output, options.jobs),
-    "errors": lambda options: _of_set_ups(
-        errors_stage.STAGES, errors_set_ups.all_set_ups(), errors_page.make, options
-    ),
-    "company": lambda options: _of_set_ups(
-        company_stage.STAGES, company_set_ups.all_set_ups(), company_page.make, options
-    ),
-    "machines": lambda options: _of_set_ups(
-        machines_stage.STAGES, machines_set_ups.all_set_ups(), machines_page.make, options
-    ),
-    "insulators": lambda options: _of_set_ups(
-        insulators_stage.STAGES, insulators_set_ups.all_set_ups(), insulators_page.make, options
-    ),
+    **{topic.name: partial(_topic, topic) for topic in TOPICS},
     "corrections": lambda options: _corrections(options.output),
     "table": lambda options: _table(options.answers, options.output, options.jobs),
     "documentation": lambda options: _documentation(options.output),
@@ -375,4 +350,5 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "coverage": _coverage,
     "honesty": _honesty,
     "golden": _golden,
+    "measure": lambda options: measure.run(options.what, options.arguments),
 }

@@ -1,9 +1,8 @@
-"""`python3 -m analysis.coverage.check SCENE …`: compares the distances of surveys with boundary elements, and tries the bound on random bodies."""
+"""`python3 -m analysis measure coverage SCENE …`: compares the distances of surveys with boundary elements, and tries the bound on random bodies."""
 
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -22,7 +21,6 @@ from analysis.show.make import find_scene
 from analysis.topics.machines.set_ups import HOUSING, all_set_ups
 from geometries.common.arguments import positive_number
 from geometries.common.children import temporary_folder
-from geometries.common.errors import InputError
 from geometries.scene import reader, shapes
 from geometries.scene.scene import Scene
 
@@ -189,24 +187,18 @@ def housings(count: int, folder: Path) -> list[Path]:
     return [folder / f"{each.name}.toml" for each in chosen]
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Runs the command line; returns the exit code: 1 where a distance or the bound fails."""
-    parser = argparse.ArgumentParser(prog="python3 -m analysis.coverage.check", description=__doc__)
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what may be asked for."""
     parser.add_argument("scenes", metavar="SCENE", nargs="+")
     parser.add_argument("--probe", action="append", default=[], metavar="PROBE")
     parser.add_argument("--places", type=int, default=20, metavar="N", help="of each scene")
     parser.add_argument("--housings", type=int, default=0, metavar="N", help="scenes of sensors on housings")
     parser.add_argument("--bodies", type=int, default=100, metavar="N", help="around a sphere, of each SCENE")
     parser.add_argument("--grid", type=positive_number, metavar="M")
-    options = parser.parse_args(arguments)
-    try:
-        return _checked(options)
-    except InputError as error:
-        parser.error(str(error))
 
 
-def _checked(options: argparse.Namespace) -> int:
-    """Prints the comparisons that are asked for; returns the exit code."""
+def measure(options: argparse.Namespace) -> int:
+    """Prints the comparisons that are asked for; returns the exit code: 1 where a distance or the bound fails."""
     probes = tuple(options.probe) or DEFAULT
     given = [find_scene(name) for name in options.scenes]
     found = []
@@ -229,7 +221,3 @@ def _checked(options: argparse.Namespace) -> int:
             f"{path.stem}: {violations} of {options.bodies} bodies around the sphere change a reading less; the least ratio is {least:.4f}"
         )
     return 1 if beyond or violated else 0
-
-
-if __name__ == "__main__":
-    sys.exit(main())

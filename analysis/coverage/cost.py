@@ -1,9 +1,8 @@
-"""`python3 -m analysis.coverage.cost SCENE`: times a survey by itself, without its page."""
+"""`python3 -m analysis measure survey SCENE`: times a survey by itself, without its page."""
 
 from __future__ import annotations
 
 import argparse
-import sys
 import time
 
 from analysis.coverage.probes import DEFAULT, probe
@@ -11,21 +10,19 @@ from analysis.coverage.survey import Options, survey
 from analysis.pipeline.model_stage import model_module
 from analysis.show.make import find_scene
 from geometries.common.arguments import positive_number
-from geometries.common.errors import InputError
 from geometries.scene import reader
 
 
-def main(arguments: list[str] | None = None) -> int:
-    """Runs the command line; returns the exit code."""
-    parser = argparse.ArgumentParser(prog="python3 -m analysis.coverage.cost", description=__doc__)
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what may be asked for."""
     parser.add_argument("scene", metavar="SCENE")
     parser.add_argument("--probe", action="append", default=[], metavar="PROBE")
     parser.add_argument("--grid", type=positive_number, metavar="M")
-    options = parser.parse_args(arguments)
-    try:
-        print(_measured(options.scene, tuple(options.probe) or DEFAULT, options.grid))
-    except InputError as error:
-        parser.error(str(error))
+
+
+def measure(options: argparse.Namespace) -> int:
+    """Prints the times."""
+    print(_measured(options.scene, tuple(options.probe) or DEFAULT, options.grid))
     return 0
 
 
@@ -38,7 +35,3 @@ def _measured(name: str, names: tuple[str, ...], grid: float | None) -> str:
     found = survey(path, scene, probes, Options(grid=grid, methods=()), model)
     passed, used = time.perf_counter() - passed, time.process_time() - used
     return f"{path.stem}: {len(found.places.points)} places, {len(probes)} probes, {found.panels} panels: {used:.1f} s of processor time, {passed:.1f} s passed"
-
-
-if __name__ == "__main__":
-    sys.exit(main())

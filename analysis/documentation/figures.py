@@ -1,4 +1,4 @@
-"""Draws the figures of the notes: python3 -m analysis.documentation.figures [FOLDER].
+"""Draws the figures of the notes: python3 -m analysis measure figures [FOLDER].
 
 Every figure is an SVG file beside the note that shows it, or in FOLDER if one is given. Its colours are of middle brightness and its
 background is transparent, so that it can be read on white and on black.
@@ -332,8 +332,13 @@ def draw(folder: Path) -> list[Path]:
     return written
 
 
-if __name__ == "__main__":
-    parser = argparse.ArgumentParser(description="Draw the figures of the notes.")
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the folder."""
     parser.add_argument("folder", type=Path, nargs="?", default=ROOT)
-    for path in draw(parser.parse_args().folder):
+
+
+def measure(options: argparse.Namespace) -> int:
+    """Draws the figures and prints their files."""
+    for path in draw(options.folder):
         print(path)
+    return 0

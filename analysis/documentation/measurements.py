@@ -1,4 +1,4 @@
-"""Replaces the measured tables of model/MEASUREMENTS.md: python3 -m analysis.documentation.measurements.
+"""Replaces the measured tables of model/MEASUREMENTS.md: python3 -m analysis measure benchmarks.
 
 A table stands between the comments `<!-- table N of PROGRAM -->` and `<!-- end -->`: it is the N-th table of what the program measures.
 The programs take some minutes and should run alone.
@@ -6,6 +6,7 @@ The programs take some minutes and should run alone.
 
 from __future__ import annotations
 
+import argparse
 import math
 import re
 import subprocess
@@ -99,5 +100,7 @@ def updated(page: str, measured: Callable[[str], str] = output_of) -> str:
     return _TABLE.sub(lambda found: found[1] + tables(once(found[3]))[int(found[2]) - 1] + found[4], page)
 
 
-if __name__ == "__main__":
+def measure(_: argparse.Namespace) -> int:
+    """Runs the benchmarks and replaces the tables."""
     PAGE.write_text(updated(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
+    return 0

@@ -1,4 +1,4 @@
-"""`python3 -m analysis.nightly.planning_benchmark`: how long planning 100,000 cases takes, and a night on 500 cases without work.
+"""`python3 -m analysis measure planning`: how long planning 100,000 cases takes, and a night on 500 cases without work.
 
 The first is everything up to Snakemake's first job: reading the study, its keys, looking for stored answers, the jobs' files, and
 Snakemake's own plan; once with nothing stored and once, up to the finding that nothing is to do, with everything stored.
@@ -43,11 +43,14 @@ tilt_degrees = {{ linspace = [5, 85, {tilts}] }}
 _JOB_SECONDS, _WORKERS = 600.0, 200
 
 
-def main() -> int:
-    parser = argparse.ArgumentParser(description=__doc__)
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds how many cases."""
     parser.add_argument("--planned", type=int, default=100_000, help="cases to plan (default 100000)")
     parser.add_argument("--idle", type=int, default=500, help="cases of the night without work (default 500)")
-    options = parser.parse_args()
+
+
+def measure(options: argparse.Namespace) -> int:
+    """Prints the times."""
     with temporary_folder() as folder:
         for what, seconds in _planning(folder, options.planned):
             print(f"planning {options.planned} cases, {what} stored: {seconds}", flush=True)
@@ -165,7 +168,3 @@ def _timed(work: Callable[[], None]) -> str:
     seconds, after = time.monotonic() - start, os.times()
     busy = sum(after[:4]) - sum(before[:4])
     return f"{seconds:.1f} s, of which a processor worked {busy:.1f} s"
-
-
-if __name__ == "__main__":
-    sys.exit(main())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 from markupsafe import Markup
 
@@ -22,27 +23,17 @@ from analysis.report import (
 from analysis.report.plot import Plot
 from analysis.results import statistics, study_results as results, symmetry, table
 from analysis.results.store import Document
-from analysis.topics.company import (
-    factors as company_factors,
-    field_check as company_field_check,
-    section as company_section,
-)
+from analysis.topics.company.topic import COMPANY
 from analysis.topics.corrections import section as corrections_section
 from analysis.topics.cross_check import section as cross_check_section
 from analysis.topics.errors import records as error_records, section as errors_section
-from analysis.topics.errors.records import Entry
+from analysis.topics.errors.topic import ERRORS
 from analysis.topics.experiments import section as experiments_section
-from analysis.topics.insulators import (
-    field_check as insulators_field_check,
-    records as insulators_records,
-    section as insulators_section,
-)
-from analysis.topics.machines import (
-    field_check as machines_field_check,
-    records as machines_records,
-    section as machines_section,
-)
+from analysis.topics.insulators.topic import INSULATORS
+from analysis.topics.machines import section as machines_section
+from analysis.topics.machines.topic import MACHINES
 from analysis.topics.published import section as published_section
+from analysis.topics.topic import Topic
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
 from analysis.topics.verification import page as verification_page
 from geometries.studies.study import BOTH, NO_REFERENCE
@@ -59,18 +50,16 @@ CORRECTIONS_SET_UPS, PUBLISHED_SET_UPS = (f"set_ups/{name}.html" for name in (CO
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """The data that pages are made from: a study's answers, and measurements of reference and model that belong to no study."""
+    """The data that pages are made from: a study's answers, the entries of each topic by its name, and measurements of reference and model that
+    belong to no study."""
 
     found: results.Results
     rows: list[table.Row]
     summaries: list[statistics.Summary]
     verified: dict[str, Document]
-    taken_apart: list[Entry]
+    entries: dict[str, list[Any]]
     corrected: Document | None
     faults: Document | None = None
-    in_company: tuple[company_factors.Entry, ...] = ()
-    on_machines: tuple[machines_records.Entry, ...] = ()
-    insulated: tuple[insulators_records.Entry, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -110,25 +99,25 @@ def _over_what_describes(rows: list[table.Row]) -> list[Plot]:
 
 
 def _parts(material: Material) -> list[Markup]:
-    own = error_records.by_reference(material.taken_apart, material.found)
-    return [*errors_section.sections(material.taken_apart, ERRORS_CASES), errors_section.of_study(own)]
+    found = material.entries[ERRORS.name]
+    own = error_records.by_reference(found, material.found)
+    return [*ERRORS.shown(found, ERRORS_CASES), errors_section.of_study(own)]
 
 
-def _machines(material: Material) -> list[Markup]:
-    return [machines_section.section(list(material.on_machines), machines_field_check.load())]
-
-
-def _company(material: Material) -> list[Markup]:
-    return [company_section.section(list(material.in_company), company_field_check.load())]
-
-
-def _insulators(material: Material) -> list[Markup]:
-    return [insulators_section.section(list(material.insulated), insulators_field_check.comparisons())]
+def _about(topic: Topic[Any, Any]) -> Question:
+    """Returns the page of a topic whose set-ups are none of the study's."""
+    return Question(
+        topic.name,
+        topic.short,
+        topic.question,
+        lambda material: topic.shown(material.entries[topic.name]),
+        own=False,
+    )
 
 
 def _corrections(material: Material) -> list[Markup]:
     own = corrections_section.section(material.corrected, CORRECTIONS_SET_UPS)
-    return [own, machines_section.of_corrections(list(material.on_machines))]
+    return [own, machines_section.of_corrections(material.entries[MACHINES.name])]
 
 
 def _published(material: Material) -> list[Markup]:
@@ -178,15 +167,11 @@ def _set_ups(material: Material) -> list[Markup]:
 
 QUESTIONS = (
     Question("experiment", "experiment", "What does the experiment find?", _experiment),
-    Question("machines", "on machines", "How wrong is the model on a machine?", _machines, own=False),
+    _about(MACHINES),
     Question("model_error", "model error", "How wrong is the model, and where?", _model_error),
-    Question(
-        "error_parts", "parts of the error", "Where does the model's error come from?", _parts, own=False
-    ),
-    Question("company", "in company", "What does a machine around the sensor change?", _company, own=False),
-    Question(
-        "insulators", "insulators", "What do insulators before a sensor change?", _insulators, own=False
-    ),
+    Question("error_parts", ERRORS.short, ERRORS.question, _parts, own=False),
+    _about(COMPANY),
+    _about(INSULATORS),
     Question(CORRECTIONS, "corrections", "What can be corrected, and at what cost?", _corrections, own=False),
     Question(PUBLISHED, "published table", "Which values can others be held against?", _published, own=False),
     Question("reference", "reference", "How sure is the reference?", _reference),

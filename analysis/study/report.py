@@ -17,28 +17,12 @@ from analysis.results.refusals import Refusal
 from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.study import case_page, pages_of_set_ups
 from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material
-from analysis.topics.company import (
-    factors as company_factors,
-    field_check as company_field_check,
-    set_ups as company_set_ups,
-    stage as company_stage,
-)
+from analysis.topics.all import TOPICS
 from analysis.topics.corrections import stage as corrections_stage
 from analysis.topics.cross_check import agreement, section as cross_check_section
-from analysis.topics.errors import records as error_records, set_ups as error_set_ups, stage as errors_stage
+from analysis.topics.errors import records as error_records
+from analysis.topics.errors.topic import ERRORS
 from analysis.topics.history import nights as history, page as history_page
-from analysis.topics.insulators import (
-    field_check as insulators_field_check,
-    records as insulators_records,
-    set_ups as insulators_set_ups,
-    stage as insulators_stage,
-)
-from analysis.topics.machines import (
-    field_check as machines_field_check,
-    records as machines_records,
-    set_ups as machines_set_ups,
-    stage as machines_stage,
-)
 from analysis.topics.published import table as published
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
 from analysis.topics.verification import page as verification_page, stage as verification_stage
@@ -70,31 +54,12 @@ def make(folder: Path) -> Report:
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
     verified = verification_stage.load(verification_page.beside(folder))
-    apart = errors_stage.STAGES.load(errors_stage.STAGES.beside(folder), error_set_ups.all_set_ups())
     corrected = corrections_stage.load(corrections_stage.beside(folder))
-    in_company = company_stage.STAGES.load(company_stage.STAGES.beside(folder), company_set_ups.all_set_ups())
-    on_machines = machines_stage.STAGES.load(
-        machines_stage.STAGES.beside(folder), machines_set_ups.all_set_ups()
-    )
-    insulated = insulators_stage.STAGES.load(
-        insulators_stage.STAGES.beside(folder), insulators_set_ups.all_set_ups()
-    )
+    of_topics = {topic.name: topic.load(topic.stages.beside(folder)) for topic in TOPICS}
     faults = faults_section.beside(folder)
     answers = _answers(folder, found)
-    field_checks = (company_field_check, machines_field_check, insulators_field_check)
-    in_field = [read_json(check.FILE) for check in field_checks]
-    inputs = keys.page_inputs(
-        answers,
-        verified,
-        apart,
-        corrected,
-        faults,
-        in_company,
-        on_machines,
-        insulated,
-        in_field,
-        published.digest(),
-    )
+    in_field = [topic.checked() for topic in TOPICS]
+    inputs = keys.page_inputs(answers, verified, of_topics, corrected, faults, in_field, published.digest())
     nights = history.load(folder)
     scenes = scene_pages.all_beside(folder)
     whole = keys.page_inputs(inputs, nights, [file for _, file in scenes])
@@ -103,13 +68,8 @@ def make(folder: Path) -> Report:
         and page.is_current(folder / page.REPORT, whole)
         and _is_complete(folder)
     ):
-        entries = error_records.entries(apart, error_set_ups.all_set_ups())
-        company = tuple(company_factors.entries(in_company, company_set_ups.all_set_ups()))
-        machines = tuple(machines_records.entries(on_machines, machines_set_ups.all_set_ups()))
-        behind = tuple(insulators_records.entries(insulated, insulators_set_ups.all_set_ups()))
-        material = Material(
-            found, rows, summaries, verified, entries, corrected, faults, company, machines, behind
-        )
+        entries = {topic.name: topic.found(of_topics[topic.name]) for topic in TOPICS}
+        material = Material(found, rows, summaries, verified, entries, corrected, faults)
         _write(material, nights, scenes, inputs, whole)
     return Report(
         folder / page.REPORT,
@@ -192,7 +152,7 @@ def _pages(material: Material, inputs: str) -> list[Card]:
     rows: dict[str, list[table.Row]] = {}
     for row in material.rows:
         rows.setdefault(row.case.id, []).append(row)
-    known_parts = error_records.by_reference(material.taken_apart, material.found)
+    known_parts = error_records.by_reference(material.entries[ERRORS.name], material.found)
     apart = {entry.set_up.id: entry for _, entry in known_parts}
     for case in material.found.cases.values():
         case_page.make(material.found, case, rows.get(case.id, []), apart.get(case.id))

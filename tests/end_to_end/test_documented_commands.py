@@ -11,10 +11,12 @@ import shlex
 import shutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 
 import pytest
 
+from analysis.measure import MEASURES
 from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -45,10 +47,16 @@ SMALL = {
     "python3 -m analysis sweep guarded_sensor": "python3 -m analysis sweep guarded_sensor --rtol 0.1 --output {out}/sweep.html",
     "python3 -m analysis coverage guarded_sensor": "python3 -m analysis coverage guarded_sensor --probe sphere:0.02 --grid 0.06 --method none --output {out}/coverage.html",
     "python3 -m analysis honesty": "python3 -m analysis honesty --only 0 --methods reduced:1 --results {out}/honesty",
+<<<<<<< HEAD
     "python3 -m analysis golden FILE": "python3 -m analysis golden {out}/golden.json --only 'corrections/parallel-000/reduced*'",
     "python3 -m analysis.coverage.check guarded_sensor": "python3 -m analysis.coverage.check guarded_sensor --probe sphere:0.02 --places 1 --bodies 1 --grid 0.06",
     "python3 -m analysis.topics.machines.moving --write FOLDER": "python3 -m analysis.topics.machines.moving --write {out}/moving",
     "python3 -m analysis.coverage.cost x_ray_arm --grid 0.0362": "python3 -m analysis.coverage.cost guarded_sensor --probe sphere:0.02 --grid 0.2",
+=======
+    "python3 -m analysis measure coverage guarded_sensor": "python3 -m analysis measure coverage guarded_sensor --probe sphere:0.02 --places 1 --bodies 1 --grid 0.06",
+    "python3 -m analysis measure moving --write FOLDER": "python3 -m analysis measure moving --write {out}/moving",
+    "python3 -m analysis measure survey x_ray_arm --grid 0.0362": "python3 -m analysis measure survey guarded_sensor --probe sphere:0.02 --grid 0.2",
+>>>>>>> b298cf2f (One command measures anew; a question about set-ups is declared once)
     "python3 -m geometries person OUT": "python3 -m geometries person {out}/person.obj",
     "python3 -m geometries convert IN OUT": "python3 -m geometries convert {out}/in.vtu {out}/out.stl",
     "python3 -m tests.bad_input.corpus FOLDER": "python3 -m tests.bad_input.corpus {out}/corpus",
@@ -102,32 +110,33 @@ ELSEWHERE = {
     "fringe capacitance … --output FILE.vtu": ("model/test_output_file.py", "test_the_triangles_of_an_object_add_up_to_its_capacitance", "--output"),
     "fringe … --json": (OPTIONS, "test_json_in_the_place_of_a_table", "--json"),
     "pkg-config fringe": (INSTALL, "test_a_project_finds_the_library_with_pkg_config", "pkg-config"),
+    "python3 -m analysis measure WHAT": ("end_to_end/test_documented_commands.py", "test_every_measure_is_known_and_loads_and_each_is_in_a_note", "measure"),
     "python3 -m analysis company": ("analysis/topics/company/test_company.py", "test_the_command_computes_what_is_missing_and_makes_the_page", "company"),
     "python3 -m analysis corrections": ("analysis/topics/corrections/test_corrections.py", "test_every_set_up_is_told_with_its_truth_and_opened_by_its_point", "corrections"),
     "python3 -m analysis diff OLD NEW --output difference.json": ("analysis/topics/history/test_difference.py", "test_drift_ends_with_code_1_a_table_and_a_document", "diff"),
     "python3 -m analysis documentation": ("analysis/documentation/test_documentation.py", "test_the_site_is_made_without_a_warning", "documentation"),
     "python3 -m analysis golden NEW --against FILE": ("analysis/golden/test_run.py", "test_every_option_of_the_command_acts", "--against"),
     "python3 -m analysis errors": ("analysis/topics/errors/test_set_ups_and_stage.py", "test_the_command_computes_what_is_missing_and_makes_the_page", "errors"),
-    "python3 -m analysis.topics.machines.truths": ("analysis/topics/machines/test_truths.py", "test_what_has_no_record_is_solved_and_what_is_no_set_up_is_dropped", "truths"),
-    "python3 -m analysis.topics.verification.machines": ("analysis/topics/verification/test_machines.py", "test_a_machine_that_is_unknown_is_refused", "machines"),
-    "python3 -m analysis.topics.verification.widths": ("analysis/topics/verification/test_widths.py", "test_a_set_up_that_is_unknown_is_refused", "widths"),
+    "python3 -m analysis measure truths machines": ("analysis/topics/machines/test_truths.py", "test_what_has_no_record_is_solved_and_what_is_no_set_up_is_dropped", "truths"),
+    "python3 -m analysis measure machines": ("analysis/topics/verification/test_machines.py", "test_a_machine_that_is_unknown_is_refused", "machines"),
+    "python3 -m analysis measure widths": ("analysis/topics/verification/test_widths.py", "test_a_set_up_that_is_unknown_is_refused", "widths"),
     "python3 -m analysis machines": ("analysis/topics/machines/test_machines.py", "test_the_command_computes_what_is_missing_and_makes_the_page", "machines"),
     "python3 -m analysis insulators": ("analysis/topics/insulators/test_insulators.py", "test_the_command_computes_what_is_missing_and_makes_the_page", "insulators"),
-    "python3 -m analysis.topics.insulators.truths": ("analysis/topics/insulators/test_insulators.py", "test_truths_are_solved_where_there_is_no_record", "truths"),
-    "python3 -m analysis.topics.insulators.field_check": ("analysis/topics/insulators/test_insulators.py", "test_checks_are_solved_where_there_is_no_record", "field_check"),
+    "python3 -m analysis measure truths insulators": ("analysis/topics/insulators/test_insulators.py", "test_truths_are_solved_where_there_is_no_record", "truths"),
+    "python3 -m analysis measure field-check insulators": ("analysis/topics/test_stored.py", "test_the_commands_solve_by_topic_and_tell_what_is_left", "insulators"),
     "python3 -m analysis nightly STUDY": ("analysis/nightly/test_night.py", "test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new", "nightly"),
     "python3 -m analysis run STUDY --measure-model": (OPTIONS, "test_an_option_reaches_what_it_is_for", "--measure-model"),
-    "python3 -m analysis.documentation.figures": ("analysis/documentation/test_figures.py", "test_the_figures_are_those_that_the_script_draws", "figures"),
-    "python3 -m analysis.documentation.measurements": ("analysis/documentation/test_measurements.py", "test_tables_are_replaced_and_nothing_else", "measurements"),
+    "python3 -m analysis measure figures": ("analysis/documentation/test_figures.py", "test_the_figures_are_those_that_the_script_draws", "figures"),
+    "python3 -m analysis measure benchmarks": ("analysis/documentation/test_measurements.py", "test_tables_are_replaced_and_nothing_else", "benchmarks"),
     "python3 -m fem_reference SCENE": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m analysis run STUDY": ("end_to_end/test_run.py", "", "run"),
     "python3 -m analysis table": ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for", "table"),
     "python3 -m analysis verify": (OPTIONS, "test_an_option_reaches_what_it_is_for", "verify"),
-    "python3 -m analysis.topics.machines.field_check": ("analysis/topics/machines/test_field_check.py", "test_the_command_solves_what_has_no_record_and_drops_what_is_no_set_up", "field_check"),
-    "python3 -m analysis.topics.company.field_check": ("analysis/topics/company/test_field_check.py", "test_the_command_solves_what_has_no_record_and_drops_what_is_no_set_up", "field_check"),
-    "python3 -m analysis.topics.corrections.fit": ("analysis/topics/corrections/test_corrections.py", "test_the_formula_written_a_second_time_agrees_and_its_constants_are_those_of_the_fit", "fit"),
-    "python3 -m analysis.topics.corrections.notes": ("analysis/topics/corrections/test_corrections.py", "test_the_table_of_errors_is_the_one_computed", "notes"),
-    "python3 -m analysis.topics.corrections.truths": ("analysis/topics/corrections/test_corrections.py", "test_stored_truths_are_what_boundary_elements_say", "truths"),
+    "python3 -m analysis measure field-check machines": ("analysis/topics/test_stored.py", "test_the_commands_solve_by_topic_and_tell_what_is_left", "machines"),
+    "python3 -m analysis measure field-check company": ("analysis/topics/test_stored.py", "test_the_commands_solve_by_topic_and_tell_what_is_left", "company"),
+    "python3 -m analysis measure fit": ("analysis/topics/corrections/test_corrections.py", "test_the_formula_written_a_second_time_agrees_and_its_constants_are_those_of_the_fit", "fit"),
+    "python3 -m analysis measure corrections": ("analysis/topics/corrections/test_corrections.py", "test_the_table_of_errors_is_the_one_computed", "corrections"),
+    "python3 -m analysis measure truths corrections": ("analysis/topics/corrections/test_corrections.py", "test_stored_truths_are_what_boundary_elements_say", "truths"),
     "python3 -m fem_reference analysis/documentation/hand.toml --error estimate --rtol 1e-3": ("fem_reference/test_command_line.py", "test_json_is_one_document_with_the_whole_answer", "estimate"),
     "python3 -m fem_reference analysis/documentation/hand.toml --rtol 2e-3": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m fem_reference hand.toml": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
@@ -147,15 +156,15 @@ MINUTES = {
     "python3 -m tests.fem_reference.invariances": "python3 -m tests.fem_reference.invariances --first 31 --count 1",
     "build/bin/boundary_elements_benchmark": "build/bin/boundary_elements_benchmark",
     "build/bin/boundary_element_scenes_benchmark": "build/bin/boundary_element_scenes_benchmark",
-    "python3 -m analysis.topics.machines.accuracy --every 13": "python3 -m analysis.topics.machines.accuracy --every 400",
-    "python3 -m analysis.topics.machines.stated --poses 90 --seed 1": "python3 -m analysis.topics.machines.stated --poses 2",
-    "python3 -m analysis.topics.machines.moving": "python3 -m analysis.topics.machines.moving --poses 2 --rtol 0.05",
+    "python3 -m analysis measure accuracy --every 13": "python3 -m analysis measure accuracy --every 400",
+    "python3 -m analysis measure stated --poses 90 --seed 1": "python3 -m analysis measure stated --poses 2",
+    "python3 -m analysis measure moving": "python3 -m analysis measure moving --poses 2 --rtol 0.05",
     "build/bin/reduced_benchmark --moving SCENE POSES": "build/bin/reduced_benchmark --moving geometries/scenes/guarded_sensor.toml 2",
     "build/bin/reduced_benchmark --covers 12": "build/bin/reduced_benchmark --covers 1",
     "build/bin/reduced_benchmark --machine 3": "build/bin/reduced_benchmark --machine 0",
     "build/bin/reduced_benchmark --meshes 40": "build/bin/reduced_benchmark --meshes 1",
     "build/bin/reduced_benchmark SCENE…": f"build/bin/reduced_benchmark {HAND}",
-    "python3 -m analysis.nightly.planning_benchmark": "python3 -m analysis.nightly.planning_benchmark --planned 500 --idle 4",
+    "python3 -m analysis measure planning": "python3 -m analysis measure planning --planned 500 --idle 4",
     "tests/fuzz/run SECONDS": "tests/fuzz/run 20",
 }
 # Commands that are not run here: they build the programs, run these tests, or are a step of `check --all`.
@@ -218,6 +227,17 @@ def test_a_command_of_a_module_has_it(command: str) -> None:
     if command.startswith("python3 -m "):
         module = ROOT / command.split()[2].replace(".", "/")
         assert module.with_suffix(".py").is_file() or (module / "__main__.py").is_file()
+
+
+def test_every_measure_is_known_and_loads_and_each_is_in_a_note() -> None:
+    named = {
+        match[1]
+        for command in given()
+        if (match := re.match(r"python3 -m analysis measure ([a-z-]+)", command))
+    }
+    assert named <= set(MEASURES) and set(MEASURES) - named <= {"rooms"}
+    for each in MEASURES.values():
+        assert callable(import_module(each.module).measure)
 
 
 @pytest.mark.night

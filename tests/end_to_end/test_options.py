@@ -172,6 +172,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
         "--help": SAID,
         **dict.fromkeys(("--probe", "--reading", "--grid", "--potential", "--threshold", "--method", "--output"), COVERAGE),
     },
+    ("analysis", "measure"): {"--help": SAID},
     ("analysis", "honesty"): {
         "--help": SAID,
         **dict.fromkeys(("--scenes", "--first", "--kinds", "--methods", "--field-solver", "--no-field-solver", "--seconds", "--only", "--results", "--jobs"), HONESTY),

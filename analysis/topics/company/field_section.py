@@ -9,8 +9,10 @@ from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.units import percent, picofarads, signed_percent
-from analysis.topics.company.field_check import QUANTITIES, Comparison
+from analysis.topics.company.set_ups import SetUp
+from analysis.topics.field_solver import QUANTITIES, Comparison as AnyComparison
 
+Comparison = AnyComparison[SetUp]
 ABSENT = "None of these set-ups has a reading by the field solver."
 _PERCENT = 100.0
 # Distance between the points of a set-up, that of two set-ups being 1; the legend lies above, because the set-ups' names are below.
@@ -18,7 +20,7 @@ _ASIDE, _LEGEND = 0.2, {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x":
 _WHAT = (
     "Error bars: the sum of the errors that both methods state; where they contain zero, the methods agree. The field solver's are estimates from two "
     "meshes, at least twice what the second one changes, or from three, extrapolated. Its readings are kept with the project; "
-    "python3 -m analysis.topics.company.field_check makes them in forty minutes of one core."
+    "python3 -m analysis measure field-check company makes them in forty minutes of one core."
 )
 
 

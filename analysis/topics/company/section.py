@@ -22,7 +22,7 @@ from analysis.topics.company.factors import (
     of_model,
     of_part,
 )
-from analysis.topics.company.field_check import FieldCheck, comparisons
+from analysis.topics.company.field_section import Comparison
 from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
 from analysis.topics.company.stage import RTOL
 from geometries.studies.families import FLOATING, GROUNDED
@@ -41,8 +41,8 @@ _WHAT = (
 )
 
 
-def section(found: list[Entry], checks: dict[str, FieldCheck]) -> Markup:
-    """Returns the section, with a comparison with the field solver's records `checks`; one sentence without answers."""
+def section(found: list[Entry], checks: list[Comparison]) -> Markup:
+    """Returns the section, with the comparisons with the field solver; one sentence without answers."""
     if not factors(found):
         return page.section(TITLE, page.paragraph(ABSENT))
     return page.section(
@@ -62,7 +62,7 @@ def section(found: list[Entry], checks: dict[str, FieldCheck]) -> Markup:
         page.finding(conclusion(found)),
         page.soft(_WHAT),
         page.heading("Checked by the field solver"),
-        *field_section.parts(comparisons(found, checks)),
+        *field_section.parts(checks),
         page.folded("Show the numbers", _numbers(found)),
     )
 

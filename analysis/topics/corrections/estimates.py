@@ -83,6 +83,6 @@ def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | 
 def _truth(truths: dict[str, Truth], set_up: SetUp) -> Truth:
     if set_up.name not in truths:
         raise KeyError(
-            f"{set_up.name} has no truth: python3 -m analysis.topics.corrections.truths makes them anew"
+            f"{set_up.name} has no truth: python3 -m analysis measure truths corrections makes them anew"
         )
     return truths[set_up.name]

@@ -1,10 +1,11 @@
-"""`python3 -m analysis.topics.corrections.fit`: fits the constants of `formula` to the set-ups that are not sealed.
+"""`python3 -m analysis measure fit`: fits the constants of `formula` to the set-ups that are not sealed.
 
 It minimises the sum of the fourth powers of ln(formula/truth), in which the worst errors count more than in least squares.
 """
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 from typing import Any
 
@@ -79,7 +80,9 @@ def fit(found: dict[str, Array], truth: Array) -> Array:
     return np.asarray(least_squares(squares, first.x).x)
 
 
-if __name__ == "__main__":
+def measure(_: argparse.Namespace) -> int:
+    """Prints the constants."""
     opened = [set_up for set_up in set_ups(model_module()) if not set_up.sealed]
     for name, constant in zip(NAMES, fit(*terms(model_module(), opened))):
         print(f"{name} = {constant:.3f}")
+    return 0

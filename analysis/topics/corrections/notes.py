@@ -1,10 +1,11 @@
-"""`python3 -m analysis.topics.corrections.notes`: prints the numbers of model/CORRECTIONS.md, section 5.
+"""`python3 -m analysis measure corrections`: prints the numbers of model/CORRECTIONS.md, section 5.
 
 A test compares the page with them. `python3 -m analysis corrections` measures run times.
 """
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 from typing import Any
 
@@ -69,5 +70,7 @@ def near_misses(found: estimates.Estimates) -> int:
     return int(np.sum(np.abs(found.errors("recommended")) > 0.01))
 
 
-if __name__ == "__main__":
+def measure(_: argparse.Namespace) -> int:
+    """Prints all lines."""
     print("\n".join(figures(model_module())))
+    return 0

@@ -58,9 +58,11 @@ def _answer(_: Processes) -> Document:
 
 
 def load(folder: Path) -> Document | None:
-    """Returns the document in a folder; None without one, or with one of an earlier format without single set-ups."""
+    """Returns the document in a folder; None without one, or with one of an earlier form: without single set-ups, or with corrections that failed."""
     document = read_json(folder / DOCUMENT)
-    return document if document is not None and "cases" in document else None
+    return (
+        document if document is not None and "cases" in document and "discrepancy" not in document else None
+    )
 
 
 def beside(results: Path) -> Path:

@@ -1,13 +1,12 @@
 """The truths: the Maxwell matrix of every set-up by boundary elements, kept beside this file.
 
-`python3 -m analysis.topics.corrections.truths` makes `truths.csv` anew, in a minute or two.
+`python3 -m analysis measure truths corrections` makes `truths.csv` anew, in a minute or two.
 """
 
 from __future__ import annotations
 
 import csv
 import io
-import sys
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -43,8 +42,9 @@ def load(file: Path = FILE) -> dict[str, Truth]:
     return {row["name"]: Truth(*(float(row[column]) for column in _COLUMNS[1:])) for row in rows}
 
 
-def make(module: Any, file: Path = FILE) -> int:
+def make(file: Path = FILE) -> int:
     """Solves every set-up and writes the file; returns the number of set-ups."""
+    module = model_module()
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(_COLUMNS)
@@ -71,7 +71,3 @@ def _maxwell(module: Any, scene: Scene) -> dict[str, Any]:
         path.write_text(canonical(scene), encoding="utf-8")
         answer: dict[str, Any] = module.Scene.load(path).maxwell(rtol=RTOL)
     return answer
-
-
-if __name__ == "__main__":
-    print(f"{make(model_module())} set-ups in {FILE}", file=sys.stderr)

@@ -9,12 +9,14 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.results.units import percent, picofarads, signed_percent
 from analysis.topics.insulators import plots, records
-from analysis.topics.insulators.field_check import GOAL, QUANTITIES, Comparison
+from analysis.topics.field_solver import QUANTITIES, Comparison as AnyComparison
+from analysis.topics.insulators.field_check import GOAL
 from analysis.topics.insulators.records import Entry, Statistics, by_family, statistics
-from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, TARGET
+from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, TARGET, SetUp
 from analysis.topics.insulators.stage import FORMULA, IGNORING
 from analysis.topics.insulators.truths import RTOL
 
+Comparison = AnyComparison[SetUp]
 TITLE = "Insulators: Experiment VIII"
 ABSENT = "This version of the model has no study of insulators yet: python3 -m analysis insulators does it in a minute."
 UNCHECKED = "None of these set-ups has a reading by the field solver."

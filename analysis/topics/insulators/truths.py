@@ -1,13 +1,7 @@
-"""The true readings of the set-ups of Experiment VIII, by boundary elements, kept beside this file.
-
-`python3 -m analysis.topics.insulators.truths` solves the set-ups that have no record in `truths.json`, in a quarter of an hour of one core for
-all of them. Delete the file to solve all of them anew.
-"""
+"""The true readings of the set-ups of Experiment VIII, by boundary elements: `python3 -m analysis measure truths insulators`, a quarter of an hour."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
@@ -15,21 +9,19 @@ from typing import Any
 
 from analysis.pipeline import model_stage
 from analysis.results.answers import Estimate
-from analysis.results.store import Document, read_json, write_json
+from analysis.results.store import Document
 from analysis.topics.insulators.set_ups import COVER, FILM, HAND, SENSOR, SetUp, all_set_ups
+from analysis.topics.stored import Stored, rounded
 from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical
 
-FILE = Path(__file__).with_name("truths.json")
 RTOL = 5e-2
 """Relative accuracy asked of every entry of the Maxwell matrix and of the reading's change."""
 RTOL_OF_LAYERS = 3e-2
 """The same of covers and films, by which the layer rule is measured."""
-_DIGITS = 7
-"""Significant digits of a stored value: far more than are true."""
 _DESCRIPTION = (
     "Readings (F) of set-ups with insulators by boundary elements, by the hash of the scene, with stated errors: value without the target, change by "
-    "it, and the charge on the hand per volt; with the insulator and without. Made by python3 -m analysis.topics.insulators.truths."
+    "it, and the charge on the hand per volt; with the insulator and without. Made by python3 -m analysis measure truths insulators."
 )
 
 
@@ -51,28 +43,12 @@ class Truths:
 
 
 @cache
-def load(file: Path = FILE) -> dict[str, Truths]:
+def load() -> dict[str, Truths]:
     """Returns the records by the identity of their set-up's scene; none without a file."""
     return {
         identity: Truths(*(_truth(record[key]) for key in ("insulated", "without")))
-        for identity, record in _records(file).items()
+        for identity, record in STORED.records().items()
     }
-
-
-def make(set_ups: Iterable[SetUp] | None = None, file: Path = FILE) -> int:
-    """Solves the set-ups, all if none are given, that have no record, and drops the records of others; returns how many were solved."""
-    chosen = list(all_set_ups() if set_ups is None else set_ups)
-    known, model, count = _records(file), model_stage.model_module(), 0
-    records = {each.identity: known[each.identity] for each in chosen if each.identity in known}
-    for each in chosen:
-        if each.identity not in records:
-            records[each.identity] = _rounded(asdict(solved(model, each)))
-            _write(file, records)
-            count += 1
-            print(f"{each.name}: solved", file=sys.stderr, flush=True)
-    if records.keys() != known.keys():
-        _write(file, records)
-    return count
 
 
 def solved(model: Any, set_up: SetUp) -> Truths:
@@ -96,12 +72,6 @@ def _solved(model: Any, scene: Scene, rtol: float) -> Truth:
     return Truth(background, change, Estimate(-float(entry), float(error)))
 
 
-def _records(file: Path) -> Document:
-    document = read_json(file)
-    records: Document = {} if document is None else document["truths"]
-    return records
-
-
 def _truth(record: Document) -> Truth:
     estimates = (
         Estimate(**record[key]) if record[key] else None for key in ("background", "change", "mutual")
@@ -111,15 +81,11 @@ def _truth(record: Document) -> Truth:
     return Truth(background, change, mutual)
 
 
-def _rounded(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _rounded(each) for key, each in value.items()}
-    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value
-
-
-def _write(file: Path, records: Document) -> None:
-    write_json(file, {"description": _DESCRIPTION, "truths": records})
-
-
-if __name__ == "__main__":
-    make()
+STORED = Stored[SetUp](
+    file=Path(__file__).with_name("truths.json"),
+    key="truths",
+    description=_DESCRIPTION,
+    chosen=all_set_ups,
+    solve=lambda each: rounded(asdict(solved(model_stage.model_module(), each))),
+    name=lambda each: each.name,
+)

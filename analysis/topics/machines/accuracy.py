@@ -1,6 +1,6 @@
 """The formula in company to an accuracy, compared with the stored truths of the set-ups on machines.
 
-`python3 -m analysis.topics.machines.accuracy --rtol 0.01 --every 13` takes every 13th set-up; all take half an hour of one core.
+`python3 -m analysis measure accuracy --rtol 0.01 --every 13` takes every 13th set-up; all take half an hour of one core.
 """
 
 from __future__ import annotations
@@ -69,19 +69,18 @@ def row(name: str, answers: list[_Answer]) -> str:
     )
 
 
-def main() -> None:
-    """Prints each set-up and the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what may be asked for."""
     parser.add_argument("--rtol", type=positive_number, default=1e-2)
     parser.add_argument("--every", type=positive_integer, default=1)
     parser.add_argument("--first", type=int, default=0)
-    asked = parser.parse_args()
+
+
+def measure(asked: argparse.Namespace) -> int:
+    """Prints each set-up and the table."""
     answers = measured(asked.rtol, asked.every, asked.first)
     for family in FAMILIES:
         if own := [each for each in answers if each.family == family]:
             print(row(family, own))
     print(row("all", answers))
-
-
-if __name__ == "__main__":
-    main()
+    return 0

@@ -9,15 +9,16 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, series_colour
 from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent
-from analysis.topics.machines.field_check import Comparison
-from analysis.topics.machines.set_ups import FAMILIES
+from analysis.topics.field_solver import Comparison as AnyComparison
+from analysis.topics.machines.set_ups import FAMILIES, SetUp
 
+Comparison = AnyComparison[SetUp]
 ABSENT = "None of these set-ups has a change by the field solver."
 _PERCENT = 100.0
 _WHAT = (
     "The proven interval is the field solver's enclosure of the value less that of the background, so that it is wide where the change is a small part of the "
     "reading; its estimate of the change is far better. Bars: the sum of the errors that both methods state. The records are kept with the "
-    "project: python3 -m analysis.topics.machines.field_check makes them in an hour of one core, for set-ups of boxes and plates, which it meshes quickly."
+    "project: python3 -m analysis measure field-check machines makes them in an hour of one core, for set-ups of boxes and plates, which it meshes quickly."
 )
 
 
@@ -67,7 +68,7 @@ def _differences(found: list[Comparison]) -> Panel:
             continue
         traces.append(
             go.Scatter(
-                x=[abs(each.field.change.value) / PICOFARAD for each in members],
+                x=[abs(each.field.value) / PICOFARAD for each in members],
                 y=[_PERCENT * each.difference for each in members],
                 error_y={"array": [_PERCENT * each.allowed for each in members], "thickness": 1.5},
                 mode="markers",
@@ -88,9 +89,9 @@ def _rows(found: list[Comparison]) -> list[list[str]]:
     return [
         [
             each.set_up.name,
-            picofarads(each.field.change.value, each.field.change.error),
-            f"{each.field.lower / PICOFARAD:.4g} and {each.field.upper / PICOFARAD:.4g}",
-            picofarads(each.change.value, each.change.error),
+            picofarads(each.field.value, each.field.error),
+            f"{each.proven[0] / PICOFARAD:.4g} and {each.proven[1] / PICOFARAD:.4g}",
+            picofarads(each.boundary.value, each.boundary.error),
             signed_percent(each.difference),
             percent(each.allowed),
             f"{each.over_errors:.2f}",

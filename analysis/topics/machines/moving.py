@@ -1,6 +1,6 @@
 """Machines whose links move before a target: the formula in company to an accuracy, beside stored truths on panels (panel_truths.py).
 
-`python3 -m analysis.topics.machines.moving` prints a row for each machine, or for one with `--machine NAME`; with `--solve COUNT` it first solves so many poses of each, spread
+`python3 -m analysis measure moving` prints a row for each machine, or for one with `--machine NAME`; with `--solve COUNT` it first solves so many poses of each, spread
 over its motion, that have no truth in `moving_truths.json`, one or two minutes each. Delete the file to solve all anew.
 """
 
@@ -275,9 +275,8 @@ def write(machine: Moving, folder: Path) -> Path:
     return file
 
 
-def main() -> None:
-    """Prints the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what may be asked for."""
     parser.add_argument("--rtol", type=positive_number, default=1e-2)
     parser.add_argument(
         "--solve", type=positive_integer, default=0, help="poses of each machine that get a truth"
@@ -289,17 +288,17 @@ def main() -> None:
     parser.add_argument(
         "--write", type=Path, metavar="FOLDER", help="only write the scenes and their motions to files"
     )
-    asked = parser.parse_args()
+
+
+def measure(asked: argparse.Namespace) -> int:
+    """Prints the table."""
     machines = [make() for name, make in MACHINES.items() if asked.machine in (None, name)]
     if asked.write:
         for machine in machines:
             print(write(machine, asked.write))
-        return
+        return 0
     for machine in machines:
         solve(machine, chosen(asked.solve, len(machine.poses)))
     for machine in machines:
         print(row(machine, asked.rtol, asked.poses), flush=True)
-
-
-if __name__ == "__main__":
-    main()
+    return 0

@@ -1,6 +1,6 @@
 """Stated errors of changes beside true ones, in random poses of targets before small machines whose truth is cheap.
 
-`python3 -m analysis.topics.machines.stated --poses 500 --seed 1` prints a row for each method: the part of the poses in which the error stated is at least the
+`python3 -m analysis measure stated --poses 500 --seed 1` prints a row for each method: the part of the poses in which the error stated is at least the
 true one, the least ratio of both, rms and worst error, and processor time. The truth is that of boundary elements asked for 1e-3; a difference within what the truth itself states is none.
 """
 
@@ -114,14 +114,16 @@ def row(name: str, answers: list[Answer]) -> str:
     )
 
 
-def main() -> None:
-    """Prints the poses in which an error is larger than stated, and the table."""
-    parser = argparse.ArgumentParser(description=__doc__)
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what may be asked for."""
     parser.add_argument("--poses", type=positive_integer, default=2000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--seconds", type=positive_number, default=math.inf, help="ends after these seconds")
-    asked = parser.parse_args()
+
+
+def measure(asked: argparse.Namespace) -> int:
+    """Prints the poses in which an error is larger than stated, and the table."""
     begin, answers, count = time.monotonic(), {name: list[Answer]() for name in METHODS}, 0
     for number in range(asked.first, asked.first + asked.poses):
         if time.monotonic() - begin > asked.seconds:
@@ -137,7 +139,4 @@ def main() -> None:
     for name, own in answers.items():
         if own:
             print(row(name, own))
-
-
-if __name__ == "__main__":
-    main()
+    return 0

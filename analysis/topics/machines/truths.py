@@ -1,12 +1,7 @@
-"""The true changes of the set-ups on machines, by boundary elements, kept beside this file.
-
-`python3 -m analysis.topics.machines.truths` solves the set-ups that have no record in `truths.json`, in half an hour of two cores for all of
-them. Delete the file to solve all of them anew.
-"""
+"""The true changes of the set-ups on machines, by boundary elements: `python3 -m analysis measure truths machines`, half an hour of two cores."""
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -16,27 +11,25 @@ from typing import Any
 from analysis.pipeline import model_stage
 from analysis.results.answers import Estimate
 from analysis.results.set_up import rectangles
-from analysis.results.store import Document, read_json, write_json
+from analysis.results.store import Document
 from analysis.topics.errors import records as records_of_pairs
 from analysis.topics.errors.parts import Truth
 from analysis.topics.machines import parts
 from analysis.topics.machines.parts import OnMachine
 from analysis.topics.machines.set_ups import READING, SetUp, all_set_ups
+from analysis.topics.stored import Stored, rounded
 from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical
 
-FILE = Path(__file__).with_name("truths.json")
 RTOL = 1e-1
 """Relative accuracy asked of a true change: the model is wrong by far more, and what is stated is mostly several times the true error."""
 _RTOL_BETWEEN = 2e-1
 """That of the changes with something left out, which only the sizes of the parts depend on."""
 _RTOL_OF_PLATES = 1e-3
 """That of one plate before another, whose error has smaller parts; it costs milliseconds."""
-_DIGITS = 7
-"""Significant digits of a stored value: far more than are true."""
 _DESCRIPTION = (
     "True changes (F) of set-ups on machines by boundary elements, by the hash of the scene, with stated errors, for each choice of what is included; "
-    "and sensor and target by themselves. Made by python3 -m analysis.topics.machines.truths."
+    "and sensor and target by themselves. Made by python3 -m analysis measure truths machines."
 )
 
 
@@ -49,25 +42,9 @@ class Truths:
 
 
 @cache
-def load(file: Path = FILE) -> dict[str, Truths]:
+def load() -> dict[str, Truths]:
     """Returns the records by the identity of their set-up's scene; none without a file."""
-    return {identity: _truths(record) for identity, record in _records(file).items()}
-
-
-def make(set_ups: Iterable[SetUp] | None = None, file: Path = FILE) -> int:
-    """Solves the set-ups, all if none are given, that have no record, and drops the records of others; returns how many were solved."""
-    chosen = list(all_set_ups() if set_ups is None else set_ups)
-    known, model, count = _records(file), model_stage.model_module(), 0
-    records = {each.identity: known[each.identity] for each in chosen if each.identity in known}
-    for each in chosen:
-        if each.identity not in records:
-            records[each.identity] = _record(solved(model, each))
-            _write(file, records)
-            count += 1
-            print(f"{each.name}: solved", file=sys.stderr)
-    if records.keys() != known.keys():
-        _write(file, records)
-    return count
+    return {identity: _truths(record) for identity, record in STORED.records().items()}
 
 
 def solved(model: Any, set_up: SetUp) -> Truths:
@@ -111,12 +88,6 @@ def _pair(model: Any, scene: Scene, rtol: float) -> Truth:
     )
 
 
-def _records(file: Path) -> Document:
-    document = read_json(file)
-    records: Document = {} if document is None else document["truths"]
-    return records
-
-
 def _truths(record: Document) -> Truths:
     changes = {tuple(each["included"]): Estimate(each["value"], each["error"]) for each in record["changes"]}
     return Truths(OnMachine(changes), tuple(records_of_pairs.truth(each) for each in record["pairs"]))
@@ -126,21 +97,14 @@ def _record(truths: Truths) -> Document:
     changes = [
         {"included": list(chosen), **asdict(value)} for chosen, value in truths.changes.changes.items()
     ]
-    rounded: Document = _rounded({"changes": changes, "pairs": [asdict(pair) for pair in truths.pairs]})
-    return rounded
+    return rounded({"changes": changes, "pairs": [asdict(pair) for pair in truths.pairs]})
 
 
-def _rounded(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _rounded(each) for key, each in value.items()}
-    if isinstance(value, list):
-        return [_rounded(each) for each in value]
-    return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value
-
-
-def _write(file: Path, records: Document) -> None:
-    write_json(file, {"description": _DESCRIPTION, "truths": records})
-
-
-if __name__ == "__main__":
-    make()
+STORED = Stored[SetUp](
+    file=Path(__file__).with_name("truths.json"),
+    key="truths",
+    description=_DESCRIPTION,
+    chosen=all_set_ups,
+    solve=lambda each: _record(solved(model_stage.model_module(), each)),
+    name=lambda each: each.name,
+)

@@ -1,4 +1,4 @@
-"""Machines whose capacitances the field reference encloses: python3 -m analysis.topics.verification.machines [NAME …].
+"""Machines whose capacitances the field reference encloses: python3 -m analysis measure machines [NAME …].
 
 The command solves those named, or those without an answer for the scene as it is now, and writes `machines.json`, the answers, and
 `MACHINES.md`, their table. `--scene NAME` prints the scene of a machine instead.
@@ -12,9 +12,7 @@ import json
 import logging
 import math
 import os
-import sys
 import time
-from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, replace
 from multiprocessing import get_context
@@ -25,7 +23,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results.store import Document, write_text
 from analysis.results.units import PICOFARAD
 from geometries.common.children import end_with, temporary_folder
-from geometries.common.interpreter import continue_with
+from geometries.common.errors import InputError
 from geometries.scene.meshes import read_triangles
 from geometries.scene.poses import AxisRotation, Pose, Vector3
 from geometries.scene.reader import load
@@ -250,7 +248,7 @@ def page(answers: dict[str, Document]) -> str:
 _HEAD = """# Machines with enclosed capacitances
 
 Entries of the Maxwell matrix and readings of whole machines, each between bounds (fem_reference/NUMERICS.md, sections 5 and 14). The error of a change
-is an estimate; its bounds are the differences of those of the reading and of its background. `python3 -m analysis.topics.verification.machines` makes this page,
+is an estimate; its bounds are the differences of those of the reading and of its background. `python3 -m analysis measure machines` makes this page,
 and with `--scene NAME` it prints a scene. Bodies too far away to matter are left out, and the intervals account for them. The memory is the
 largest that the process held, its libraries included.
 """
@@ -260,12 +258,9 @@ def _number(value: float | None) -> str:
     return "" if value is None else f"{value:.6g}"
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Solve machines and write the files; returns the exit status."""
-    parser = argparse.ArgumentParser(
-        description="Encloses the capacitances of machines and writes their table."
-    )
-    known = {machine.name: machine for machine in machines()}
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the machines and what may be asked of them."""
+    known = [machine.name for machine in machines()]
     parser.add_argument(
         "names", nargs="*", metavar="NAME", help=f"machines to solve anew: {', '.join(known)}"
     )
@@ -273,13 +268,17 @@ def main(arguments: Sequence[str] | None = None) -> int:
         "--max-seconds", type=float, default=math.inf, help="limit for the solution of each machine"
     )
     parser.add_argument("--scene", choices=known, help="print the scene of a machine instead")
-    options = parser.parse_args(arguments)
+
+
+def measure(options: argparse.Namespace) -> int:
+    """Solves machines and writes the files; returns the exit status."""
+    known = {machine.name: machine for machine in machines()}
     if options.scene is not None:
         print(canonical(known[options.scene].scene), end="")
         return 0
     unknown = [name for name in options.names if name not in known]
     if unknown:
-        parser.error(f"no machine is called {unknown[0]!r}; there are {', '.join(known)}")
+        raise InputError("", "", f"no machine is called {unknown[0]!r}; there are {', '.join(known)}")
     answers = stored()
     for name, machine in known.items():
         is_missing = name not in answers or answers[name]["scene"] != identity(machine.scene)
@@ -299,8 +298,3 @@ def _prepare(parent: int) -> None:
     """End with the parent, and silence the form compiler, which logs through the root logger."""
     end_with(parent)
     logging.disable(logging.INFO)
-
-
-if __name__ == "__main__":
-    continue_with("dolfinx")
-    sys.exit(main())

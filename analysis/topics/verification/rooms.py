@@ -1,4 +1,4 @@
-"""Plates in a grounded room, and what they are to mirror images: python3 -m analysis.topics.verification.rooms makes rooms.json anew.
+"""Plates in a grounded room, and what they are to mirror images: python3 -m analysis measure rooms makes rooms.json anew.
 
 A grounded wall is a mirror in which the image of a charge is the opposite charge. Before one, two or three walls of a large room a plate
 has one, three or seven images; between floor and ceiling it has two for every reflection. Boundary elements solve the plates
@@ -8,16 +8,17 @@ effect is that of images beyond them, which carry no charge together: below 1e-6
 
 from __future__ import annotations
 
+import argparse
 import json
 from dataclasses import dataclass
 from itertools import product
 from pathlib import Path
 from typing import Any
 
-import fringe
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.pipeline.model_stage import model_module
 from geometries.common.children import temporary_folder
 from geometries.common.files import whole_file
 
@@ -125,7 +126,7 @@ def _with_images(room: PlatesInRoom, reflections: int) -> tuple[Array, float]:
         path = folder / "images.toml"
         text = [_sensor(f"plate {k}", place, half) for k, (_, place, half, _) in enumerate(charged)]
         path.write_text("\n".join(text), encoding="utf-8")
-        found = fringe.Scene.load(path).maxwell(rtol=RTOL if len(charged) <= MANY else RTOL_OF_MANY)
+        found = model_module().Scene.load(path).maxwell(rtol=RTOL if len(charged) <= MANY else RTOL_OF_MANY)
     matrix, error = np.array(found["maxwell"]), np.array(found["error"])
     own = [[number for number, *_ in charged].index(k) for k in range(len(owner))]
     factors = np.zeros((len(charged), len(owner)))
@@ -167,15 +168,13 @@ def solved() -> list[dict[str, Any]]:
     return found
 
 
-def main() -> None:
+def measure(_: argparse.Namespace) -> int:
+    """Solves every room and writes the file."""
     document = {
         "description": "Maxwell capacitance matrices (pF) of thin horizontal rectangles in a grounded room, from boundary "
-        "elements of the plates and their mirror images. Made by python3 -m analysis.topics.verification.rooms.",
+        "elements of the plates and their mirror images. Made by python3 -m analysis measure rooms.",
         "cases": solved(),
     }
     with whole_file(ROOMS) as unfinished:
         unfinished.write_text(json.dumps(document, indent=1) + "\n", encoding="utf-8")
-
-
-if __name__ == "__main__":
-    main()
+    return 0

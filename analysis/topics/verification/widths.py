@@ -1,4 +1,4 @@
-"""Work for a tenth of the first enclosure's width, by adapted meshes and by halved sizes: python3 -m analysis.topics.verification.widths [NAME …].
+"""Work for a tenth of the first enclosure's width, by adapted meshes and by halved sizes: python3 -m analysis measure widths [NAME …].
 
 The command solves the set-ups named, or those without an answer, and writes `widths.json`, which the verification's page shows.
 """
@@ -8,9 +8,8 @@ from __future__ import annotations
 import argparse
 import json
 import logging
-import sys
 import time
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,7 +19,7 @@ from analysis.results.store import Document, write_text
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.size_rules import Sizing, enclosed_growth, sizing_for
-from geometries.common.interpreter import continue_with
+from geometries.common.errors import InputError
 
 ANSWERS = Path(__file__).with_name("widths.json")
 NAMES = (
@@ -104,25 +103,20 @@ def stored() -> dict[str, Document]:
     return found
 
 
-def main(arguments: Sequence[str] | None = None) -> int:
-    """Solve set-ups and write the file; returns the exit status."""
-    parser = argparse.ArgumentParser(
-        description="Measures the work for a tenth of an enclosure's width, by adapted and by halved meshes."
-    )
+def arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds the set-ups."""
     parser.add_argument("names", nargs="*", metavar="NAME", help=f"set-ups to solve anew: {'; '.join(NAMES)}")
-    options = parser.parse_args(arguments)
+
+
+def measure(options: argparse.Namespace) -> int:
+    """Solves set-ups and writes the file; returns the exit status."""
     unknown = [name for name in options.names if name not in NAMES]
     if unknown:
-        parser.error(f"no set-up is called {unknown[0]!r}; there are {'; '.join(NAMES)}")
+        raise InputError("", "", f"no set-up is called {unknown[0]!r}; there are {'; '.join(NAMES)}")
+    # The form compiler logs through the root logger.
+    logging.disable(logging.INFO)
     for name in options.names or [name for name in NAMES if name not in stored()]:
         answers = {**stored(), name: work(name)}
         ordered = {each: answers[each] for each in NAMES if each in answers}
         write_text(ANSWERS, json.dumps(ordered, indent=1) + "\n")
     return 0
-
-
-if __name__ == "__main__":
-    continue_with("dolfinx")
-    # The form compiler logs through the root logger.
-    logging.disable(logging.INFO)
-    sys.exit(main())

@@ -14,7 +14,7 @@ from analysis.report.plot import Panel, axis, figure, power_axis, series_colour
 from analysis.results.store import Document
 
 TITLE = "Work for a tenth of an enclosure's width"
-COMMAND = "python3 -m analysis.topics.verification.widths"
+COMMAND = "python3 -m analysis measure widths"
 _WHAT = (
     "The first mesh leaves a width; a tenth of it is asked for. Adapted meshes are today's: the next one is refined where the gap between the bounds arises, and chosen "
     "to reach the width. Halved sizes are those before: at all edges, from mesh to mesh, with cells that grow more slowly away from edges. All meshes of a set-up count. "

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 /// Constants of the formula (no unit), fitted to the set-ups that are not sealed by
-/// `python3 -m analysis.topics.corrections.fit`.
+/// `python3 -m analysis measure fit`.
 constexpr double linear_stiffness = 1.969;     ///< weight of linear variation in the polarisability
 constexpr double quadratic_stiffness = 2.213;  ///< weight of quadratic variation
 constexpr double remaining_stiffness = 8.175;  ///< weight of remaining variation

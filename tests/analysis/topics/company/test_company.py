@@ -12,7 +12,7 @@ import pytest
 from analysis import __main__ as command_line
 from analysis.results import store
 from analysis.results.study_results import SCENE
-from analysis.topics.company import factors, page, section, set_ups
+from analysis.topics.company import factors, section, set_ups
 from analysis.topics.company.factors import TOGETHER, Entry
 from analysis.topics.company.set_ups import (
     GUARD,
@@ -28,6 +28,7 @@ from analysis.topics.company.set_ups import (
     all_set_ups,
 )
 from analysis.topics.company.stage import STAGES
+from analysis.topics.company.topic import COMPANY
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.readings import readings, targets
@@ -153,7 +154,7 @@ def test_the_section_says_what_follows_from_the_factors() -> None:
     told = section.conclusion(found)
     assert "before a housing a floating hand makes 0.1 (0.1 to 0.1) of that change" in told
     assert "strongest effect in the median is that of hand floating (0.2)" in told
-    text = str(section.section(found, {}))
+    text = str(section.section(found, []))
     assert text.count("plotly-graph-div") == 2
     assert "<td>0.750</td>" not in text and "<td>1.500</td>" in text
 
@@ -180,7 +181,7 @@ def test_the_command_computes_what_is_missing_and_makes_the_page(
     monkeypatch.setattr(set_ups, "all_set_ups", some)
     assert command_line.main(["company", "--output", str(folder)]) == 0
     printed = capsys.readouterr()
-    assert f"report: {folder / page.PAGE}" in printed.out and "4 set-ups" in printed.out
+    assert f"report: {folder / COMPANY.file}" in printed.out and "4 set-ups" in printed.out
     assert "in company" not in printed.err, "nothing was left to do"
 
 
@@ -195,7 +196,7 @@ def test_a_report_beside_the_answers_shows_them_and_another_says_how_to_get_them
 
 
 def test_the_page_is_made_once(folder: Path) -> None:
-    made = page.make(folder)
+    made = COMPANY.make(folder)
     text = made.path.read_text()
     assert "--method boundary-elements --rtol 0.001" in text and "analysis company" in text
-    assert page.make(folder).path.stat().st_mtime_ns == made.path.stat().st_mtime_ns
+    assert COMPANY.make(folder).path.stat().st_mtime_ns == made.path.stat().st_mtime_ns

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from analysis.pipeline import reference_stage
-from analysis.pipeline.processes import Processes
 from analysis.results import store
 from analysis.results.answers import Estimate
-from analysis.topics.company import factors, field_check, field_section
-from analysis.topics.company.field_check import Comparison, FieldCheck, chosen, comparisons
+from analysis.topics.company import factors, field_section
+from analysis.topics.company.field_check import CHECK, STORED, chosen
+from analysis.topics.company.field_section import Comparison
 from analysis.topics.company.set_ups import ARRANGEMENTS, GUARD, MACHINES, TO_GROUND, all_set_ups
 from analysis.topics.company.stage import STAGES
+from analysis.topics.field_solver import QUANTITIES
 
 PICO = 1e-12
 MANY = 20
@@ -44,22 +45,22 @@ def test_every_machine_is_checked_with_every_connection_and_every_arrangement_oc
 
 def test_the_records_are_of_these_set_ups_as_they_are_today() -> None:
     """A set-up that changes has another identity: its record is stale, and missing."""
-    records = field_check.load()
+    records = STORED.records()
     assert set(records) <= {each.identity for each in chosen()}
     kinds = {(each.machine, each.ground) for each in chosen() if each.identity in records}
     assert {machine for machine, _ in kinds} == set(MACHINES)
     assert {ground for _, ground in kinds} == set(TO_GROUND)
     for record in records.values():
-        for quantity in (record.value, record.background, record.change):
-            assert 0 < quantity.error < LARGEST_ERROR * quantity.value
+        for quantity in QUANTITIES:
+            assert 0 < record[quantity]["error"] < LARGEST_ERROR * record[quantity]["value"]
 
 
 @pytest.mark.night
 def test_boundary_elements_agree_with_every_record(tmp_path: Path) -> None:
-    records = field_check.load()
+    records = STORED.records()
     recorded = [each for each in chosen() if each.identity in records]
     assert STAGES.run(tmp_path, recorded, 2) == []
-    found = comparisons(factors.entries(STAGES.load(tmp_path, recorded), all_set_ups()), records)
+    found = CHECK.comparisons(factors.entries(STAGES.load(tmp_path, recorded), all_set_ups()))
     assert len(found) == 3 * len(records)
     assert [each for each in found if each.over_errors > 1] == []
     assert f"{len(found)} of {len(found)} values agree" in field_section.finding(found)
@@ -82,44 +83,18 @@ def test_the_section_shows_the_comparison_or_says_that_there_is_none() -> None:
     assert [field_section.ABSENT in each for each in field_section.parts([])] == [True]
 
 
-def test_the_command_solves_what_has_no_record_and_drops_what_is_no_set_up(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    first, second = chosen()[:2]
-    check = FieldCheck(*(Estimate(2.0, 0.01) for _ in range(3)), seconds=1.0)
-    solved = []
-
-    def solve(set_up: object, _: Processes) -> FieldCheck:
-        solved.append(set_up)
-        return check
-
-    monkeypatch.setattr(field_check, "solved", solve)
-    monkeypatch.setattr(field_check, "chosen", lambda: (first, second))
-    file = tmp_path / "checks.json"
-    assert field_check.load(file) == {}
-    assert field_check.make(file) == 0 and solved == [first, second]
-    assert field_check.load(file) == {first.identity: check, second.identity: check}
-    assert field_check.make(file) == 0 and len(solved) == 2
-    document = json.loads(file.read_text())
-    document["checks"]["another"] = document["checks"].pop(first.identity)
-    file.write_text(json.dumps(document))
-    assert field_check.make(file) == 0 and solved == [first, second, first]
-    assert set(field_check.load(file)) == {first.identity, second.identity}
-
-
 def test_one_mesh_has_no_error_and_leaves_no_record(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     guarded = next(each for each in chosen() if each.machine == GUARD)
     asked = []
 
-    def solve(_: Path, __: Processes, *options: str) -> store.Document:
+    def solve(_: Path, __: object, *options: str) -> store.Document:
         asked.append(options)
         return {"levels": [{}]}
 
     monkeypatch.setattr(reference_stage, "solve", solve)
-    monkeypatch.setattr(field_check, "chosen", lambda: (guarded,))
-    assert field_check.make(tmp_path / "checks.json") == 1
+    assert replace(STORED, file=tmp_path / "checks.json").complete([guarded]) == (0, 1)
     assert f"set-up {guarded.id}: one mesh has no estimated error" in capsys.readouterr().err
     assert not (tmp_path / "checks.json").exists()
     assert asked[0][asked[0].index("--columns") + 1] == "sensor,guard"

@@ -2,6 +2,8 @@
 
 from pathlib import Path
 
+import pytest
+
 from analysis.results import store
 from analysis.topics.corrections import page, section, stage
 from tests.analysis.synthetic import corrections_document
@@ -9,8 +11,9 @@ from tests.analysis.synthetic import corrections_document
 SET_UPS = "set_ups/corrections.html"
 
 
-def test_an_answer_of_an_earlier_form_counts_as_none(tmp_path: Path) -> None:
-    store.write_json(tmp_path / stage.DOCUMENT, {"key": "", "corrections": []})
+@pytest.mark.parametrize("earlier", [{"corrections": []}, {**corrections_document(), "discrepancy": {}}])
+def test_an_answer_of_an_earlier_form_counts_as_none(tmp_path: Path, earlier: store.Document) -> None:
+    store.write_json(tmp_path / stage.DOCUMENT, {"key": "", **earlier})
     assert stage.load(tmp_path) is None
     made = page.make(tmp_path)
     assert section.ABSENT in made.read_text() and not (tmp_path / page.SET_UPS).exists()

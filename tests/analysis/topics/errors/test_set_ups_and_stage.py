@@ -14,10 +14,11 @@ from analysis import __main__ as command_line
 from analysis.results.set_up import describe, rectangles
 from analysis.results.table import MUTUAL
 from analysis.study import report
-from analysis.topics.errors import page, records, section, set_ups
+from analysis.topics.errors import records, section, set_ups
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.set_ups import MAPS, SetUp, all_set_ups
 from analysis.topics.errors.stage import STAGES
+from analysis.topics.errors.topic import ERRORS
 from geometries.common.installation import ROOT
 from tests.analysis.synthetic import make_results, report_text
 
@@ -85,7 +86,7 @@ def test_parts_of_real_set_ups_add_up_and_are_known(folder: Path) -> None:
 
 
 def test_every_part_of_the_page_leads_somewhere(folder: Path) -> None:
-    made = page.make(folder)
+    made = ERRORS.make(folder)
     assert "set-ups the model is" in made.headline
     pages = [made.path, *folder.glob("cases/*/case.html")]
     assert len(pages) == 1 + len({each.id for each in some()})
@@ -94,12 +95,12 @@ def test_every_part_of_the_page_leads_somewhere(folder: Path) -> None:
             assert (each.parent / target).is_file(), f"{each}: {target}"
     case = next(folder.glob("cases/*/case.html")).read_text()
     assert "--method boundary-elements --rtol 0.0001" in case and "model − truth" in case
-    assert page.make(folder).path.stat().st_mtime_ns == made.path.stat().st_mtime_ns
+    assert ERRORS.make(folder).path.stat().st_mtime_ns == made.path.stat().st_mtime_ns
 
 
 def test_a_report_beside_the_errors_shows_them_and_opens_their_cases(folder: Path, tmp_path: Path) -> None:
     study = make_results(folder.parent / "study")
-    page.make(folder)
+    ERRORS.make(folder)
     text = report_text(study)
     assert "Where does the model&#39;s error come from?" in text and section.ABSENT not in text
     assert "The error over gap and tilt" in text and 'data-cases="../../errors/cases"' in text
@@ -114,5 +115,5 @@ def test_the_command_computes_what_is_missing_and_makes_the_page(
     monkeypatch.setattr(set_ups, "all_set_ups", some)
     assert command_line.main(["errors", "--output", str(folder)]) == 0
     printed = capsys.readouterr()
-    assert f"report: {folder / page.PAGE}" in printed.out and "set-ups the model is" in printed.out
+    assert f"report: {folder / ERRORS.file}" in printed.out and "set-ups the model is" in printed.out
     assert "taken apart" not in printed.err, "nothing was left to do"

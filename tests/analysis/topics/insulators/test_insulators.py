@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.pipeline.processes import Processes
-from analysis.results import store
 from analysis.results.answers import Estimate
-from analysis.topics.insulators import field_check, page, records, section, set_ups, truths
-from analysis.topics.insulators.field_check import QUANTITIES, Comparison, comparisons
+from analysis.topics.field_solver import QUANTITIES, Comparison
+from analysis.topics.insulators import field_check, records, section, set_ups, truths
+from analysis.topics.insulators.field_check import CHECK
 from analysis.topics.insulators.records import Entry
 from analysis.topics.insulators.set_ups import (
     BLANKET,
@@ -26,6 +26,7 @@ from analysis.topics.insulators.set_ups import (
     all_set_ups,
 )
 from analysis.topics.insulators.stage import FORMULA, IGNORING, STAGES
+from analysis.topics.insulators.topic import INSULATORS
 from geometries.scene import reader
 from tests.analysis.synthetic import make_results, report_text
 
@@ -86,40 +87,29 @@ def test_insulating_targets_have_the_order_of_the_theorem() -> None:
 
 
 def test_truths_are_solved_where_there_is_no_record(tmp_path: Path) -> None:
-    file = tmp_path / "truths.json"
+    stored = replace(truths.STORED, file=tmp_path / "truths.json")
     one, other = first(COVER), first(TARGET)
-    assert truths.make([one], file) == 1
-    assert truths.make([one, other], file) == 1
-    assert truths.make([other], file) == 0
-    truths.load.cache_clear()
-    again = truths.load(file)
-    truths.load.cache_clear()
-    assert list(again) == [other.identity]
-    stored = truths.load()[other.identity].insulated.change
-    assert again[other.identity].insulated.change.agrees_with(stored)
+    assert stored.complete([one]) == (1, 0)
+    assert stored.complete([one, other]) == (1, 0)
+    assert stored.complete([other]) == (0, 0)
+    (again,) = stored.records().items()
+    assert again[0] == other.identity
+    kept = truths.load()[other.identity].insulated.change
+    assert Estimate(**again[1]["insulated"]["change"]).agrees_with(kept)
 
 
-def test_checks_are_solved_where_there_is_no_record(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    quantities = {name: {"value": 2e-12, "error": 1e-14} for name in QUANTITIES}
-    record = {"field": quantities, "boundary": quantities, "seconds": 1.0, "unknowns": 1000}
-    asked: list[str] = []
-
-    def solved(model: object, processes: Processes, set_up: SetUp) -> store.Document:
-        asked.append(set_up.name)
-        return dict(record)
-
-    monkeypatch.setattr(field_check, "solved", solved)
-    file = tmp_path / "checks.json"
-    one, other = field_check.chosen()[:2]
-    assert field_check.make([one, other], 0, file) == 2 and not asked
-    assert field_check.make([one], file=file) == 0
-    assert field_check.make([one, other], file=file) == 0
-    assert asked == [one.name, other.name]
-    assert len(comparisons(file)) == 2 * len(QUANTITIES)
+def test_boundary_elements_solve_a_check_as_it_is_recorded() -> None:
+    """The first of the set-ups, which takes the fewest cells of the field solver."""
+    set_up = CHECK.stored.chosen()[0]
+    recorded = CHECK.stored.records()[set_up.identity]["boundary"]
+    again = field_check.by_boundary_elements(set_up)["boundary"]
+    assert list(again) == list(QUANTITIES)
+    for name in QUANTITIES:
+        assert Estimate(**again[name]).agrees_with(Estimate(**recorded[name]))
 
 
 def test_boundary_elements_agree_with_every_record_of_the_field_solver() -> None:
-    told = [f"{each.set_up.name} {each.quantity}" for each in comparisons() if each.over_errors > 1]
+    told = [f"{each.set_up.name} {each.quantity}" for each in CHECK.comparisons() if each.over_errors > 1]
     assert told == []
 
 
@@ -153,11 +143,11 @@ def test_the_command_computes_what_is_missing_and_makes_the_page(
     monkeypatch.setattr(set_ups, "all_set_ups", some)
     assert command_line.main(["insulators", "--output", str(folder)]) == 0
     printed = capsys.readouterr()
-    assert f"report: {folder / page.PAGE}" in printed.out and "Over 5 set-ups" in printed.out
+    assert f"report: {folder / INSULATORS.file}" in printed.out and "Over 5 set-ups" in printed.out
     assert "with insulators" not in printed.err, "nothing was left to do"
-    made = page.make(folder)
+    made = INSULATORS.make(folder)
     assert "analysis insulators" in made.path.read_text()
-    assert page.make(folder).path.stat().st_mtime_ns == made.path.stat().st_mtime_ns
+    assert INSULATORS.make(folder).path.stat().st_mtime_ns == made.path.stat().st_mtime_ns
 
 
 def test_a_report_beside_the_answers_shows_them(folder: Path) -> None:

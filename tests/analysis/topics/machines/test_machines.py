@@ -14,7 +14,7 @@ from analysis.results import store
 from analysis.results.answers import Estimate
 from analysis.results.study_results import SCENE
 from analysis.topics.errors.parts import EFFECTS, Truth
-from analysis.topics.machines import page, parts, records, section, set_ups
+from analysis.topics.machines import parts, records, section, set_ups
 from analysis.topics.machines.parts import GROUNDING, MERGED, OTHERS, OWN, SENSORS, OnMachine, Pairs
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import (
@@ -29,6 +29,7 @@ from analysis.topics.machines.set_ups import (
     all_set_ups,
 )
 from analysis.topics.machines.stage import EVERY, FORMULA, METHODS, STAGES
+from analysis.topics.machines.topic import MACHINES
 from analysis.topics.machines.truths import RTOL
 from geometries.common.installation import ROOT
 from geometries.scene import reader
@@ -217,7 +218,7 @@ def test_the_command_computes_what_is_missing_and_makes_the_page(
     monkeypatch.setattr(set_ups, "all_set_ups", some)
     assert command_line.main(["machines", "--output", str(folder)]) == 0
     printed = capsys.readouterr()
-    assert f"report: {folder / page.PAGE}" in printed.out and "Over 4 set-ups" in printed.out
+    assert f"report: {folder / MACHINES.file}" in printed.out and "Over 4 set-ups" in printed.out
     assert "on machines" not in printed.err, "nothing was left to do"
 
 

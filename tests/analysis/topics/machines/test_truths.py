@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -35,11 +36,11 @@ def test_stored_changes_are_what_boundary_elements_say(family: str, number: int)
 
 
 def test_what_has_no_record_is_solved_and_what_is_no_set_up_is_dropped(tmp_path: Path) -> None:
-    file = tmp_path / "truths.json"
+    stored = replace(truths.STORED, file=tmp_path / "truths.json")
     first, second = (each for each in all_set_ups() if each.family == HOUSING and each.number in (2, 7))
-    assert truths.make([first], file) == 1
-    assert truths.make([first, second], file) == 1
-    assert truths.make([second], file) == 0
-    truths.load.cache_clear()
-    assert list(truths.load(file)) == [second.identity]
-    truths.load.cache_clear()
+    assert stored.complete([first]) == (1, 0)
+    assert stored.complete([first, second]) == (1, 0)
+    assert stored.complete([second]) == (0, 0)
+    assert list(stored.records()) == [second.identity]
+    changes = stored.records()[second.identity]["changes"]
+    assert [tuple(each["included"]) for each in changes] == list(parts.choices(second))

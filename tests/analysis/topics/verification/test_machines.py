@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from analysis import __main__ as command_line
 from analysis.topics.verification import machines
 from geometries.scene.writer import identity
 
@@ -39,12 +40,11 @@ def test_boundary_elements_agree(name: str) -> None:
 
 
 def test_a_machine_that_is_unknown_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        machines.main(["no such machine"])
+    assert command_line.main(["measure", "machines", "no such machine"]) == 2
     assert "there are housing" in capsys.readouterr().err
 
 
 def test_a_scene_can_be_printed(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    assert machines.main(["--scene", "housing"]) == 0
+    assert command_line.main(["measure", "machines", "--scene", "housing"]) == 0
     (tmp_path / "scene.toml").write_text(capsys.readouterr().out, encoding="utf-8")
     assert identity(machines.load(tmp_path / "scene.toml")) == identity(machines.machines()[0].scene)

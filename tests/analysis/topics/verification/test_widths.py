@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from analysis import __main__ as command_line
 from analysis.topics.verification import widths, widths_section
 from analysis.topics.verification.set_ups import true_cases
 
@@ -33,6 +34,5 @@ def test_without_measurements_there_is_no_section() -> None:
 
 
 def test_a_set_up_that_is_unknown_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    with pytest.raises(SystemExit):
-        widths.main(["no such set-up"])
+    assert command_line.main(["measure", "widths", "no such set-up"]) == 2
     assert "there are square plate" in capsys.readouterr().err

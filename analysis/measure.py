@@ -1,0 +1,85 @@
+"""`python3 -m analysis measure WHAT`: makes what is stored with the project anew, or measures what a note tells."""
+
+from __future__ import annotations
+
+import argparse
+from collections.abc import Sequence
+from dataclasses import dataclass
+from importlib import import_module
+
+from geometries.common import installation
+
+
+@dataclass(frozen=True)
+class Measure:
+    """What it makes, and the module that does it, which is loaded only for this: its function `measure` takes the options, which its function
+    `arguments` adds to the parser, and returns the exit status."""
+
+    makes: str
+    module: str
+
+
+MEASURES = {
+    "truths": Measure("true values of a topic's set-ups that have no record", "analysis.topics.truths"),
+    "field-check": Measure(
+        "readings of a topic's set-ups by the field solver that have no record", "analysis.topics.field_check"
+    ),
+    "fit": Measure(
+        "constants of the formula, fitted to the set-ups that are not sealed",
+        "analysis.topics.corrections.fit",
+    ),
+    "corrections": Measure(
+        "tables of errors in model/CORRECTIONS.md, section 5", "analysis.topics.corrections.notes"
+    ),
+    "accuracy": Measure(
+        "the formula in company to an accuracy, beside stored truths", "analysis.topics.machines.accuracy"
+    ),
+    "stated": Measure(
+        "stated errors of changes beside true ones, in random poses", "analysis.topics.machines.stated"
+    ),
+    "moving": Measure("machines whose links move, beside stored truths", "analysis.topics.machines.moving"),
+    "machines": Measure(
+        "capacitances of machines that the field solver encloses", "analysis.topics.verification.machines"
+    ),
+    "rooms": Measure(
+        "truths of plates in grounded rooms, by mirror images", "analysis.topics.verification.rooms"
+    ),
+    "widths": Measure(
+        "work for a tenth of the first enclosure's width", "analysis.topics.verification.widths"
+    ),
+    "coverage": Measure(
+        "distances of surveys beside boundary elements, and the bound on random bodies",
+        "analysis.coverage.check",
+    ),
+    "survey": Measure("the time of a survey without its page", "analysis.coverage.cost"),
+    "figures": Measure("figures of the notes", "analysis.documentation.figures"),
+    "benchmarks": Measure("measured tables of model/MEASUREMENTS.md", "analysis.documentation.measurements"),
+    "planning": Measure(
+        "the time of planning many cases, and of a night without work", "analysis.nightly.planning_benchmark"
+    ),
+}
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """Adds what there is to measure, and the arguments that are handed on."""
+    width = max(map(len, MEASURES))
+    lines = (f"  {name:{width}}  {each.makes}" for name, each in MEASURES.items())
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.description = "\n".join(
+        ["Makes anew, or measures:", *lines, "", "WHAT --help lists its arguments."]
+    )
+    parser.add_argument("what", metavar="WHAT", choices=MEASURES, help="one of these")
+    parser.add_argument("arguments", metavar="ARGUMENT", nargs=argparse.REMAINDER, help="of WHAT")
+
+
+def run(what: str, words: Sequence[str]) -> int:
+    """Measures; returns the exit status."""
+    chosen = MEASURES[what]
+    module = import_module(chosen.module)
+    parser = argparse.ArgumentParser(
+        prog=f"{installation.command('analysis')} measure {what}", description=module.__doc__
+    )
+    if hasattr(module, "arguments"):
+        module.arguments(parser)
+    status: int = module.measure(parser.parse_args(words))
+    return status

@@ -1,0 +1,120 @@
+"""Readings of a topic's set-ups by the field solver, kept beside the code of the topic, and their comparison with boundary elements."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
+
+from analysis.pipeline import reference_stage
+from analysis.pipeline.processes import Processes
+from analysis.pipeline.set_up_stages import SetUp, SomeSetUp
+from analysis.results.answers import Estimate
+from analysis.results.store import Document, write_text
+from analysis.results.study_results import SCENE
+from analysis.topics.stored import Stored
+from geometries.common.children import temporary_folder
+
+QUANTITIES = ("value", "background", "change")
+_SomeSetUp = TypeVar("_SomeSetUp", bound=SetUp, covariant=True)
+
+
+class Entry(Protocol[_SomeSetUp]):
+    """A set-up with the change of its reading by boundary elements; there may be more quantities."""
+
+    @property
+    def set_up(self) -> _SomeSetUp:
+        ...
+
+    @property
+    def change(self) -> Estimate:
+        ...
+
+
+@dataclass(frozen=True)
+class Comparison(Generic[SomeSetUp]):
+    """One quantity of a set-up's reading by both methods (F), and the ends of the interval that the field solver proves, if it does."""
+
+    set_up: SomeSetUp
+    quantity: str
+    field: Estimate
+    boundary: Estimate
+    proven: tuple[float, float] = (float("-inf"), float("inf"))
+
+    @property
+    def difference(self) -> float:
+        """Boundary elements less the field solver, relative to the field solver's value."""
+        return self.boundary.value / self.field.value - 1
+
+    @property
+    def allowed(self) -> float:
+        """The sum of both errors, relative to the field solver's value."""
+        return (self.boundary.error + self.field.error) / abs(self.field.value)
+
+    @property
+    def over_errors(self) -> float:
+        """The difference over what both errors allow: above 1 one of the values, or its error, is wrong."""
+        return abs(self.difference) / self.allowed
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the proven interval, relative to the field solver's value."""
+        lower, upper = self.proven
+        return (upper - lower) / 2 / abs(self.field.value)
+
+    @property
+    def is_enclosed(self) -> bool:
+        """Whether the value by boundary elements lies within the proven interval."""
+        lower, upper = self.proven
+        return lower <= self.boundary.value <= upper
+
+
+@dataclass(frozen=True)
+class FieldCheck(Generic[SomeSetUp]):
+    """The field solver's `quantities` of readings. A record has them by itself, or, with `both`, under "field" beside those by boundary elements
+    under "boundary"; it may have "lower" and "upper", the ends of the interval proven for the change."""
+
+    stored: Stored[SomeSetUp]
+    quantities: tuple[str, ...] = QUANTITIES
+    both: bool = False
+
+    def comparisons(self, found: Iterable[Entry[SomeSetUp]] = ()) -> list[Comparison[SomeSetUp]]:
+        """Pairs the quantities that are recorded with those of the entries, in their order, or with those in the records."""
+        records = self.stored.records()
+        pairs: list[tuple[SomeSetUp, Entry[SomeSetUp] | None]] = (
+            [(each, None) for each in self.stored.chosen()]
+            if self.both
+            else [(each.set_up, each) for each in found]
+        )
+        return [
+            _comparison(set_up, quantity, records[set_up.identity], entry)
+            for set_up, entry in pairs
+            if set_up.identity in records
+            for quantity in self.quantities
+        ]
+
+
+def _comparison(
+    set_up: SomeSetUp, quantity: str, record: Document, entry: Entry[SomeSetUp] | None
+) -> Comparison[SomeSetUp]:
+    """Returns a quantity of the entry, or of the record without one, beside the field solver's."""
+    if entry is None:
+        field, boundary = (Estimate(**record[method][quantity]) for method in ("field", "boundary"))
+        return Comparison(set_up, quantity, field, boundary)
+    field, boundary = Estimate(**record[quantity]), getattr(entry, quantity)
+    if "lower" not in record:
+        return Comparison(set_up, quantity, field, boundary)
+    return Comparison(set_up, quantity, field, boundary, (record["lower"], record["upper"]))
+
+
+def solved(set_up: SetUp, *options: str) -> Document:
+    """Solves a set-up by the field solver with these options of its command; NoAnswer if it has none."""
+    with temporary_folder() as folder:
+        scene = folder / SCENE
+        write_text(scene, set_up.text)
+        return reference_stage.solve(scene, Processes(), *options)
+
+
+def quantities_of(reading: Document, names: Iterable[str] = QUANTITIES) -> Document:
+    """Returns quantities of a reading as a record has them."""
+    return {name: {"value": reading[name], "error": reading["error"][name]} for name in names}
