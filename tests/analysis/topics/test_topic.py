@@ -1,0 +1,68 @@
+"""A topic follows from its declaration: the example of CONTRIBUTING.md is one, and the command line has every topic of the project."""
+
+from __future__ import annotations
+
+import re
+import sys
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+
+from analysis import __main__ as command_line, commands
+from analysis.report.page import figures_of
+from analysis.study.questions import QUESTIONS
+from analysis.topics.all import TOPICS
+from analysis.topics.topic import Topic
+from geometries.common.installation import ROOT
+
+MOST_LINES = 150
+
+
+@pytest.fixture(scope="module")
+def example() -> Topic[Any, Any]:
+    """The topic that CONTRIBUTING.md declares."""
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    (declared,) = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
+    assert len(declared.splitlines()) <= MOST_LINES
+    module = ModuleType("distance")
+    # Data classes look for their module there.
+    sys.modules[module.__name__] = module
+    exec(compile(declared, "CONTRIBUTING.md", "exec"), module.__dict__)
+    topic: Topic[Any, Any] = module.__dict__["DISTANCE"]
+    return topic
+
+
+def test_command_and_page_follow_from_the_example(
+    example: Topic[Any, Any],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setitem(command_line.TOPICS, example.name, "example")
+    monkeypatch.setitem(commands._COMMANDS, example.name, lambda options: commands._topic(example, options))
+    assert example.make(tmp_path / "nothing").headline == example.absent
+    for _ in range(2):
+        assert command_line.main(["distance", "--output", str(tmp_path)]) == 0
+        assert "The change falls from" in capsys.readouterr().out
+    changes = [each["change"] for each in example.found(example.load(tmp_path))]
+    assert len(changes) == 3 and changes == sorted(changes, reverse=True) and changes[-1] > 0
+    text = (tmp_path / example.file).read_text(encoding="utf-8")
+    assert text.count("<tr>") == 4 and example.title in text
+    assert "--rtol 0.01" in text and "python3 -m analysis distance --output" in text
+    assert "measure" not in text, "it has neither stored truths nor a field check"
+    assert len(list(tmp_path.glob("cases/*/scene.toml"))) == 3
+
+
+def test_the_command_line_and_the_reports_have_every_topic() -> None:
+    assert list(command_line.TOPICS) == [topic.name for topic in TOPICS]
+    assert {topic.question for topic in TOPICS} <= {question.title for question in QUESTIONS}
+
+
+@pytest.mark.parametrize("topic", TOPICS, ids=lambda topic: topic.name)
+def test_without_answers_a_page_says_how_to_get_them(topic: Topic[Any, Any], tmp_path: Path) -> None:
+    made = topic.make(tmp_path)
+    text = made.path.read_text(encoding="utf-8")
+    assert made.headline == topic.absent and f"analysis {topic.name}" in topic.absent
+    assert topic.absent in text and not figures_of(text)
