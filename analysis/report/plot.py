@@ -71,6 +71,27 @@ def power_axis(title: str, decades: int = 1, **more: Any) -> dict[str, Any]:
     return axis(title, type="log", tick0=0, dtick=decades, exponentformat="power", **more)
 
 
+def rows_axis(names: list[str]) -> dict[str, Any]:
+    """Returns the axis of named rows, the first on top."""
+    return axis("", type="category", categoryarray=names[::-1], categoryorder="array")
+
+
+def boxes(points: list[tuple[str, float, str]], name: str, colour: str, what: str = "") -> go.Box:
+    """Returns a box for each row, with all points: each has its row, its value, and what it is called after the word `what`."""
+    return go.Box(
+        x=[value for _, value, _ in points],
+        y=[row for row, _, _ in points],
+        text=[text for _, _, text in points],
+        orientation="h",
+        boxpoints="all",
+        pointpos=0,
+        marker={"color": colour, "size": 4},
+        line={"width": 1.2},
+        name=name,
+        hovertemplate="%{x:.4g}<br>" + what + "%{text}<extra>" + name + "</extra>",
+    )
+
+
 def figure(
     traces: list[Any], x: dict[str, Any], y: dict[str, Any], height: int = 400, **more: Any
 ) -> go.Figure:

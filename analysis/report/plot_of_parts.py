@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import plotly.graph_objects as go
 
 from analysis.pipeline.model_stage import model_module
 from analysis.report.drawing import cut

@@ -22,7 +22,7 @@ from analysis.results.truth import FIELD, Known
 from analysis.results.units import PICOFARAD, duration, picofarads, signed_percent
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
-from geometries.studies.study import BOUNDARY_ELEMENTS, EMPTY, NO_REFERENCE
+from geometries.studies.study import EMPTY, NO_REFERENCE
 
 _FILES = (SCENE, REFERENCE, MODEL, BOUNDARY, SLICE)
 _SCRIPT = f"../../{page.SCRIPT}"

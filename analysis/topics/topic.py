@@ -25,7 +25,7 @@ Comparisons = list[Any]
 class Topic(Generic[SomeSetUp, SomeEntry]):
     """What a topic says of itself.
 
-    `stages` computes the answer of each of the `set_ups`; `entries` reads them. `sections` are those of a page, from the entries, the comparisons
+    `stages` computes the answer of each of the `set_ups`, of which `entry` makes what is told. `sections` are those of a page, from the entries, the comparisons
     with the field solver, and the folder of the set-ups' cases as seen from the page; `finding` is what the command prints, `absent` what is said
     without answers. `title` is that of the topic's own page; `question` and its `short` form are those of the page in the reports of studies.
     `reproduce` says what the commands at the page's end do: the first solves one set-up with the stages' accuracy, the last are those of `truths` and,
@@ -34,7 +34,7 @@ class Topic(Generic[SomeSetUp, SomeEntry]):
 
     stages: SetUpStages[SomeSetUp]
     set_ups: Callable[[], tuple[SomeSetUp, ...]]
-    entries: Callable[[dict[str, Document], tuple[SomeSetUp, ...]], list[SomeEntry]]
+    entry: Callable[[SomeSetUp, Document], SomeEntry]
     sections: Callable[[list[SomeEntry], Comparisons, str], list[Markup]]
     finding: Callable[[list[SomeEntry]], str]
     absent: str
@@ -62,8 +62,8 @@ class Topic(Generic[SomeSetUp, SomeEntry]):
         return self.stages.load(folder, self.set_ups())
 
     def found(self, answers: dict[str, Document]) -> list[SomeEntry]:
-        """Returns the set-ups that have an answer."""
-        return self.entries(answers, self.set_ups())
+        """Returns the entries of the set-ups that have an answer, in their order."""
+        return [self.entry(each, answers[each.id]) for each in self.set_ups() if each.id in answers]
 
     def checked(self) -> Document:
         """Returns the field solver's records; none if it was not asked."""

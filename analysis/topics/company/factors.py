@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -79,11 +78,6 @@ class Factor:
         return max(ratio.error for ratio in self.ratios)
 
 
-def entries(answers: dict[str, Document], set_ups: Iterable[SetUp]) -> list[Entry]:
-    """Returns the set-ups that have an answer, in their order."""
-    return [_entry(each, answers[each.id]) for each in set_ups if each.id in answers]
-
-
 def factors(found: list[Entry]) -> list[Factor]:
     """Returns what each part of a machine, and each connection of the hand but the grounded one, makes of the change; those
     for which there is any pair of set-ups."""
@@ -147,6 +141,7 @@ def _of(found: list[Entry], machine: str, ground: str) -> dict[int, Entry]:
     }
 
 
-def _entry(set_up: SetUp, document: Document) -> Entry:
+def entry(set_up: SetUp, document: Document) -> Entry:
+    """Returns a set-up with its answer."""
     value, background, change = (Estimate(**document[name]) for name in ("value", "background", "change"))
     return Entry(set_up, value, background, change, document["model"])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import plotly.graph_objects as go
 
-from analysis.report.plot import INK, Panel, axis, figure, log_axis, power_axis, series_colour
+from analysis.report.plot import INK, Panel, boxes, figure, log_axis, power_axis, rows_axis, series_colour
 from analysis.topics.company.factors import (
     PARTS,
     Entry,
@@ -39,7 +39,7 @@ def of_factors(found: list[Entry]) -> Panel:
     x = log_axis("change over the change without it")
     return Panel(
         "what the company and the hand's connection make of the change",
-        figure(traces, x, _rows(names), height=_AROUND + _ROW * len(names)),
+        figure(traces, x, rows_axis(names), height=_AROUND + _ROW * len(names)),
     )
 
 
@@ -50,25 +50,14 @@ def of_model(found: list[Entry]) -> Panel:
     height = _AROUND + _BOXES * len(MACHINES)
     return Panel(
         "the model's change over the true one",
-        figure(traces, x, _rows(list(MACHINES)), height=height, boxmode="group"),
+        figure(traces, x, rows_axis(list(MACHINES)), height=height, boxmode="group"),
     )
 
 
 def _boxes(found: list[Entry], ground: str, colour: str) -> go.Box:
     made = {machine: factor_of_model(found, machine, ground) for machine in MACHINES}
-    points = [(machine, ratio) for machine, factor in made.items() for ratio in factor.ratios]
-    return go.Box(
-        x=[ratio.value for _, ratio in points],
-        y=[machine for machine, _ in points],
-        text=[ratio.id for _, ratio in points],
-        orientation="h",
-        boxpoints="all",
-        pointpos=0,
-        marker={"color": colour, "size": 4},
-        line={"width": 1.2},
-        name=f"hand: {ground}",
-        hovertemplate="%{x:.4g}<br>set-up %{text}<extra>hand: " + ground + "</extra>",
-    )
+    points = [(machine, ratio.value, ratio.id) for machine, factor in made.items() for ratio in factor.ratios]
+    return boxes(points, f"hand: {ground}", colour, "set-up ")
 
 
 def _points(name: str, made: list[Factor], colour: str) -> go.Scatter:
@@ -93,8 +82,3 @@ def _medians(made: list[Factor]) -> go.Scatter:
         name="median",
         hovertemplate="median %{x:.4g}<extra>%{y}</extra>",
     )
-
-
-def _rows(names: list[str]) -> dict[str, object]:
-    """Returns the axis of the rows, the first on top."""
-    return axis("", type="category", categoryarray=names[::-1], categoryorder="array")

@@ -25,6 +25,7 @@ from analysis.topics.company.factors import (
 from analysis.topics.company.field_section import Comparison
 from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
 from analysis.topics.company.stage import RTOL
+from analysis.topics.spread import ratio
 from geometries.studies.families import FLOATING, GROUNDED
 
 TITLE = "In company: Experiment VII"
@@ -95,8 +96,8 @@ def model_finding(found: list[Entry]) -> str:
     if not alone.ratios:
         return "The model has no answer for a grounded hand before a sensor by itself."
     return (
-        f"The model, which knows neither company nor connections, gives {_number(alone.median)} times ({_number(alone.smallest)} to {_number(alone.largest)}) the true change for "
-        f"a grounded hand before a sensor by itself; over all set-ups {_number(float(np.median(ratios)))} times it ({_number(min(ratios))} to {_number(max(ratios))})."
+        f"The model, which knows neither company nor connections, gives {ratio(alone.median)} times ({ratio(alone.smallest)} to {ratio(alone.largest)}) the true change for "
+        f"a grounded hand before a sensor by itself; over all set-ups {ratio(float(np.median(ratios)))} times it ({ratio(min(ratios))} to {ratio(max(ratios))})."
     )
 
 
@@ -121,12 +122,7 @@ def conclusion(found: list[Entry]) -> str:
 
 
 def _range(factor: Factor) -> str:
-    return f"{_number(factor.median)} ({_number(factor.smallest)} to {_number(factor.largest)})"
-
-
-def _number(value: float) -> str:
-    """Writes a factor with three digits, or with all before the point."""
-    return f"{value:.3g}" if value < 1000 else f"{value:.0f}"
+    return f"{ratio(factor.median)} ({ratio(factor.smallest)} to {ratio(factor.largest)})"
 
 
 def _rows(found: list[Entry]) -> list[list[str]]:

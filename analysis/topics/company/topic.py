@@ -10,7 +10,7 @@ from analysis.topics.topic import Topic
 COMPANY = Topic[SetUp, Entry](
     stages=STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
-    entries=factors.entries,
+    entry=factors.entry,
     sections=lambda found, checks, _: [section.section(found, checks)],
     finding=section.finding,
     absent=section.ABSENT,

@@ -68,11 +68,6 @@ class Statistics:
     spread: float
 
 
-def entries(answers: dict[str, Document], set_ups: tuple[SetUp, ...]) -> list[Entry]:
-    """Returns the set-ups that have an answer, in their order; a set-up on two maps appears twice."""
-    return [_entry(each, answers[each.id]) for each in set_ups if each.id in answers]
-
-
 def once(found: list[Entry]) -> list[Entry]:
     """Removes repeated set-ups."""
     return list({entry.set_up.id: entry for entry in found}.values())
@@ -129,5 +124,6 @@ def split(document: Document) -> Split:
     return Split(document["model"], document["corrected"], document["error"], effects)
 
 
-def _entry(set_up: SetUp, document: Document) -> Entry:
+def entry(set_up: SetUp, document: Document) -> Entry:
+    """Returns a set-up with its answer; one on two maps appears twice among the entries."""
     return Entry(set_up, truth(document["truth"]), split(document["split"]), document["reached"])

@@ -16,7 +16,7 @@ def _finding(found: list[Entry]) -> str:
 ERRORS = Topic[SetUp, Entry](
     stages=STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
-    entries=records.entries,
+    entry=records.entry,
     sections=lambda found, _, cases: section.sections(found, cases),
     finding=_finding,
     absent=section.ABSENT,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import plotly.graph_objects as go
 
-from analysis.report.plot import Panel, axis, figure, log_axis, series_colour
+from analysis.report.plot import Panel, axis, boxes, figure, log_axis, rows_axis, series_colour
 from analysis.topics.insulators.records import Entry, by_family
 from analysis.topics.insulators.set_ups import COVER, FILM, TARGET
 from analysis.topics.insulators.stage import FORMULA, IGNORING
@@ -19,13 +19,13 @@ def of_families(found: list[Entry]) -> Panel:
     """Plots the true change with the insulator over that without it, a box for each family, with all set-ups."""
     families = by_family(found)
     traces = [
-        _boxes([(family, entry.factor, entry) for entry in members], family, series_colour(index))
+        boxes([(family, entry.factor, entry.set_up.name) for entry in members], family, series_colour(index))
         for index, (family, members) in enumerate(families.items())
     ]
     x = log_axis("change with the insulator over that without it")
     return Panel(
         "what insulators make of the change",
-        figure(traces, x, _rows(list(families)), height=_AROUND + _ROW * len(families), showlegend=False),
+        figure(traces, x, rows_axis(list(families)), height=_AROUND + _ROW * len(families), showlegend=False),
     )
 
 
@@ -55,16 +55,16 @@ def of_rule(found: list[Entry]) -> Panel:
     traces = []
     for index, method in enumerate((FORMULA, IGNORING)):
         points = [
-            (entry.set_up.family, _PERCENT * entry.error(method), entry)
+            (entry.set_up.family, _PERCENT * entry.error(method), entry.set_up.name)
             for entry in found
             if method in entry.changes and entry.set_up.family in (COVER, FILM)
         ]
         name = "with the layer rule" if method == FORMULA else "without regard to the layer"
-        traces.append(_boxes(points, name, series_colour(index)))
+        traces.append(boxes(points, name, series_colour(index)))
     shown = figure(
         traces,
         axis("formula in company: error of the change (%)"),
-        _rows([COVER, FILM]),
+        rows_axis([COVER, FILM]),
         height=320,
         boxmode="group",
     )
@@ -96,23 +96,3 @@ def of_targets(found: list[Entry]) -> Panel:
 
 def _estimate(entry: Entry) -> float:
     return entry.changes[FORMULA].value if FORMULA in entry.changes else float("nan")
-
-
-def _boxes(points: list[tuple[str, float, Entry]], name: str, colour: str) -> go.Box:
-    return go.Box(
-        x=[value for _, value, _ in points],
-        y=[row for row, _, _ in points],
-        text=[entry.set_up.name for _, _, entry in points],
-        orientation="h",
-        boxpoints="all",
-        pointpos=0,
-        marker={"color": colour, "size": 4},
-        line={"width": 1.2},
-        name=name,
-        hovertemplate="%{x:.4g}<br>%{text}<extra>" + name + "</extra>",
-    )
-
-
-def _rows(names: list[str]) -> dict[str, object]:
-    """Returns the axis of the rows, the first on top."""
-    return axis("", type="category", categoryarray=names[::-1], categoryorder="array")

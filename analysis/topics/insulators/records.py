@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-import numpy as np
-
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
 from analysis.topics.insulators.set_ups import COUNTS, SetUp
 from analysis.topics.insulators.stage import FORMULA, IGNORING
 from analysis.topics.insulators.truths import Truth, Truths
+from analysis.topics.spread import Spread, spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,50 +51,19 @@ class Entry:
         return abs(found.value - true.value) <= found.error + true.error
 
 
-@dataclass(frozen=True)
-class Statistics:
-    """Median, least and greatest of some numbers, their root mean square, and the one that is farthest from zero."""
-
-    count: int
-    median: float
-    least: float
-    greatest: float
-    rms: float
-    worst: float
-
-
-def statistics(values: Iterable[float]) -> Statistics | None:
-    """Returns the statistics of some numbers; None without any."""
-    found = np.array(list(values))
-    if not len(found):
-        return None
-    return Statistics(
-        count=len(found),
-        median=float(np.median(found)),
-        least=float(found.min()),
-        greatest=float(found.max()),
-        rms=float(np.sqrt((found**2).mean())),
-        worst=float(found[np.abs(found).argmax()]),
-    )
-
-
-def entries(answers: dict[str, Document], set_ups: Iterable[SetUp]) -> list[Entry]:
-    """Returns the set-ups that have an answer, in their order."""
-    return [_entry(each, answers[each.id]) for each in set_ups if each.id in answers]
-
-
 def by_family(found: list[Entry]) -> dict[str, list[Entry]]:
     """Returns the entries of each family that has any."""
     families = {family: [entry for entry in found if entry.set_up.family == family] for family in COUNTS}
     return {family: members for family, members in families.items() if members}
 
 
-def errors(found: Iterable[Entry], method: str) -> Statistics | None:
+def errors(found: Iterable[Entry], method: str) -> Spread | None:
     """Returns the statistics of the formula's relative errors, of those entries for which it has an answer."""
-    return statistics(entry.error(method) for entry in found if method in entry.changes)
+    return spread(entry.error(method) for entry in found if method in entry.changes)
 
 
-def _entry(set_up: SetUp, answer: Document) -> Entry:
+def entry(set_up: SetUp, answer: Document) -> Entry:
+    """Returns a set-up with its answer."""
     changes = {
         name: Estimate(**answer["changes"][name])
         for name in (FORMULA, IGNORING)

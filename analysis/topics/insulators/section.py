@@ -11,10 +11,11 @@ from analysis.results.units import percent, picofarads, signed_percent
 from analysis.topics.insulators import plots, records
 from analysis.topics.field_solver import QUANTITIES, Comparison as AnyComparison
 from analysis.topics.insulators.field_check import GOAL
-from analysis.topics.insulators.records import Entry, Statistics, by_family, statistics
+from analysis.topics.insulators.records import Entry, by_family
 from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, TARGET, SetUp
 from analysis.topics.insulators.stage import FORMULA, IGNORING
 from analysis.topics.insulators.truths import RTOL
+from analysis.topics.spread import range_of, spread
 
 Comparison = AnyComparison[SetUp]
 TITLE = "Insulators: Experiment VIII"
@@ -67,11 +68,11 @@ def section(found: list[Entry], checks: list[Comparison]) -> Markup:
 def finding(found: list[Entry]) -> str:
     """Tells by how much each kind of insulator multiplies the change."""
     phrases = [
-        f"{_name(family)} {_range(statistics(entry.factor for entry in members))}"
+        f"{_name(family)} {range_of(spread(entry.factor for entry in members))}"
         for family, members in by_family(found).items()
         if family != TARGET
     ]
-    sure = statistics(entry.uncertainty for entry in found)
+    sure = spread(entry.uncertainty for entry in found)
     assert sure is not None
     return (
         f"Over {len(found)} set-ups insulators multiply the change that a hand makes, in the median and from least to most, by: {'; '.join(phrases)}. The factors are "
@@ -82,16 +83,16 @@ def finding(found: list[Entry]) -> str:
 def warnings(found: list[Entry]) -> str:
     """Says in numbers what manuals warn of: keep dry, and insulating objects are not seen."""
     families, told = by_family(found), []
-    wet = statistics(entry.false_change for entry in families.get(FILM, []))
+    wet = spread(entry.false_change for entry in families.get(FILM, []))
     if wet:
         told.append(
             "Keep dry: a wet film of half a millimetre adds to the reading, before any hand comes, "
-            f"{_range(wet)} of the change by the hand."
+            f"{range_of(wet)} of the change by the hand."
         )
-    seen = statistics(entry.factor for entry in families.get(TARGET, []))
+    seen = spread(entry.factor for entry in families.get(TARGET, []))
     if seen:
         told.append(
-            f"Insulating objects are seen less, not unseen: they make {_range(seen)} of the change by a grounded one of the same shape."
+            f"Insulating objects are seen less, not unseen: they make {range_of(seen)} of the change by a grounded one of the same shape."
         )
     return " ".join(told)
 
@@ -133,18 +134,14 @@ def _name(family: str) -> str:
     return f"a {family}"
 
 
-def _range(each: Statistics | None) -> str:
-    return f"{each.median:.3g} ({each.least:.3g} to {each.greatest:.3g})" if each else ""
-
-
 def _rows(found: list[Entry]) -> list[list[str]]:
     rows = []
     for family, members in by_family(found).items():
-        sure = statistics(entry.uncertainty for entry in members)
+        sure = spread(entry.uncertainty for entry in members)
         wrong = (
-            "" if family in (BLANKET, TARGET) else _range(statistics(entry.false_change for entry in members))
+            "" if family in (BLANKET, TARGET) else range_of(spread(entry.false_change for entry in members))
         )
-        factor = _range(statistics(entry.factor for entry in members))
+        factor = range_of(spread(entry.factor for entry in members))
         rows.append([family, str(len(members)), factor, wrong, percent(sure.greatest) if sure else ""])
     return rows
 

@@ -6,7 +6,16 @@ import math
 
 import plotly.graph_objects as go
 
-from analysis.report.plot import Panel, axis, family_marker, figure, power_axis, series_colour
+from analysis.report.plot import (
+    Panel,
+    axis,
+    boxes,
+    family_marker,
+    figure,
+    power_axis,
+    rows_axis,
+    series_colour,
+)
 from analysis.topics.machines.parts import ALL_PARTS
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import FAMILIES
@@ -25,7 +34,7 @@ def of_methods(found: list[Entry]) -> Panel:
         figure(
             traces,
             power_axis("the model's change over the true one"),
-            _rows(list(FAMILIES)),
+            rows_axis(list(FAMILIES)),
             height=_AROUND + _FAMILY * len(FAMILIES),
             boxmode="group",
         ),
@@ -44,7 +53,7 @@ def of_parts(found: list[Entry]) -> Panel:
     )
     return Panel(
         "the parts of the error",
-        figure(traces, x, _rows(there), height=_AROUND + _PART * len(there)),
+        figure(traces, x, rows_axis(there), height=_AROUND + _PART * len(there)),
     )
 
 
@@ -73,21 +82,6 @@ def _points(found: list[Entry], family: str, there: list[str]) -> go.Scatter:
 
 
 def _boxes(found: list[Entry], method: str, colour: str) -> go.Box:
-    points = [(entry.set_up, entry.ratio(method)) for entry in found if method in entry.methods]
-    return go.Box(
-        x=[ratio for _, ratio in points],
-        y=[set_up.family for set_up, _ in points],
-        text=[set_up.name for set_up, _ in points],
-        orientation="h",
-        boxpoints="all",
-        pointpos=0,
-        marker={"color": colour, "size": 4},
-        line={"width": 1.2},
-        name=method,
-        hovertemplate="%{x:.4g}<br>%{text}<extra>" + method + "</extra>",
-    )
-
-
-def _rows(names: list[str]) -> dict[str, object]:
-    """Returns the axis of the rows, the first on top."""
-    return axis("", type="category", categoryarray=names[::-1], categoryorder="array")
+    answering = [entry for entry in found if method in entry.methods]
+    points = [(entry.set_up.family, entry.ratio(method), entry.set_up.name) for entry in answering]
+    return boxes(points, method, colour)

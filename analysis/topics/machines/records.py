@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +13,7 @@ from analysis.topics.errors import records as records_of_pairs
 from analysis.topics.machines import parts
 from analysis.topics.machines.parts import ALL_PARTS, OnMachine, Pairs
 from analysis.topics.machines.set_ups import SetUp
+from analysis.topics.spread import Spread, spread
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,18 +54,6 @@ class Entry:
 
 
 @dataclass(frozen=True)
-class Statistics:
-    """A method's change over the true one, over set-ups: median, least and greatest; `rms` and `worst` of the relative error."""
-
-    count: int
-    median: float
-    least: float
-    greatest: float
-    rms: float
-    worst: float
-
-
-@dataclass(frozen=True)
 class OfPart:
     """A part over the set-ups that have it, relative to the truth. `largest_in` counts where it is the greatest part."""
 
@@ -77,26 +65,9 @@ class OfPart:
     largest_in: int
 
 
-def entries(answers: dict[str, Document], set_ups: Iterable[SetUp]) -> list[Entry]:
-    """Returns the set-ups that have an answer, in their order."""
-    return [_entry(each, answers[each.id]) for each in set_ups if each.id in answers]
-
-
-def statistics(found: list[Entry], method: str) -> Statistics | None:
-    """Returns a method's statistics; None if it answers none of the set-ups."""
-    ratios = np.array([entry.ratio(method) for entry in found])
-    ratios = ratios[np.isfinite(ratios)]
-    if ratios.size == 0:
-        return None
-    errors = ratios - 1
-    return Statistics(
-        count=int(ratios.size),
-        median=float(np.median(ratios)),
-        least=float(ratios.min()),
-        greatest=float(ratios.max()),
-        rms=float(np.sqrt(np.mean(errors**2))),
-        worst=float(errors[np.argmax(np.abs(errors))]),
-    )
+def statistics(found: list[Entry], method: str) -> Spread | None:
+    """Returns how a method's changes over the true ones are spread, about 1; None if it answers none of the set-ups."""
+    return spread((entry.ratio(method) for entry in found), true=1.0)
 
 
 def of_parts(found: list[Entry]) -> list[OfPart]:
@@ -112,7 +83,8 @@ def of_parts(found: list[Entry]) -> list[OfPart]:
     return made
 
 
-def _entry(set_up: SetUp, document: Document) -> Entry:
+def entry(set_up: SetUp, document: Document) -> Entry:
+    """Returns a set-up with its answer."""
     changes = {
         tuple(each["included"]): Estimate(each["value"], each["error"]) for each in document["changes"]
     }

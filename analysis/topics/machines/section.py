@@ -10,10 +10,11 @@ from analysis.results.units import picofarads, signed_percent
 from analysis.topics.machines import field_section, plots, records
 from analysis.topics.machines.field_section import Comparison
 from analysis.topics.machines.parts import COMPANY
-from analysis.topics.machines.records import Entry, Statistics
+from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import FAMILIES
 from analysis.topics.machines.stage import METHODS
 from analysis.topics.machines.truths import RTOL
+from analysis.topics.spread import range_of, ratio
 
 TITLE = "On machines"
 ABSENT = "This version of the model has no study of machines yet: python3 -m analysis machines does it in a minute."
@@ -93,7 +94,7 @@ def sealed_finding(found: list[Entry]) -> str:
 def finding(found: list[Entry]) -> str:
     """Tells how many times the true change each method gives."""
     phrases = [
-        f"{method} {_number(each.median)} times ({_number(each.least)} to {_number(each.greatest)})"
+        f"{method} {ratio(each.median)} times ({ratio(each.least)} to {ratio(each.greatest)})"
         for method in METHODS
         if (each := records.statistics(found, method)) is not None
     ]
@@ -113,7 +114,7 @@ def parts_finding(found: list[Entry]) -> str:
     strongest = max(of_company, key=lambda name: float(np.median(of_company[name] or [0.0])))
     greatest = max(records.of_parts(found), key=lambda each: each.largest_in)
     return (
-        f"Company alone makes {_number(float(np.median(pairs)))} times too much of a change ({_number(min(pairs))} to {_number(max(pairs))}): so much is the exact change "
+        f"Company alone makes {ratio(float(np.median(pairs)))} times too much of a change ({ratio(min(pairs))} to {ratio(max(pairs))}): so much is the exact change "
         f"of the sensor and the target by themselves over that on the machine, and no better model of pairs can be nearer. Most of it is {strongest} "
         f"({np.median(of_company[strongest]):.2g} of the true change in the median). Of all parts {greatest.name} is the greatest most often, in {greatest.largest_in} "
         f"of {len(found)} set-ups."
@@ -126,7 +127,7 @@ def _rows(found: list[Entry]) -> list[list[str]]:
         own = [entry for entry in found if entry.set_up.family == family]
         if own:
             rows.append(
-                [family, str(len(own)), *(_range(records.statistics(own, method)) for method in METHODS)]
+                [family, str(len(own)), *(range_of(records.statistics(own, method)) for method in METHODS)]
             )
     return rows
 
@@ -152,17 +153,8 @@ def _rows_of_sealed(found: list[Entry]) -> list[list[str]]:
             each = records.statistics([entry for entry in found if entry.set_up.sealed == sealed], method)
             if each is not None:
                 errors = (f"{100 * each.rms:.0f} %", f"{100 * each.worst:+.0f} %")
-                rows.append([method, name, str(each.count), _number(each.median), *errors])
+                rows.append([method, name, str(each.count), ratio(each.median), *errors])
     return rows
-
-
-def _range(each: Statistics | None) -> str:
-    return f"{_number(each.median)} ({_number(each.least)} to {_number(each.greatest)})" if each else ""
-
-
-def _number(value: float) -> str:
-    """Writes a ratio with three digits, or with all before the point."""
-    return f"{value:.3g}" if abs(value) < 1000 else f"{value:.0f}"
 
 
 def _numbers(found: list[Entry]) -> Markup:
@@ -173,7 +165,7 @@ def _numbers(found: list[Entry]) -> Markup:
             entry.set_up.name,
             "yes" if entry.set_up.sealed else "",
             *(picofarads(each.value, each.error) for each in (entry.change, entry.true.alone)),
-            *(_number(entry.ratio(method)) if method in entry.methods else "" for method in METHODS),
+            *(ratio(entry.ratio(method)) if method in entry.methods else "" for method in METHODS),
             entry.largest,
         ]
         for entry in found

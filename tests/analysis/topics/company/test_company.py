@@ -62,7 +62,7 @@ def made_up() -> list[Entry]:
             "change": {"value": change, "error": 1e-3 * change},
             "model": 4 * alone if each.ground == GROUNDED else None,
         }
-    return factors.entries(answers, all_set_ups())
+    return COMPANY.found(answers)
 
 
 @pytest.fixture(scope="module")
@@ -161,9 +161,7 @@ def test_the_section_says_what_follows_from_the_factors() -> None:
 
 def test_real_answers_have_the_order_of_the_theorem_and_state_their_errors(folder: Path) -> None:
     answers = STAGES.load(folder, some())
-    found = {
-        (each.set_up.machine, each.set_up.ground): each for each in factors.entries(answers, all_set_ups())
-    }
+    found = {(each.set_up.machine, each.set_up.ground): each for each in COMPANY.found(answers)}
     assert len(found) == len(some())
     for machine in (NOTHING, HOUSING):
         grounded, floating = found[machine, GROUNDED], found[machine, FLOATING]

@@ -10,11 +10,12 @@ import pytest
 from analysis.pipeline import reference_stage
 from analysis.results import store
 from analysis.results.answers import Estimate
-from analysis.topics.company import factors, field_section
+from analysis.topics.company import field_section
 from analysis.topics.company.field_check import CHECK, STORED, chosen
 from analysis.topics.company.field_section import Comparison
-from analysis.topics.company.set_ups import ARRANGEMENTS, GUARD, MACHINES, TO_GROUND, all_set_ups
+from analysis.topics.company.set_ups import ARRANGEMENTS, GUARD, MACHINES, TO_GROUND
 from analysis.topics.company.stage import STAGES
+from analysis.topics.company.topic import COMPANY
 from analysis.topics.field_solver import QUANTITIES
 
 PICO = 1e-12
@@ -60,7 +61,7 @@ def test_boundary_elements_agree_with_every_record(tmp_path: Path) -> None:
     records = STORED.records()
     recorded = [each for each in chosen() if each.identity in records]
     assert STAGES.run(tmp_path, recorded, 2) == []
-    found = CHECK.comparisons(factors.entries(STAGES.load(tmp_path, recorded), all_set_ups()))
+    found = CHECK.comparisons(COMPANY.found(STAGES.load(tmp_path, recorded)))
     assert len(found) == 3 * len(records)
     assert [each for each in found if each.over_errors > 1] == []
     assert f"{len(found)} of {len(found)} values agree" in field_section.finding(found)

@@ -12,7 +12,7 @@ import pytest
 from analysis import __main__ as command_line
 from analysis.results.answers import Estimate
 from analysis.topics.field_solver import QUANTITIES, Comparison
-from analysis.topics.insulators import field_check, records, section, set_ups, truths
+from analysis.topics.insulators import field_check, section, set_ups, truths
 from analysis.topics.insulators.field_check import CHECK
 from analysis.topics.insulators.records import Entry
 from analysis.topics.insulators.set_ups import (
@@ -49,7 +49,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> list[Entry]:
-    return records.entries(STAGES.load(folder, some()), some())
+    return INSULATORS.found(STAGES.load(folder, some()))
 
 
 def test_there_are_two_hundred_set_ups_with_covers_films_and_targets() -> None:

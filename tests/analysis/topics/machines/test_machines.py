@@ -59,7 +59,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def found(folder: Path) -> list[Entry]:
-    return records.entries(STAGES.load(folder, some()), some())
+    return MACHINES.found(STAGES.load(folder, some()))
 
 
 def test_each_family_has_as_many_set_ups_and_a_third_of_them_are_sealed() -> None:
