@@ -68,7 +68,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = "\n".join(
         ["Makes anew, or measures:", *lines, "", "WHAT --help lists its arguments."]
     )
-    parser.add_argument("what", metavar="WHAT", choices=MEASURES, help="one of these")
+    # A dictionary of choices would be taken for subcommands by what makes completions for shells.
+    parser.add_argument("what", metavar="WHAT", choices=list(MEASURES), help="one of these")
     parser.add_argument("arguments", metavar="ARGUMENT", nargs=argparse.REMAINDER, help="of WHAT")
 
 
