@@ -6,7 +6,7 @@ import argparse
 import math
 
 from analysis.topics.all import TOPICS
-from analysis.topics.insulators import field_check as insulators
+from analysis.topics.insulators import topic as insulators
 from geometries.common.arguments import positive_number
 
 _STORED = {topic.name: topic.check.stored for topic in TOPICS if topic.check}

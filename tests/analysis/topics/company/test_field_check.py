@@ -11,11 +11,10 @@ from analysis.pipeline import reference_stage
 from analysis.results import store
 from analysis.results.answers import Estimate
 from analysis.topics.company import field_section
-from analysis.topics.company.field_check import CHECK, STORED, chosen
 from analysis.topics.company.field_section import Comparison
 from analysis.topics.company.set_ups import ARRANGEMENTS, GUARD, MACHINES, TO_GROUND
 from analysis.topics.company.stage import STAGES
-from analysis.topics.company.topic import COMPANY
+from analysis.topics.company.topic import CHECK, COMPANY, STORED, chosen
 from analysis.topics.field_solver import QUANTITIES
 
 PICO = 1e-12

@@ -12,8 +12,7 @@ import pytest
 from analysis import __main__ as command_line
 from analysis.results.answers import Estimate
 from analysis.topics.field_solver import QUANTITIES, Comparison
-from analysis.topics.insulators import field_check, section, set_ups, truths
-from analysis.topics.insulators.field_check import CHECK
+from analysis.topics.insulators import section, set_ups, topic, truths
 from analysis.topics.insulators.records import Entry
 from analysis.topics.insulators.set_ups import (
     BLANKET,
@@ -26,7 +25,7 @@ from analysis.topics.insulators.set_ups import (
     all_set_ups,
 )
 from analysis.topics.insulators.stage import FORMULA, IGNORING, STAGES
-from analysis.topics.insulators.topic import INSULATORS
+from analysis.topics.insulators.topic import CHECK, INSULATORS
 from geometries.scene import reader
 from tests.analysis.synthetic import make_results, report_text
 
@@ -102,7 +101,7 @@ def test_boundary_elements_solve_a_check_as_it_is_recorded() -> None:
     """The first of the set-ups, which takes the fewest cells of the field solver."""
     set_up = CHECK.stored.chosen()[0]
     recorded = CHECK.stored.records()[set_up.identity]["boundary"]
-    again = field_check.by_boundary_elements(set_up)["boundary"]
+    again = topic.by_boundary_elements(set_up)["boundary"]
     assert list(again) == list(QUANTITIES)
     for name in QUANTITIES:
         assert Estimate(**again[name]).agrees_with(Estimate(**recorded[name]))

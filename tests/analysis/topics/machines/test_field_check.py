@@ -8,7 +8,7 @@ import pytest
 
 from analysis.results.answers import Estimate
 from analysis.topics.machines import field_section, truths
-from analysis.topics.machines.field_check import CHECK, STORED, chosen
+from analysis.topics.machines.topic import CHECK, STORED, chosen
 from analysis.topics.machines.field_section import Comparison
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import HOUSING, TABLE, TRANSMIT
