@@ -8,6 +8,7 @@ import math
 from analysis.topics.all import TOPICS
 from analysis.topics.insulators import topic as insulators
 from geometries.common.arguments import positive_number
+from geometries.common.errors import InputError
 
 _STORED = {topic.name: topic.check.stored for topic in TOPICS if topic.check}
 
@@ -33,6 +34,12 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def measure(options: argparse.Namespace) -> int:
     """Solves what has no record; status 1 where some remain without."""
+    if options.boundary and options.topic != insulators.INSULATORS.name:
+        raise InputError(
+            "",
+            "",
+            f"--boundary is an option of {insulators.INSULATORS.name}: the records of {options.topic} have no boundary elements",
+        )
     if options.boundary:
         print(f"insulators: {insulators.solve_again()} set-ups solved by boundary elements")
         return 0

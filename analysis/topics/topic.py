@@ -25,11 +25,11 @@ Comparisons = list[Any]
 class Topic(Generic[SomeSetUp, SomeEntry]):
     """What a topic says of itself.
 
-    `stages` computes the answer of each of the `set_ups`, of which `entry` makes what is told. `sections` are those of a page, from the entries, the comparisons
-    with the field solver, and the folder of the set-ups' cases as seen from the page; `finding` is what the command prints, `absent` what is said
-    without answers. `title` is that of the topic's own page; `question` and its `short` form are those of the page in the reports of studies.
-    `reproduce` says what the commands at the page's end do: the first solves one set-up with the stages' accuracy, the last are those of `truths` and,
-    if it is `quick`, of the field `check`. `cases` writes pages of the set-ups.
+    `stages` computes the answer of each of the `set_ups`, of which `entry` makes what is told. `sections` are those of a page, from the
+    entries, the comparisons with the field solver, and the folder of the set-ups' cases as seen from the page; `finding` is what the command
+    prints, `absent` what is said without answers. `title` is that of the topic's own page; `question` and its `short` form are those of the
+    page in the reports of studies. `reproduce` says what the commands at the page's end do: the first solves one set-up with the stages'
+    accuracy, the last are those of `truths` and, where `is_quick`, of the field `check`. `cases` writes pages of the set-ups.
     """
 
     stages: SetUpStages[SomeSetUp]

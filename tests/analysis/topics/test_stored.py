@@ -14,6 +14,7 @@ from analysis.topics import field_check, truths
 from analysis.topics.company.set_ups import SetUp, all_set_ups
 from analysis.topics.field_solver import FieldCheck, quantities_of
 from analysis.topics.stored import Completed, Stored, rounded
+from geometries.common.errors import InputError
 
 FIRST, SECOND = all_set_ups()[:2]
 RECORD = {"value": 2.0}
@@ -76,6 +77,8 @@ def test_the_commands_solve_by_topic_and_tell_what_is_left(
     assert field_check.measure(parser.parse_args(["company", "--seconds", "1e-9"])) == 1
     assert field_check.measure(parser.parse_args(["company"])) == 0 and len(solved) == 2
     assert "company: 2 set-ups solved, 0 remain without a record" in capsys.readouterr().out
+    with pytest.raises(InputError, match="--boundary is an option of insulators"):
+        field_check.measure(parser.parse_args(["company", "--boundary"]))
     monkeypatch.setitem(truths._MAKE, "machines", lambda: 3)
     parser = argparse.ArgumentParser()
     truths.arguments(parser)
