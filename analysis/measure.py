@@ -54,9 +54,6 @@ MEASURES = {
     "survey": Measure("the time of a survey without its page", "analysis.coverage.cost"),
     "figures": Measure("figures of the notes", "analysis.documentation.figures"),
     "benchmarks": Measure("measured tables of model/MEASUREMENTS.md", "analysis.documentation.measurements"),
-    "planning": Measure(
-        "the time of planning many cases, and of a night without work", "analysis.nightly.planning_benchmark"
-    ),
 }
 
 

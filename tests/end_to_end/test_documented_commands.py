@@ -164,7 +164,6 @@ MINUTES = {
     "build/bin/reduced_benchmark --machine 3": "build/bin/reduced_benchmark --machine 0",
     "build/bin/reduced_benchmark --meshes 40": "build/bin/reduced_benchmark --meshes 1",
     "build/bin/reduced_benchmark SCENE…": f"build/bin/reduced_benchmark {HAND}",
-    "python3 -m analysis measure planning": "python3 -m analysis measure planning --planned 500 --idle 4",
     "tests/fuzz/run SECONDS": "tests/fuzz/run 20",
 }
 # Commands that are not run here: they build the programs, run these tests, or are a step of `check --all`.
