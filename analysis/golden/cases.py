@@ -19,7 +19,8 @@ from analysis.honesty.quantities import CHANGE, PARTS, entry, in_pose, pair, par
 from analysis.pipeline.model_stage import model_module
 from analysis.results.answers import Estimate
 from analysis.results.store import read_json
-from analysis.topics.company import field_check, set_ups as company
+from analysis.topics.company import set_ups as company
+from analysis.topics.company.topic import STORED as COMPANY_RECORDS
 from analysis.topics.corrections import set_ups as corrections, truths as corrections_truths
 from analysis.topics.insulators import set_ups as insulators, truths as insulators_truths
 from analysis.topics.machines import moving, set_ups as machines, truths as machines_truths
@@ -86,10 +87,10 @@ def _corrections() -> Iterator[Case]:
 
 def _company() -> Iterator[Case]:
     """The set-ups whose readings are stored by the field solver."""
-    checks = field_check.load()
+    checks = COMPANY_RECORDS.records()
     for set_up in (each for each in company.all_set_ups() if each.identity in checks):
         true, name = checks[set_up.identity], f"company/{set_up.machine} {set_up.number}, {set_up.ground}"
-        truths = {part_of(company.SENSOR, part): getattr(true, part) for part in PARTS}
+        truths = {part_of(company.SENSOR, part): Estimate(**true[part]) for part in PARTS}
         yield from _cases(name, set_up.scene, (CLOSED, ACCURATE, REDUCED, FINE_ELEMENTS), truths)
 
 

@@ -47,16 +47,10 @@ SMALL = {
     "python3 -m analysis sweep guarded_sensor": "python3 -m analysis sweep guarded_sensor --rtol 0.1 --output {out}/sweep.html",
     "python3 -m analysis coverage guarded_sensor": "python3 -m analysis coverage guarded_sensor --probe sphere:0.02 --grid 0.06 --method none --output {out}/coverage.html",
     "python3 -m analysis honesty": "python3 -m analysis honesty --only 0 --methods reduced:1 --results {out}/honesty",
-<<<<<<< HEAD
     "python3 -m analysis golden FILE": "python3 -m analysis golden {out}/golden.json --only 'corrections/parallel-000/reduced*'",
-    "python3 -m analysis.coverage.check guarded_sensor": "python3 -m analysis.coverage.check guarded_sensor --probe sphere:0.02 --places 1 --bodies 1 --grid 0.06",
-    "python3 -m analysis.topics.machines.moving --write FOLDER": "python3 -m analysis.topics.machines.moving --write {out}/moving",
-    "python3 -m analysis.coverage.cost x_ray_arm --grid 0.0362": "python3 -m analysis.coverage.cost guarded_sensor --probe sphere:0.02 --grid 0.2",
-=======
     "python3 -m analysis measure coverage guarded_sensor": "python3 -m analysis measure coverage guarded_sensor --probe sphere:0.02 --places 1 --bodies 1 --grid 0.06",
     "python3 -m analysis measure moving --write FOLDER": "python3 -m analysis measure moving --write {out}/moving",
     "python3 -m analysis measure survey x_ray_arm --grid 0.0362": "python3 -m analysis measure survey guarded_sensor --probe sphere:0.02 --grid 0.2",
->>>>>>> b298cf2f (One command measures anew; a question about set-ups is declared once)
     "python3 -m geometries person OUT": "python3 -m geometries person {out}/person.obj",
     "python3 -m geometries convert IN OUT": "python3 -m geometries convert {out}/in.vtu {out}/out.stl",
     "python3 -m tests.bad_input.corpus FOLDER": "python3 -m tests.bad_input.corpus {out}/corpus",
