@@ -14,7 +14,7 @@ MOST_WIDER, MOST_SLOWER = 1.1, 1.1
 _ROUNDING = 1e-9
 """What another order of operations may alter, relative to the value: the bound on what states no error."""
 _MOST_MOVED = 20
-_HEADER = "| method | cases | quantities | moved | largest move | largest stated ratio | truths held, old | new | of | time ratio |"
+_HEADER = "| method | cases | quantities | moved | by % at most | by errors | stated ratio | truths held, old | new | of | time ratio |"
 
 
 @dataclass(frozen=True)
@@ -37,11 +37,13 @@ class Recorded:
 
 @dataclass
 class Row:
-    """What became of a method's cases. Moves are relative to both stated errors; `held` and `seconds` are of the old file and the new."""
+    """What became of a method's cases. The largest move is given relative to the value and to both stated errors, which may be wide; `held` and
+    `seconds` are of the old file and the new."""
 
     cases: int = 0
     quantities: int = 0
     moved: int = 0
+    largest_part: float = 0.0
     largest_move: float = 0.0
     largest_stated: float = 0.0
     truths: int = 0
@@ -67,7 +69,7 @@ class Comparison:
         """The table, the largest moves, warnings, faults and the verdict."""
         lines = [_HEADER, _HEADER.count(" | ") * "|---" + "|---|"]
         lines += [
-            f"| {name} | {row.cases} | {row.quantities} | {row.moved} | {row.largest_move:.3g} | {row.largest_stated:.3g} "
+            f"| {name} | {row.cases} | {row.quantities} | {row.moved} | {100 * row.largest_part:.2g} | {row.largest_move:.2g} | {row.largest_stated:.3g} "
             f"| {row.held[0]} | {row.held[1]} | {row.truths} | {row.time_ratio:.2f} |"
             for name, row in self.rows.items()
         ]
@@ -125,6 +127,7 @@ def _compare(found: Comparison, row: Row, name: str, was: Stated, now: Stated | 
     line = f"{name}: {' → '.join(words)}"
     if difference > 0:
         row.moved += 1
+        row.largest_part = max(row.largest_part, difference / max(abs(was.value), abs(now.value)))
         row.largest_move = max(row.largest_move, move)
         found.moved.append((move, f"{line}, {move:.2g} of both errors"))
     if difference > allowed + rounding:

@@ -37,7 +37,9 @@ def test_what_stays_within_all_bounds_passes_and_is_told() -> None:
     found = judged(recorded(value=1.04e-12, error=3.2e-14, free=2e-12 * (1 + 1e-12)))
     assert not found.faults
     assert [line.partition(": ")[0] for _, line in found.moved] == [NAME, NAME]
-    assert found.rows["reduced:1"].largest_stated == pytest.approx(3.2 / 3)
+    (row,) = found.rows.values()
+    assert (row.moved, row.largest_part) == (2, pytest.approx(0.04 / 1.04))
+    assert (row.largest_move, row.largest_stated) == (pytest.approx(4 / 6.2), pytest.approx(3.2 / 3))
     assert "Moved: 2 quantities" in found.text
 
 
