@@ -93,7 +93,14 @@ void lay_on_segment(const Vector3d& from, const Vector3d& to, double share, doub
   /// Fewest points: even the last part, at a singularity, contains a logarithm.
   constexpr int fewest_points = 3;
   constexpr double least_share = 0x1p-20;
-  const double away = distance(from, to) / ((to - from).norm() / 2);
+  const double half_length = (to - from).norm() / 2;
+  // Of a panel that is tiny beside its coordinates, rounding may join a side's end with the point that
+  // divides it.
+  if (half_length == 0) {
+    point(from, share);
+    return;
+  }
+  const double away = distance(from, to) / half_length;
   const double parameter = away + std::sqrt(1 + away * away);
   // The slope at the singularity is logarithmic: the error of a part there falls like its squared length.
   const double digits = std::log(std::max(share * share / allowed, 1.0));
