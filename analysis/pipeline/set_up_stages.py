@@ -17,12 +17,23 @@ from analysis.results.study_results import SCENE, Failure, case_folder
 from geometries.common.installation import ROOT
 
 
-class SetUp(Protocol):
-    """A scene as its canonical text, the hash of the text, and a short form of the hash, by which the set-up is called."""
+class Item(Protocol):
+    """What has an answer of its own, under this name."""
 
     @property
     def id(self) -> str:
         ...
+
+
+@dataclass(frozen=True)
+class Whole:
+    """All set-ups of a topic together, where one answer tells of them."""
+
+    id: str = "all"
+
+
+class SetUp(Item, Protocol):
+    """A scene as its canonical text, the hash of the text, and a short form of the hash, by which the set-up is called."""
 
     @property
     def text(self) -> str:
@@ -33,7 +44,23 @@ class SetUp(Protocol):
         ...
 
 
+SomeItem = TypeVar("SomeItem", bound=Item)
+_SomeItem = TypeVar("_SomeItem", bound=Item, contravariant=True)
 SomeSetUp = TypeVar("SomeSetUp", bound=SetUp)
+
+
+class Stages(Protocol[_SomeItem]):
+    """What computes the answers of a topic and keeps them in a folder of this name, beside the folders of the studies' results."""
+
+    @property
+    def name(self) -> str:
+        ...
+
+    def run(self, folder: Path, items: Iterable[_SomeItem], workers: int | None = None) -> list[Failure]:
+        """Computes the missing and outdated answers; returns the failures."""
+
+    def load(self, folder: Path, items: Iterable[_SomeItem]) -> dict[str, Document]:
+        """Returns the answers in a folder that are up to date, by the item's id."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +79,6 @@ class SetUpStages(Generic[SomeSetUp]):
     sources: tuple[str, ...]
     seconds: Callable[[SomeSetUp], float]
     answer: Callable[[SomeSetUp, Path], Document]
-
-    def beside(self, results: Path) -> Path:
-        """Returns the topic's folder that belongs to a study's results."""
-        return results.resolve().parent / self.name
 
     def path(self, folder: Path, set_up: SomeSetUp) -> Path:
         """Returns the file of a set-up's answer."""
