@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
@@ -26,6 +26,7 @@ CASE_PAGE = "case.html"
 PLOT = "plotly-graph-div"
 """The HTML class of the element that a figure is drawn in."""
 
+_Item = TypeVar("_Item")
 _HEIGHT = 400
 _DRAWN = re.compile(r"Plotly\.newPlot\(document\.currentScript\.previousElementSibling, (.*?)\);</script>")
 # The mark of the inputs is within so many characters of a page's beginning; its scripts may take megabytes.
@@ -218,6 +219,17 @@ def table(
 ) -> Markup:
     """Returns a table; the first `text_columns` are set left, the rest, numbers, right. The rows numbered in `strong` are bold."""
     return Markup(_PARTS.table(header, rows, text_columns, strong))
+
+
+def table_of(
+    items: Iterable[_Item],
+    *columns: tuple[str, Callable[[_Item], str]],
+    text_columns: int = 1,
+    strong: frozenset[int] = frozenset(),
+) -> Markup:
+    """Returns a table with a row for each item; a column is its title and what it shows of an item."""
+    rows = [[shown(each) for _, shown in columns] for each in items]
+    return table([title for title, _ in columns], rows, text_columns, strong)
 
 
 def figures_of(text: Markup) -> list[tuple[list[dict[str, Any]], dict[str, Any]]]:

@@ -13,12 +13,12 @@ from analysis.pipeline import keys
 from analysis.pipeline.set_up_stages import SetUpStages, SomeItem, Stages
 from analysis.report import page
 from analysis.results.store import Document, write_text
+from analysis.topics import field_section
 from analysis.topics.field_solver import FieldCheck
 from analysis.topics.stored import Stored
 from geometries.common import installation
 
 SomeEntry = TypeVar("SomeEntry")
-Comparisons = list[Any]
 _CASES, _SET_UPS = "cases", "set_ups.html"
 
 
@@ -27,7 +27,7 @@ class Topic(Generic[SomeItem, SomeEntry]):
     """What a topic says of itself.
 
     `stages` computes the answer of each of the `set_ups`, of which `entry` makes what is told. `sections` are those of a page, from the
-    entries, the comparisons with the field solver, and what the points of figures open as seen from the page: the folder of the set-ups'
+    entries, what it shows of the field `check`, and what the points of figures open as seen from the page: the folder of the set-ups'
     cases, or the page that shows all set-ups. `finding` is what the command prints, `absent` what is said without answers. `title` and
     `introduction` are those of the topic's own page; `question` and its `short` form are those of the page in the reports of studies,
     empty for a topic that other pages show. `reproduce` says what the commands at the page's end do: the first solves one set-up with the
@@ -39,7 +39,7 @@ class Topic(Generic[SomeItem, SomeEntry]):
     stages: Stages[SomeItem]
     set_ups: Callable[[], Iterable[SomeItem]]
     entry: Callable[[SomeItem, Document], SomeEntry]
-    sections: Callable[[list[SomeEntry], Comparisons, str], list[Markup]]
+    sections: Callable[[list[SomeEntry], list[Markup], str], list[Markup]]
     finding: Callable[[list[SomeEntry]], str]
     absent: str
     title: str
@@ -90,7 +90,8 @@ class Topic(Generic[SomeItem, SomeEntry]):
         """Returns the sections of a page; `opened` is what the points of figures open, as seen from it."""
         # The entries of a topic with a field check have a set-up and the quantities that it compares.
         entries: Any = found
-        return self.sections(found, self.check.comparisons(entries) if self.check else [], opened)
+        checked = field_section.parts(self.check, self.check.comparisons(entries)) if self.check else []
+        return self.sections(found, checked, opened)
 
     def make(self, folder: Path) -> page.Made:
         """Writes the page of the answers in a folder, and those of its set-ups, unless it is up to date."""

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import PICOFARAD, percent, picofarads
-from analysis.topics.company import field_section, plots
+from analysis.topics.company import plots
 from analysis.topics.company.factors import (
     CONNECTIONS,
     PARTS,
@@ -22,7 +22,6 @@ from analysis.topics.company.factors import (
     of_model,
     of_part,
 )
-from analysis.topics.company.field_section import Comparison
 from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
 from analysis.topics.company.stage import RTOL
 from analysis.topics.spread import ratio
@@ -42,8 +41,8 @@ _WHAT = (
 )
 
 
-def section(found: list[Entry], checks: list[Comparison]) -> Markup:
-    """Returns the section, with the comparisons with the field solver; one sentence without answers."""
+def section(found: list[Entry], checked: list[Markup]) -> Markup:
+    """Returns the section, with what the field solver finds; one sentence without answers."""
     if not factors(found):
         return page.section(TITLE, page.paragraph(ABSENT))
     return page.section(
@@ -62,8 +61,7 @@ def section(found: list[Entry], checks: list[Comparison]) -> Markup:
         page.table(["in company of", *_hands(TO_GROUND)], _rows_of_model(found)),
         page.finding(conclusion(found)),
         page.soft(_WHAT),
-        page.heading("Checked by the field solver"),
-        *field_section.parts(checks),
+        *checked,
         page.folded("Show the numbers", _numbers(found)),
     )
 

@@ -87,13 +87,19 @@ STORED = Stored[SetUp](
     solve=solved,
     name=lambda each: each.name,
 )
-CHECK = FieldCheck(STORED, both=True)
+CHECK = FieldCheck(
+    STORED,
+    kind=lambda each: each.family,
+    described=(("set-up", lambda each: each.name),),
+    explanation="The hands are moved to the sensors' axes, where the field solver meshes a quarter of space.",
+    both=True,
+)
 
 INSULATORS = Topic[SetUp, Entry](
     stages=STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
     entry=records.entry,
-    sections=lambda found, checks, _: [section.section(found, checks)],
+    sections=lambda found, checked, _: [section.section(found, checked)],
     finding=section.finding,
     absent=section.ABSENT,
     title="The model before insulators",

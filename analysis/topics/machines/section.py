@@ -7,8 +7,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import picofarads, signed_percent
-from analysis.topics.machines import field_section, plots, records
-from analysis.topics.machines.field_section import Comparison
+from analysis.topics.machines import plots, records
 from analysis.topics.machines.parts import COMPANY
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import FAMILIES
@@ -29,8 +28,8 @@ _WHAT = (
 )
 
 
-def section(found: list[Entry], checks: list[Comparison]) -> Markup:
-    """Returns the section, with the comparisons with the field solver; one sentence without answers."""
+def section(found: list[Entry], checked: list[Markup]) -> Markup:
+    """Returns the section, with what the field solver finds; one sentence without answers."""
     if not found:
         return page.section(TITLE, page.paragraph(ABSENT))
     return page.section(
@@ -51,8 +50,7 @@ def section(found: list[Entry], checks: list[Comparison]) -> Markup:
         page.table(
             ["method", "set-ups", "count", "median ratio", "rms error", "worst error"], _rows_of_sealed(found)
         ),
-        page.heading("Checked by the field solver"),
-        *field_section.parts(checks),
+        *checked,
         page.folded("Show the numbers", _numbers(found)),
     )
 

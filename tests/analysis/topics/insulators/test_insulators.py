@@ -8,10 +8,11 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from markupsafe import Markup
 
 from analysis import __main__ as command_line
 from analysis.results.answers import Estimate
-from analysis.topics.field_solver import QUANTITIES, Comparison
+from analysis.topics.field_solver import QUANTITIES
 from analysis.topics.insulators import section, set_ups, topic, truths
 from analysis.topics.insulators.records import Entry
 from analysis.topics.insulators.set_ups import (
@@ -126,14 +127,9 @@ def test_the_section_warns_in_numbers(found: list[Entry]) -> None:
     told = section.warnings(found)
     assert re.search(r"Keep dry: .* [\d.]+ \([\d.]+ to [\d.]+\)", told) and "seen less" in told
     assert f"Over {len(found)} set-ups" in section.finding(found)
-    estimate = Estimate(2e-12, 1e-14)
-    check = [Comparison(found[0].set_up, quantity, estimate, estimate) for quantity in QUANTITIES]
-    text = str(section.section(found, check))
+    text = str(section.section(found, [Markup("what the field solver finds")]))
     assert text.count("plotly-graph-div") == 4 and "refuses all 1" in text and BLANKET in text
-    assert "change 1 of 1 within 0.5 %" in text
-    assert section.UNCHECKED in str(section.section(found, [])) and section.ABSENT in str(
-        section.section([], [])
-    )
+    assert "what the field solver finds" in text and section.ABSENT in str(section.section([], []))
 
 
 def test_the_command_computes_what_is_missing_and_makes_the_page(

@@ -191,7 +191,7 @@ def test_grounded_company_takes_from_the_change(found: list[Entry]) -> None:
 
 
 def test_the_section_tells_ratios_and_parts(found: list[Entry]) -> None:
-    text = str(section.section(found, {}))
+    text = str(section.section(found, []))
     assert text.count("plotly-graph-div") == 2
     told = section.finding(found)
     times = [entry.ratio(EVERY) for entry in found if EVERY in entry.methods]
