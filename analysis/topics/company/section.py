@@ -49,7 +49,16 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
         TITLE,
         page.finding(finding(found)),
         page.figures([plots.of_factors(found), plots.of_model(found)]),
-        page.table(["what", "against", "pairs", "median", "smallest", "largest", "error"], _rows(found)),
+        page.table_of(
+            factors(found),
+            ("what", lambda each: each.what),
+            ("against", lambda each: each.against),
+            ("pairs", lambda each: str(len(each.ratios))),
+            ("median", lambda each: f"{each.median:.3f}"),
+            ("smallest", lambda each: f"{each.smallest:.3f}"),
+            ("largest", lambda each: f"{each.largest:.3f}"),
+            ("error", lambda each: f"{each.error:.1e}"),
+        ),
         page.paragraph(
             "The same apart, median, and from smallest to largest: each part by the hand's connection,"
         ),
@@ -123,21 +132,6 @@ def _range(factor: Factor) -> str:
     return f"{ratio(factor.median)} ({ratio(factor.smallest)} to {ratio(factor.largest)})"
 
 
-def _rows(found: list[Entry]) -> list[list[str]]:
-    return [
-        [
-            each.what,
-            each.against,
-            str(len(each.ratios)),
-            f"{each.median:.3f}",
-            f"{each.smallest:.3f}",
-            f"{each.largest:.3f}",
-            f"{each.error:.1e}",
-        ]
-        for each in factors(found)
-    ]
-
-
 def _rows_of_parts(found: list[Entry]) -> list[list[str]]:
     return _cells({part: [of_part(found, part, (ground,)) for ground in TO_GROUND] for part in PARTS})
 
@@ -171,19 +165,14 @@ def _hands(grounds: Iterable[str]) -> list[str]:
 
 
 def _numbers(found: list[Entry]) -> Markup:
-    header = [
-        "set-up",
-        "arrangement",
-        "in company of",
-        "hand",
-        "background (pF)",
-        "change (pF)",
-        "model (pF)",
-    ]
-    rows = []
-    for entry in found:
-        made = entry.set_up
-        numbers = [picofarads(each.value, each.error) for each in (entry.background, entry.change)]
-        model = f"{entry.model / PICOFARAD:.4f}" if entry.model is not None else ""
-        rows.append([page.code(made.id), str(made.number), made.machine, made.ground, *numbers, model])
-    return page.table(header, rows, text_columns=4)
+    return page.table_of(
+        found,
+        ("set-up", lambda entry: page.code(entry.set_up.id)),
+        ("arrangement", lambda entry: str(entry.set_up.number)),
+        ("in company of", lambda entry: entry.set_up.machine),
+        ("hand", lambda entry: entry.set_up.ground),
+        ("background (pF)", lambda entry: picofarads(entry.background.value, entry.background.error)),
+        ("change (pF)", lambda entry: picofarads(entry.change.value, entry.change.error)),
+        ("model (pF)", lambda entry: "" if entry.model is None else f"{entry.model / PICOFARAD:.4f}"),
+        text_columns=4,
+    )

@@ -62,35 +62,26 @@ def finding(flat: Curve, others: list[Curve], own: Calibration) -> str:
 
 
 def _claims_table(flat: Curve, others: list[Curve], tunings: list[Calibration]) -> Markup:
-    header = [
-        "plate",
-        "tuned",
-        "thesis: greatest",
-        "here",
-        "at",
-        "mean",
-        "within it",
-        "thesis: later",
-        "here so from",
+    known = [
+        (curve, tuned, claim, held)
+        for curve in others
+        if (claim := claims.for_plate(curve.target_area, flat.target_area))
+        for tuned in tunings
+        if (held := claims.hold(curve, tuned.predict(curve), flat, claim))
     ]
-    rows = []
-    for curve in others:
-        claim = claims.for_plate(curve.target_area, flat.target_area)
-        for tuned in tunings:
-            held = claims.hold(curve, tuned.predict(curve), flat, claim) if claim else None
-            if claim is None or held is None:
-                continue
-            rows.append(
-                [
-                    tables.plate(curve),
-                    tuned.form.name,
-                    f"{100 * claim.greatest:.0f} %, too {'low' if claim.is_low else 'high'}",
-                    signed_percent(held.worst),
-                    tables.place(held.worst_at, DISTANCE),
-                    signed_percent(held.mean),
-                    "yes" if held.holds else "no",
-                    f"below {100 * claim.later:.0f} %",
-                    "nowhere" if held.later_from is None else tables.place(held.later_from, DISTANCE),
-                ]
-            )
-    return page.table(header, rows, text_columns=2)
+    rows = [
+        [
+            tables.plate(curve),
+            tuned.form.name,
+            f"{100 * claim.greatest:.0f} %, too {'low' if claim.is_low else 'high'}",
+            signed_percent(held.worst),
+            tables.place(held.worst_at, DISTANCE),
+            signed_percent(held.mean),
+            "yes" if held.holds else "no",
+            f"below {100 * claim.later:.0f} %",
+            "nowhere" if held.later_from is None else tables.place(held.later_from, DISTANCE),
+        ]
+        for curve, tuned, claim, held in known
+    ]
+    thesis = ["thesis: greatest", "here", "at", "mean", "within it", "thesis: later", "here so from"]
+    return page.table(["plate", "tuned", *thesis], rows, text_columns=2)

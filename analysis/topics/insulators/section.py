@@ -5,6 +5,7 @@ from __future__ import annotations
 from markupsafe import Markup
 
 from analysis.report import page
+from analysis.results.answers import Estimate
 from analysis.results.units import percent, picofarads, signed_percent
 from analysis.topics.insulators import plots, records
 from analysis.topics.insulators.records import Entry, by_family
@@ -145,31 +146,19 @@ def _rows_of_model(found: list[Entry]) -> list[list[str]]:
 
 
 def _numbers(found: list[Entry]) -> Markup:
-    header = [
-        "set-up",
-        "name",
-        "permittivity",
-        "thickness (mm)",
-        "distance (mm)",
-        "change (pF)",
-        "without (pF)",
-        "formula (pF)",
-    ]
-    rows = [
-        [
-            page.code(entry.set_up.id),
-            entry.set_up.name,
-            f"{entry.set_up.permittivity:g}",
-            f"{1e3 * entry.set_up.thickness:.1f}",
-            f"{1e3 * entry.set_up.gap:.1f}",
-            *(
-                picofarads(each.change.value, each.change.error)
-                for each in (entry.true.insulated, entry.true.without)
-            ),
-            picofarads(entry.changes[FORMULA].value, entry.changes[FORMULA].error)
-            if FORMULA in entry.changes
-            else "refused",
-        ]
-        for entry in found
-    ]
-    return page.table(header, rows, text_columns=2)
+    return page.table_of(
+        found,
+        ("set-up", lambda entry: page.code(entry.set_up.id)),
+        ("name", lambda entry: entry.set_up.name),
+        ("permittivity", lambda entry: f"{entry.set_up.permittivity:g}"),
+        ("thickness (mm)", lambda entry: f"{1e3 * entry.set_up.thickness:.1f}"),
+        ("distance (mm)", lambda entry: f"{1e3 * entry.set_up.gap:.1f}"),
+        ("change (pF)", lambda entry: _picofarads(entry.true.insulated.change)),
+        ("without (pF)", lambda entry: _picofarads(entry.true.without.change)),
+        ("formula (pF)", lambda entry: _picofarads(entry.changes.get(FORMULA))),
+        text_columns=2,
+    )
+
+
+def _picofarads(estimate: Estimate | None) -> str:
+    return "refused" if estimate is None else picofarads(estimate.value, estimate.error)
