@@ -14,6 +14,7 @@ from analysis.documentation import make as documentation
 from analysis.live import make as live
 from analysis.nightly import chunks, cluster, night
 from analysis.pipeline import reference_stage
+from analysis.report import results_page
 from analysis.results import statistics, store
 from analysis.results.refusals import named
 from analysis.results.store import InUse, exclusive
@@ -42,7 +43,11 @@ ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 def run_command(options: argparse.Namespace) -> int:
     """Runs one command; returns the exit status, after one line on what went wrong if it did."""
     try:
-        return _COMMANDS[options.command](options)
+        status = _COMMANDS[options.command](options)
+        # Jobs are parts of a command that is still at work.
+        if options.command != "job":
+            results_page.make(installation.results_folder())
+        return status
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
         return WRONG_INPUT

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -127,7 +128,7 @@ def _write(
     headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     shown = index_page.kinds(material.found, "cases")
-    write_text(
+    page.write(
         folder / page.REPORT,
         index_page.document(material.found.title, whole, warning, headline, shown, cards, rest),
     )
@@ -155,6 +156,7 @@ def _pages(material: Material, inputs: str) -> list[Card]:
         case_page.make(material.found, case, rows.get(case.id, []), apart.get(case.id))
     for outdated in set(place.glob("*.html")) - {place.parent / card.target for card in cards}:
         outdated.unlink()
+        shutil.rmtree(place / page.DATA / outdated.stem, ignore_errors=True)
     write_json(place / _FINDINGS, {"made_from": inputs, "pages": [asdict(card) for card in cards]})
     return cards
 
@@ -196,7 +198,7 @@ def _question_pages(material: Material, inputs: str) -> list[Card]:
         text = page.document(
             f"{question.title} {title}", inputs, [way, head, bodies[question]], Path(page.SCRIPT).name
         )
-        write_text(place / file, text)
+        page.write(place / file, text)
         cards.append(
             Card(
                 f"{PAGES}/{file}",

@@ -207,9 +207,7 @@ def _line(values: list[Estimate | None], name: str, number: int) -> list[go.Scat
     bars = [0 if each is None or math.isnan(each.error) else each.error / _PICO for each in values]
     shown = [None if each is None else each.value / _PICO for each in values]
     across, dash = list(range(1, len(values) + 1)), "solid" if number == 0 else "dot"
-    return [
-        joined(f"{name}, {_TRUTH}", across, shown, series_colour(number), "%{y:.5g} pF", bars, dash=dash)
-    ]
+    return [joined(f"{name}, {_TRUTH}", across, shown, series_colour(number), "%{y:.5g} pF", bars, dash=dash)]
 
 
 def _voltages(series: Series, frames: tuple[str, ...]) -> go.Figure:

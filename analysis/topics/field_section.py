@@ -59,7 +59,9 @@ def finding(check: FieldCheck[Any], found: list[Comparison[Any]]) -> str:
         )
     apart = [each for each in found if each.over_errors > 1 or not each.is_enclosed]
     if apart:
-        named = (f"{each.quantity} of {check.stored.name(each.set_up)} ({each.over_errors:.2f})" for each in apart)
+        named = (
+            f"{each.quantity} of {check.stored.name(each.set_up)} ({each.over_errors:.2f})" for each in apart
+        )
         told.append(f"Beyond their errors: {', '.join(named)}.")
     return " ".join(told)
 
@@ -68,7 +70,10 @@ def _of_quantity(quantity: str, found: list[Comparison[Any]]) -> str:
     own = [each for each in found if each.quantity == quantity]
     worst = max(each.over_errors for each in own)
     farthest = max((each.difference for each in own), key=abs)
-    near, stated = (sum(abs(each.difference) <= GOAL for each in own), sum(each.over_errors <= 1 for each in own))
+    near, stated = (
+        sum(abs(each.difference) <= GOAL for each in own),
+        sum(each.over_errors <= 1 for each in own),
+    )
     return (
         f"{quantity} {stated} of {len(own)} within the errors and {near} within {percent(GOAL)}, at most {worst:.2f} of the errors and "
         f"{signed_percent(farthest)} of the value"
@@ -101,7 +106,10 @@ def _differences(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Panel:
 
 def _table(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Markup:
     proven: list[Column] = [
-        ("proven to lie between (pF)", lambda each: " and ".join(f"{end / PICOFARAD:.4g}" for end in each.proven)),
+        (
+            "proven to lie between (pF)",
+            lambda each: " and ".join(f"{end / PICOFARAD:.4g}" for end in each.proven),
+        ),
         ("within", lambda each: page.yes_or_no(each.is_enclosed)),
     ]
     columns: list[Column] = [

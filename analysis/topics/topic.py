@@ -109,7 +109,7 @@ class Topic(Generic[SomeItem, SomeEntry]):
             sections = self.shown(found, _SET_UPS if self.set_ups_page else _CASES)
             head = page.header(self.title, *map(page.paragraph, filter(None, [self.introduction])))
             body = [head, *sections, *self._reproduced(folder)]
-            write_text(target, page.document(self.title, inputs, body, page.SCRIPT))
+            page.write(target, page.document(self.title, inputs, body, page.SCRIPT))
         return page.Made(target, self.finding(found) if found else self.absent)
 
     def _reproduced(self, folder: Path) -> list[Markup]:

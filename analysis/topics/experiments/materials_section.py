@@ -95,9 +95,7 @@ def _ratios(others: list[Material], grounded: Material) -> Panel:
         found = ratios(each, grounded)
         gaps, shares = [point.gap / CENTIMETRE for point, _ in found], [100 * ratio for _, ratio in found]
         cases = [point.case for point, _ in found]
-        traces.append(
-            joined(each.label, gaps, shares, series_colour(index), "%{y:.3g} %", customdata=cases)
-        )
+        traces.append(joined(each.label, gaps, shares, series_colour(index), "%{y:.3g} %", customdata=cases))
     y = axis("part of the grounded target's (%)", rangemode="tozero")
     return Panel("the same over that of the grounded target", figure(traces, log_axis("gap (cm)"), y, 440))
 

@@ -87,7 +87,10 @@ def _share(point: Point) -> float:
 
 def _felt(series: Series) -> Panel:
     """Returns both sensors' delta_self over the gap with error bars, and the model's values."""
-    both = (("near sensor", [p.near for p in series.points]), ("neighbour", [p.neighbour for p in series.points]))
+    both = (
+        ("near sensor", [p.near for p in series.points]),
+        ("neighbour", [p.neighbour for p in series.points]),
+    )
     traces = [
         trace
         for index, (name, felt) in enumerate(both)
@@ -115,7 +118,8 @@ def _coupling(found: list[Series]) -> Panel:
     for index, series in enumerate(found):
         gaps = [point.gap / CENTIMETRE for point in series.points]
         values, bars = (
-            [getattr(point.coupling, part) / PICOFARAD for point in series.points] for part in ("value", "error")
+            [getattr(point.coupling, part) / PICOFARAD for point in series.points]
+            for part in ("value", "error")
         )
         name, cases = f"{_centimetres(series.separation)} apart", [point.case for point in series.points]
         colour, hover = series_colour(index), "%{y:.4g} pF at %{x:.3g} cm"

@@ -88,9 +88,7 @@ def splitting(found: list[Accuracy]) -> Panel:
         ):
             levels, errors = [each.level for each in members], [PERCENT * value for value in values]
             hover = "%{x} splits: %{y:.3g} %"
-            traces.append(
-                joined(f"{region}, {name}", levels, errors, series_colour(index), hover, dash=dash)
-            )
+            traces.append(joined(f"{region}, {name}", levels, errors, series_colour(index), hover, dash=dash))
     x = axis("how often each triangle is split in four", dtick=1)
     return Panel("over the set-ups of a region", figure(traces, x, power_axis("error of splitting (%)"), 460))
 

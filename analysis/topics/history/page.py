@@ -13,7 +13,7 @@ from analysis.report import page
 from analysis.report.page import is_current
 from analysis.report.plot import Panel, axis, figure, guide, power_axis, series_colour
 from analysis.results import study_results as results
-from analysis.results.store import Document, write_text
+from analysis.results.store import Document
 from analysis.results.table import QUANTITIES
 from analysis.results.units import percent
 from analysis.topics.history import nights as history
@@ -30,7 +30,7 @@ def make(folder: Path) -> Path:
     inputs = keys.page_inputs(nights)
     if not is_current(target, inputs):
         page.provide_script(folder)
-        write_text(target, _page(results.title(folder), nights, inputs))
+        page.write(target, _page(results.title(folder), nights, inputs))
     return target
 
 

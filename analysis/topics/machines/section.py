@@ -137,7 +137,9 @@ def _rows(found: list[Entry]) -> list[list[str]]:
 def _sealed(found: list[Entry]) -> Markup:
     """Returns how each method does in the sealed set-ups and in the others."""
     kinds = [(method, name) for method in METHODS for name in ("sealed", "open")]
-    members = {name: [entry for entry in found if entry.set_up.sealed == (name == "sealed")] for _, name in kinds}
+    members = {
+        name: [entry for entry in found if entry.set_up.sealed == (name == "sealed")] for _, name in kinds
+    }
     known = [(*kind, spread) for kind in kinds if (spread := records.statistics(members[kind[1]], kind[0]))]
     return page.table_of(
         known,

@@ -9,7 +9,7 @@ from pathlib import Path
 from analysis.pipeline.set_up_stages import Whole
 from analysis.results.store import Document
 from analysis.results.study_results import Failure
-from analysis.topics.published import files, section, stage, table
+from analysis.topics.published import files, page, section, stage, table
 from analysis.topics.published.section import Published
 from analysis.topics.topic import Topic
 
@@ -34,7 +34,7 @@ PUBLISHED = Topic[Whole, Published](
     set_ups=lambda: (Whole(),),
     entry=lambda _, __: files.load(table.PLACE),
     sections=lambda found, _, set_ups: [section.section(found[0], set_ups)],
-    finding=lambda found: section.headline(*found[0]),
+    finding=lambda found: page.headline(*found[0]),
     absent="",
     title=section.TITLE,
     question="Which values can others be held against?",

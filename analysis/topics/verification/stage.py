@@ -98,7 +98,9 @@ class Rows:
         """Returns the rows in a folder that are up to date, by name; rows of another version of the code or machine are left out."""
         stored = [read_json(path) for path in sorted((folder / "rows").glob("*.json"))]
         current = code() if stored else ""
-        return {row["row"]: row for row in stored if row is not None and row["key"] == key(row["row"], current)}
+        return {
+            row["row"]: row for row in stored if row is not None and row["key"] == key(row["row"], current)
+        }
 
 
 def stage(folder: Path, name: str, code: str) -> Stage:

@@ -17,7 +17,9 @@ PICO = 1e-12
 PROVEN = (1.99 * PICO, 2.03 * PICO)
 
 
-def made_up(over_errors: float, proven: tuple[float, float] = (-math.inf, math.inf)) -> list[Comparison[SetUp]]:
+def made_up(
+    over_errors: float, proven: tuple[float, float] = (-math.inf, math.inf)
+) -> list[Comparison[SetUp]]:
     """Two values that agree, and one whose methods differ by so many times their errors."""
     field, background = Estimate(2 * PICO, 0.01 * PICO), Estimate(PICO, 0.01 * PICO)
     apart = Estimate(2 * PICO + over_errors * 0.015 * PICO, 0.005 * PICO)
@@ -34,7 +36,9 @@ def test_a_difference_beyond_the_errors_is_told_with_its_set_up() -> None:
     assert agreeing[2].difference == pytest.approx(0.00375) and agreeing[2].allowed == pytest.approx(0.0075)
     told = field_section.finding(CHECK, agreeing)
     assert "In 1 set-ups" in told and "3 of 3 values agree" in told and "proves" not in told
-    assert "change 1 of 1 within the errors and 1 within 0.5 %, at most 0.50 of the errors and +0.38 %" in told
+    assert (
+        "change 1 of 1 within the errors and 1 within 0.5 %, at most 0.50 of the errors and +0.38 %" in told
+    )
     told = field_section.finding(CHECK, apart)
     assert "2 of 3 values agree" in told
     assert told.endswith(f"Beyond their errors: change of set-up {chosen()[0].id} (2.00).")
