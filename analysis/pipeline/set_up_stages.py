@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
@@ -15,6 +16,9 @@ from analysis.pipeline.stage import Stage, outdated
 from analysis.results.store import Document, read_current, write_text
 from analysis.results.study_results import SCENE, Failure, case_folder
 from geometries.common.installation import ROOT
+from geometries.scene.scene import Scene
+from geometries.scene.writer import canonical_and_identity
+from geometries.studies.study import IDENTITY_DIGITS
 
 
 class Item(Protocol):
@@ -42,6 +46,32 @@ class SetUp(Item, Protocol):
     @property
     def identity(self) -> str:
         ...
+
+
+@dataclass(frozen=True)
+class OfScene:
+    """A set-up that is known by its scene."""
+
+    scene: Scene
+
+    @cached_property
+    def _canonical(self) -> tuple[str, str]:
+        return canonical_and_identity(self.scene)
+
+    @property
+    def text(self) -> str:
+        """The scene in canonical form."""
+        return self._canonical[0]
+
+    @property
+    def identity(self) -> str:
+        """The hash of the text."""
+        return self._canonical[1]
+
+    @property
+    def id(self) -> str:
+        """The first digits of the hash, by which the set-up is called."""
+        return self.identity[:IDENTITY_DIGITS]
 
 
 SomeItem = TypeVar("SomeItem", bound=Item)

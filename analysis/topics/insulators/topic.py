@@ -20,7 +20,6 @@ from analysis.topics.insulators.set_ups import COVER, FILM, READING, TARGET, Set
 from analysis.topics.insulators.stage import STAGES
 from analysis.topics.stored import Stored, rounded
 from analysis.topics.topic import Topic
-from geometries.scene.writer import canonical_and_identity
 
 RTOL = 1e-2
 """Relative accuracy asked of both methods."""
@@ -43,9 +42,7 @@ def centred(set_up: SetUp) -> SetUp:
         replace(body, pose=replace(body.pose, translation=(0.0, 0.0, body.pose.translation[2])))
         for body in set_up.scene.objects
     )
-    scene = replace(set_up.scene, objects=moved)
-    text, identity = canonical_and_identity(scene)
-    return replace(set_up, scene=scene, text=text, identity=identity)
+    return replace(set_up, scene=replace(set_up.scene, objects=moved))
 
 
 def solved(set_up: SetUp) -> Document:
