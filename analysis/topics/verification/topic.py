@@ -6,7 +6,7 @@ from markupsafe import Markup
 
 from analysis.results.store import Document
 from analysis.topics.topic import Topic
-from analysis.topics.verification import cost_section, records, section, widths, widths_section
+from analysis.topics.verification import cost_section, records, section
 from analysis.topics.verification.stage import Row, Rows, all_rows
 
 Entry = tuple[str, Document]
@@ -31,7 +31,7 @@ def costs(found: list[Entry]) -> Markup:
         for case in cost_cases().values()
     ]
     known = [cost for cost in (records.cost(dict(found), case) for case in asked) if cost is not None]
-    return cost_section.section(known) + widths_section.section(widths.stored())
+    return cost_section.section(known)
 
 
 def _finding(found: list[Entry]) -> str:
