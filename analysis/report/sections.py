@@ -42,7 +42,7 @@ _ERROR = (
 
 FILES = (
     "Beside this page: table.csv with a row for each case and quantity, of a sensor and an object, of a sensor, or of a reading, and the folder cases with the answers and "
-    "the page of every case. A click on a point in a plot opens its case."
+    "the page of every case. A click on a point in a plot opens its case, and CSV beside its caption the plot's data."
 )
 
 

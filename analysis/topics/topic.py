@@ -28,12 +28,12 @@ class Topic(Generic[SomeItem, SomeEntry]):
 
     `stages` computes the answer of each of the `set_ups`, of which `entry` makes what is told. `sections` are those of a page, from the
     entries, what it shows of the field `check`, and what the points of figures open as seen from the page: the folder of the set-ups'
-    cases, or the page that shows all set-ups. `finding` is what the command prints, `absent` what is said without answers. `title` and
-    `introduction` are those of the topic's own page; `question` and its `short` form are those of the page in the reports of studies,
-    empty for a topic that other pages show. `reproduce` says what the commands at the page's end do: the first solves one set-up with the
-    stages' accuracy, the last are those of `truths` and, where `is_quick`, of the field `check`. `cases` writes pages of the set-ups,
-    `set_ups_page` returns one that shows all: from the entries, file and title of the page that leads to it, the hash of what it is made
-    from, and the file of plotly.js, both files as seen from it. `command` is the topic's name unless given.
+    cases, or the page that shows all set-ups. `finding` is what the command prints. Both get at least one entry; `absent` is what is said
+    without any. `title` and `introduction` are those of the topic's own page; `question` and its `short` form are those of the page in
+    the reports of studies, empty for a topic that other pages show. `reproduce` says what the commands at the page's end do: the first
+    solves one set-up with the stages' accuracy, the last are those of `truths` and, where `is_quick`, of the field `check`. `cases`
+    writes pages of the set-ups, `set_ups_page` returns one that shows all: from the entries, file and title of the page that leads to it,
+    the hash of what it is made from, and the file of plotly.js, both files as seen from it. `command` is the topic's name unless given.
     """
 
     stages: Stages[SomeItem]
@@ -87,7 +87,9 @@ class Topic(Generic[SomeItem, SomeEntry]):
         return self.check.stored.records() if self.check else {}
 
     def shown(self, found: list[SomeEntry], opened: str = _CASES) -> list[Markup]:
-        """Returns the sections of a page; `opened` is what the points of figures open, as seen from it."""
+        """Returns the sections of a page; `opened` is what the points of figures open, as seen from it. Without entries it says so."""
+        if not found:
+            return [page.section(self.title, page.paragraph(self.absent))]
         # The entries of a topic with a field check have a set-up and the quantities that it compares.
         entries: Any = found
         checked = field_section.parts(self.check, self.check.comparisons(entries)) if self.check else []

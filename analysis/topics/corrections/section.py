@@ -19,11 +19,8 @@ ABSENT = f"The corrections were not evaluated yet: {stage.COMMAND} does it in a 
 _PLAIN, _BEST, _RECOMMENDED = "none", "formula", "recommended"
 
 
-def section(document: Document | None, set_ups: str) -> Markup:
-    """Returns the section of a document of analysis.topics.corrections.stage; one sentence without one. `set_ups` is the file of the page of its
-    set-ups, as seen from the page."""
-    if document is None:
-        return page.section(TITLE, page.paragraph(ABSENT))
+def section(document: Document, set_ups: str) -> Markup:
+    """Returns the section of a document of analysis.topics.corrections.stage. `set_ups` is the file of the page of its set-ups, as seen from the page."""
     return page.section(
         TITLE,
         page.finding(finding(document)),

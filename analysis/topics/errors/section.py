@@ -36,9 +36,7 @@ _WHAT = (
 
 
 def sections(found: list[Entry], cases: str) -> list[Markup]:
-    """Returns the parts and the maps; one sentence without answers. `cases` is the folder of the set-ups as seen from the page."""
-    if not found:
-        return [page.section("The parts of the error", page.paragraph(ABSENT))]
+    """Returns the parts and the maps. `cases` is the folder of the set-ups as seen from the page."""
     return [_parts(found, cases), *(_map(group, found, cases) for group in MAPS if _on(group, found))]
 
 

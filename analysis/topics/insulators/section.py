@@ -26,9 +26,7 @@ _WHAT = (
 
 
 def section(found: list[Entry], checked: list[Markup]) -> Markup:
-    """Returns the section, with what the field solver finds; one sentence without answers."""
-    if not found:
-        return page.section(TITLE, page.paragraph(ABSENT))
+    """Returns the section, with what the field solver finds."""
     return page.section(
         TITLE,
         page.finding(finding(found)),

@@ -29,7 +29,6 @@ def test_the_page_by_itself_leads_to_that_of_its_set_ups(tmp_path: Path) -> None
 
 
 def test_the_section_tells_the_errors_and_the_times() -> None:
-    assert section.ABSENT in section.section(None, SET_UPS)
     document = corrections_document()
     told = section.finding(document)
     assert (
