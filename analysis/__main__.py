@@ -14,12 +14,18 @@ from geometries.common.arguments import positive_integer, positive_number
 from geometries.common.interpreter import continue_with
 
 TOPICS = {
+    "verify": "compare the reference with known capacitances, and measure its run time against error (minutes; finished rows are kept)",
     "errors": "split the model's error into parts in hundreds of set-ups, by boundary elements (a minute or two; finished ones are kept)",
     "company": "Experiment VII: a hand before a sensor in company, by boundary elements (a minute or two; finished ones are kept)",
     "machines": "the model's error on machines, taken apart in hundreds of set-ups with stored truths by boundary elements (a minute; finished ones are kept)",
     "insulators": "Experiment VIII: covers, wet films, mattresses, blankets and insulating targets before a sensor, with stored truths by boundary elements (a minute; finished ones are kept)",
+    "corrections": "evaluate the model's corrections against boundary elements, with their run times",
 }
 """What the commands of the topics do. The topics themselves load slow libraries, which this interpreter may lack."""
+_FOLDERS = {"verify": "verification"}
+"""The folders of results that are not called as the topic's command is."""
+_MEASURED_TOGETHER = {"corrections"}
+"""The topics that have one answer, which is computed at one time."""
 # What shells report for a command that was interrupted.
 _INTERRUPTED = 130
 
@@ -73,24 +79,13 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "report", help="write table.csv, report.html and its pages from stored answers"
     )
     report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
-    verify = commands.add_parser(
-        "verify",
-        help="compare the reference with known capacitances, and measure its run time against error (minutes; finished rows are kept)",
-    )
-    _add_output_and_jobs(verify, "rows", "rows", "verification")
     for name, does in TOPICS.items():
-        _add_output_and_jobs(commands.add_parser(name, help=does), "answers", "set-ups", name)
+        _add_topic(commands.add_parser(name, help=does), name)
     documentation = commands.add_parser(
         "documentation", help="make a site of all notes, algorithms and references (the model must be built)"
     )
     documentation.add_argument(
         "--output", type=Path, metavar="DIR", help="where to write the site (default: results/documentation)"
-    )
-    corrections = commands.add_parser(
-        "corrections", help="evaluate the model's corrections against boundary elements, with their run times"
-    )
-    corrections.add_argument(
-        "--output", type=Path, metavar="DIR", help="where to keep the answer (default: results/corrections)"
     )
     table = commands.add_parser(
         "table",
@@ -369,11 +364,14 @@ def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     difference.add_argument("--output", type=Path, metavar="JSON", help="also write all of it to this file")
 
 
-def _add_output_and_jobs(command: argparse.ArgumentParser, kept: str, at_a_time: str, folder: str) -> None:
+def _add_topic(command: argparse.ArgumentParser, name: str) -> None:
+    folder = _FOLDERS.get(name, name)
     command.add_argument(
-        "--output", type=Path, metavar="DIR", help=f"where to keep the {kept} (default: results/{folder})"
+        "--output", type=Path, metavar="DIR", help=f"where to keep the answers (default: results/{folder})"
     )
-    _add_jobs(command, at_a_time)
+    command.set_defaults(jobs=None)
+    if name not in _MEASURED_TOGETHER:
+        _add_jobs(command, "answers")
 
 
 def _add_jobs(command: argparse.ArgumentParser, at_a_time: str) -> None:

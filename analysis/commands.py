@@ -14,6 +14,7 @@ from analysis.documentation import make as documentation
 from analysis.live import make as live
 from analysis.nightly import chunks, cluster, night
 from analysis.pipeline import reference_stage
+from analysis.report import results_page
 from analysis.results import statistics, store
 from analysis.results.refusals import named
 from analysis.results.store import InUse, exclusive
@@ -22,11 +23,6 @@ from analysis.show import make as show, readings as show_readings
 from analysis.study import report, workflow
 from analysis.sweep import make as sweep
 from analysis.topics.all import TOPICS
-from analysis.topics.corrections import (
-    page as corrections_page,
-    section as corrections_section,
-    stage as corrections_stage,
-)
 from analysis.topics.history import difference, nights, page as history_page
 from analysis.topics.published import (
     files as published_files,
@@ -34,7 +30,7 @@ from analysis.topics.published import (
     table as published_table,
 )
 from analysis.topics.topic import Topic
-from analysis.topics.verification import page as verification_page, stage as verification_stage
+from analysis.topics.verification.topic import VERIFICATION
 from geometries.common import installation
 from geometries.common.errors import InputError
 from geometries.studies import study
@@ -47,7 +43,11 @@ ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 def run_command(options: argparse.Namespace) -> int:
     """Runs one command; returns the exit status, after one line on what went wrong if it did."""
     try:
-        return _COMMANDS[options.command](options)
+        status = _COMMANDS[options.command](options)
+        # Jobs are parts of a command that is still at work.
+        if options.command != "job":
+            results_page.make(installation.results_folder())
+        return status
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
         return WRONG_INPUT
@@ -125,9 +125,7 @@ def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:
     """Verifies the reference if the option asks for it, in the folder beside a study's results; returns the failures."""
     if not options.verify:
         return []
-    return verification_stage.run(
-        verification_page.beside(target), verification_stage.row_names(), options.jobs
-    )
+    return VERIFICATION.stages.run(VERIFICATION.beside(target), VERIFICATION.set_ups(), options.jobs)
 
 
 def _tell(failures: list[Failure]) -> None:
@@ -192,16 +190,6 @@ def _report(folder: Path) -> report.Report:
     return made
 
 
-def _verify(folder: Path | None, jobs: int | None) -> int:
-    target = folder or installation.results_folder() / verification_stage.FOLDER
-    failures = verification_stage.run(target, verification_stage.row_names(), jobs)
-    _tell(failures)
-    made = verification_page.make(target)
-    print(made.headline)
-    print(f"report: {made.path}")
-    return FAILED if failures else ANSWERED
-
-
 def _topic(topic: Topic[Any, Any], options: argparse.Namespace) -> int:
     """Brings the answers of a topic's set-ups up to date and makes the topic's page."""
     target = options.output or installation.results_folder() / topic.name
@@ -211,18 +199,6 @@ def _topic(topic: Topic[Any, Any], options: argparse.Namespace) -> int:
         made = topic.make(target)
     print(made.headline)
     print(f"report: {made.path}")
-    return FAILED if failures else ANSWERED
-
-
-def _corrections(folder: Path | None) -> int:
-    target = folder or installation.results_folder() / corrections_stage.FOLDER
-    with exclusive(target):
-        failures = corrections_stage.run(target)
-        _tell(failures)
-        made = corrections_page.make(target)
-    document = corrections_stage.load(target)
-    print(corrections_section.finding(document) if document else corrections_section.ABSENT)
-    print(f"report: {made}")
     return FAILED if failures else ANSWERED
 
 
@@ -339,9 +315,8 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "nightly": _nightly,
     "job": lambda options: _job(options.file),
     "diff": lambda options: _diff(options.old, options.new, options.output),
-    "verify": lambda options: _verify(options.output, options.jobs),
-    **{topic.name: partial(_topic, topic) for topic in TOPICS},
-    "corrections": lambda options: _corrections(options.output),
+    **{topic.verb: partial(_topic, topic) for topic in TOPICS},
+    # It writes the table itself, beside the folder of the answers.
     "table": lambda options: _table(options.answers, options.output, options.jobs),
     "documentation": lambda options: _documentation(options.output),
     "show": _show,

@@ -44,9 +44,6 @@ MEASURES = {
     "rooms": Measure(
         "truths of plates in grounded rooms, by mirror images", "analysis.topics.verification.rooms"
     ),
-    "widths": Measure(
-        "work for a tenth of the first enclosure's width", "analysis.topics.verification.widths"
-    ),
     "coverage": Measure(
         "distances of surveys beside boundary elements, and the bound on random bodies",
         "analysis.coverage.check",

@@ -141,30 +141,17 @@ def _guarantee(proven: list[str], count: int) -> Markup:
 
 
 def _methods(survey: Survey) -> Markup:
-    rows = [
-        [
-            told.method,
-            told.probe,
-            str(told.places),
-            "–" if math.isnan(told.excess) else f"{100 * told.excess:+.1f} cm",
-            "–" if math.isnan(told.ratio) else f"{told.ratio:.3g}",
-            f"{told.false} of {told.asked}",
-        ]
-        for told in findings.comparisons(survey)
-    ]
     return page.section(
         "What other methods would have said",
-        page.table(
-            [
-                "method",
-                "probe",
-                "places",
-                "distance, median difference",
-                "change, median ratio",
-                "noticed only by it",
-            ],
-            rows,
-            2,
+        page.table_of(
+            findings.comparisons(survey),
+            ("method", lambda told: told.method),
+            ("probe", lambda told: told.probe),
+            ("places", lambda told: str(told.places)),
+            ("distance, median difference", lambda told: _known(told.excess, f"{100 * told.excess:+.1f} cm")),
+            ("change, median ratio", lambda told: _known(told.ratio, f"{told.ratio:.3g}")),
+            ("noticed only by it", lambda told: f"{told.false} of {told.asked}"),
+            text_columns=2,
         ),
         page.soft(
             f"At {len(survey.compared)} places. The survey itself solves every probe before the machine by {BOUNDARY_ELEMENTS}: {survey.panels} panels, with an "
@@ -172,6 +159,10 @@ def _methods(survey: Survey) -> Markup:
             "probes. A difference of +5 cm says that the method promises 5 cm more than there are."
         ),
     )
+
+
+def _known(value: float, words: str) -> str:
+    return "–" if math.isnan(value) else words
 
 
 def _data(survey: Survey, conductors: dict[str, Array]) -> Document:

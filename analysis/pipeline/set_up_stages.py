@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
@@ -15,14 +16,28 @@ from analysis.pipeline.stage import Stage, outdated
 from analysis.results.store import Document, read_current, write_text
 from analysis.results.study_results import SCENE, Failure, case_folder
 from geometries.common.installation import ROOT
+from geometries.scene.scene import Scene
+from geometries.scene.writer import canonical_and_identity
+from geometries.studies.study import IDENTITY_DIGITS
 
 
-class SetUp(Protocol):
-    """A scene as its canonical text, the hash of the text, and a short form of the hash, by which the set-up is called."""
+class Item(Protocol):
+    """What has an answer of its own, under this name."""
 
     @property
     def id(self) -> str:
         ...
+
+
+@dataclass(frozen=True)
+class Whole:
+    """All set-ups of a topic together, where one answer tells of them."""
+
+    id: str = "all"
+
+
+class SetUp(Item, Protocol):
+    """A scene as its canonical text, the hash of the text, and a short form of the hash, by which the set-up is called."""
 
     @property
     def text(self) -> str:
@@ -33,7 +48,49 @@ class SetUp(Protocol):
         ...
 
 
+@dataclass(frozen=True)
+class OfScene:
+    """A set-up that is known by its scene."""
+
+    scene: Scene
+
+    @cached_property
+    def _canonical(self) -> tuple[str, str]:
+        return canonical_and_identity(self.scene)
+
+    @property
+    def text(self) -> str:
+        """The scene in canonical form."""
+        return self._canonical[0]
+
+    @property
+    def identity(self) -> str:
+        """The hash of the text."""
+        return self._canonical[1]
+
+    @property
+    def id(self) -> str:
+        """The first digits of the hash, by which the set-up is called."""
+        return self.identity[:IDENTITY_DIGITS]
+
+
+SomeItem = TypeVar("SomeItem", bound=Item)
+_SomeItem = TypeVar("_SomeItem", bound=Item, contravariant=True)
 SomeSetUp = TypeVar("SomeSetUp", bound=SetUp)
+
+
+class Stages(Protocol[_SomeItem]):
+    """What computes the answers of a topic and keeps them in a folder of this name, beside the folders of the studies' results."""
+
+    @property
+    def name(self) -> str:
+        ...
+
+    def run(self, folder: Path, items: Iterable[_SomeItem], workers: int | None = None) -> list[Failure]:
+        """Computes the missing and outdated answers; returns the failures."""
+
+    def load(self, folder: Path, items: Iterable[_SomeItem]) -> dict[str, Document]:
+        """Returns the answers in a folder that are up to date, by the item's id."""
 
 
 @dataclass(frozen=True)
@@ -52,10 +109,6 @@ class SetUpStages(Generic[SomeSetUp]):
     sources: tuple[str, ...]
     seconds: Callable[[SomeSetUp], float]
     answer: Callable[[SomeSetUp, Path], Document]
-
-    def beside(self, results: Path) -> Path:
-        """Returns the topic's folder that belongs to a study's results."""
-        return results.resolve().parent / self.name
 
     def path(self, folder: Path, set_up: SomeSetUp) -> Path:
         """Returns the file of a set-up's answer."""

@@ -88,37 +88,34 @@ def finding_on_solids(solids: Sequence[SolidCapacity]) -> str:
 
 
 def _scenes_table(scenes: Sequence[SceneTime]) -> Markup:
-    rows = [
-        [
-            scene.name,
-            f"{scene.rtol:g}",
-            f"{scene.unknowns:,}",
-            percent(scene.stated),
-            duration(scene.seconds, 2),
-            f"{scene.mebibytes:,.0f}",
-        ]
-        for scene in scenes
-    ]
-    return page.table(["scene", "rtol", "unknowns", "stated error", "time", "MiB"], rows)
+    return page.table_of(
+        scenes,
+        ("scene", lambda scene: scene.name),
+        ("rtol", lambda scene: f"{scene.rtol:g}"),
+        ("unknowns", lambda scene: f"{scene.unknowns:,}"),
+        ("stated error", lambda scene: percent(scene.stated)),
+        ("time", lambda scene: duration(scene.seconds, 2)),
+        ("MiB", lambda scene: f"{scene.mebibytes:,.0f}"),
+    )
 
 
 def _sizes_table(sizes: Sequence[SizeTime]) -> Markup:
-    rows = [
-        [f"{size.panels:,}", duration(size.seconds, 2), f"{size.mebibytes:,.0f}", percent(size.error)]
-        for size in sizes
-    ]
-    return page.table(["panels", "time", "MiB", "error"], rows, text_columns=0)
+    return page.table_of(
+        sizes,
+        ("panels", lambda size: f"{size.panels:,}"),
+        ("time", lambda size: duration(size.seconds, 2)),
+        ("MiB", lambda size: f"{size.mebibytes:,.0f}"),
+        ("error", lambda size: percent(size.error)),
+        text_columns=0,
+    )
 
 
 def _solids_table(solids: Sequence[SolidCapacity]) -> Markup:
-    rows = [
-        [
-            solid.name,
-            written(solid.capacity, solid.stated),
-            "–" if solid.published is None else f"{solid.published:.8f}",
-            f"{solid.panels:,}",
-            duration(solid.seconds, 2),
-        ]
-        for solid in solids
-    ]
-    return page.table(["solid", "capacity", "published", "unknowns", "time"], rows)
+    return page.table_of(
+        solids,
+        ("solid", lambda solid: solid.name),
+        ("capacity", lambda solid: written(solid.capacity, solid.stated)),
+        ("published", lambda solid: "–" if solid.published is None else f"{solid.published:.8f}"),
+        ("unknowns", lambda solid: f"{solid.panels:,}"),
+        ("time", lambda solid: duration(solid.seconds, 2)),
+    )

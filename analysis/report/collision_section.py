@@ -118,19 +118,17 @@ def _figures(number: float) -> str:
 
 
 def _classes_table(classes: Sequence[PairClass]) -> Markup:
-    header = ["class", "pairs", "intersecting", "wrong", "unproven", "exactly", "thesis wrong", "did not end"]
-    rows = [
-        [
-            page.code(each.name),
-            f"{each.pairs:,}",
-            _share(each.intersecting, each.pairs),
-            *(f"{count:,}" for count in (each.wrong, each.unproven, each.exact)),
-            f"{each.thesis_wrong:,}",
-            f"{each.thesis_endless:,}",
-        ]
-        for each in classes
-    ]
-    return page.table(header, rows)
+    return page.table_of(
+        classes,
+        ("class", lambda each: page.code(each.name)),
+        ("pairs", lambda each: f"{each.pairs:,}"),
+        ("intersecting", lambda each: _share(each.intersecting, each.pairs)),
+        ("wrong", lambda each: f"{each.wrong:,}"),
+        ("unproven", lambda each: f"{each.unproven:,}"),
+        ("exactly", lambda each: f"{each.exact:,}"),
+        ("thesis wrong", lambda each: f"{each.thesis_wrong:,}"),
+        ("did not end", lambda each: f"{each.thesis_endless:,}"),
+    )
 
 
 def _queries_table(queries: Sequence[QueryTimes]) -> Markup:

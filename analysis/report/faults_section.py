@@ -32,27 +32,18 @@ def beside(results: Path) -> Document | None:
 
 def section(document: Document) -> Markup:
     kinds = {name: counts for name, counts in document["kinds"].items() if counts["rounds"]}
-    header = [
-        "fault",
-        "made",
-        "while it ran",
-        "unfinished files left",
-        "completed by the next run",
-    ]
-    rows = [
-        [
-            _KINDS.get(name, name),
-            *(
-                str(counts[key])
-                for key in ("rounds", "during_the_run", "unfinished_files", "completed_afterwards")
-            ),
-        ]
-        for name, counts in kinds.items()
-    ]
+    table = page.table_of(
+        kinds.items(),
+        ("fault", lambda kind: _KINDS.get(kind[0], kind[0])),
+        ("made", lambda kind: str(kind[1]["rounds"])),
+        ("while it ran", lambda kind: str(kind[1]["during_the_run"])),
+        ("unfinished files left", lambda kind: str(kind[1]["unfinished_files"])),
+        ("completed by the next run", lambda kind: str(kind[1]["completed_afterwards"])),
+    )
     return page.section(
         TITLE,
         page.finding(finding(document)),
-        page.table(header, rows),
+        table,
         page.folded("What the user reads", _messages(kinds)),
         page.soft(
             "Reference and model answer at once here; the commands and all that they write are the real ones. After every fault "

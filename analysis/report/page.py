@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import re
-from collections.abc import Iterable
+import shutil
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 from plotly.offline import get_plotlyjs
 from plotly.utils import PlotlyJSONEncoder
 
+from analysis.report import figure_data
 from analysis.report.plot import Panel, Plot
 from analysis.results.store import write_text
 
@@ -23,11 +26,19 @@ SCRIPT = "report/plotly.js"
 CASES = "../cases"
 """The cases' folder as seen from a page in the folder of the pages."""
 CASE_PAGE = "case.html"
+DATA = "data"
+"""The folder of the figures' data, beside the page."""
 PLOT = "plotly-graph-div"
 """The HTML class of the element that a figure is drawn in."""
 
+_Item = TypeVar("_Item")
 _HEIGHT = 400
 _DRAWN = re.compile(r"Plotly\.newPlot\(document\.currentScript\.previousElementSibling, (.*?)\);</script>")
+_WITH_DATA = re.compile(
+    rf'href="{DATA}/(?P<words>\w+)\.csv"(?P<rest>.*?{_DRAWN.pattern.replace("(.*?)", "(?P<drawn>.*?)")})'
+)
+_WORDS = 6
+"""Words of a figure's caption in the name of the file of its data."""
 # The mark of the inputs is within so many characters of a page's beginning; its scripts may take megabytes.
 _MARK_WITHIN = 1000
 
@@ -97,6 +108,21 @@ def document(title: str, inputs: str, body: Iterable[Markup], script: str | None
     )
 
 
+def write(target: Path, text: str) -> None:
+    """Writes a page, and the data of its figures into a folder of their own beside it."""
+    folder = f"{DATA}/{target.stem}"
+    shutil.rmtree(target.parent / folder, ignore_errors=True)
+    numbers = itertools.count(1)
+
+    def with_file(figure: re.Match[str]) -> str:
+        file = f"{folder}/{next(numbers)}_{figure['words']}.csv"
+        traces, layout, _ = json.loads(f"[{figure['drawn']}]")
+        write_text(target.parent / file, figure_data.to_csv(traces, layout))
+        return f'href="{file}"{figure["rest"]}'
+
+    write_text(target, _WITH_DATA.sub(with_file, text))
+
+
 def provide_script(folder: Path) -> None:
     """Puts plotly.js into a folder of results, unless it is there."""
     text, target = get_plotlyjs(), folder / SCRIPT
@@ -154,10 +180,11 @@ def plot_section(plot: Plot, cases: str = CASES) -> Markup:
     return section(plot.title, *parts)
 
 
-def figures(panels: list[Panel], cases: str = CASES, set_ups: str = "") -> Markup:
+def figures(panels: list[Panel], cases: str = CASES, set_ups: str = "", with_data: bool = True) -> Markup:
     """Panels side by side. `cases` is the folder of the cases that their points open, as seen from the page; where they open set-ups
-    that are all on one page (analysis.report.set_ups_page), `set_ups` is its file."""
-    drawn = [_figure(panel.figure) | {"caption": panel.caption, "kind": PLOT} for panel in panels]
+    that are all on one page (analysis.report.set_ups_page), `set_ups` is its file. Each has a link to its data, which `write` writes, if wanted.
+    """
+    drawn = [_figure(panel, with_data) | {"caption": panel.caption, "kind": PLOT} for panel in panels]
     return Markup(_PARTS.figures(drawn, cases, set_ups))
 
 
@@ -220,20 +247,35 @@ def table(
     return Markup(_PARTS.table(header, rows, text_columns, strong))
 
 
+def table_of(
+    items: Iterable[_Item],
+    *columns: tuple[str, Callable[[_Item], str]],
+    text_columns: int = 1,
+    strong: frozenset[int] = frozenset(),
+) -> Markup:
+    """Returns a table with a row for each item; a column is its title and what it shows of an item."""
+    rows = [[shown(each) for _, shown in columns] for each in items]
+    return table([title for title, _ in columns], rows, text_columns, strong)
+
+
 def figures_of(text: Markup) -> list[tuple[list[dict[str, Any]], dict[str, Any]]]:
     """Returns the data and the layout of every figure in a page's body."""
     found = [json.loads(f"[{drawn}]") for drawn in _DRAWN.findall(text)]
     return [(data, layout) for data, layout, _ in found]
 
 
-def _figure(figure: Any) -> dict[str, object]:
-    """Returns the height of a figure and the arguments that plotly draws it from. Everything is styled by `plot.figure`: plotly's template,
-    longer than most figures, is left out."""
-    content = figure.to_plotly_json()
+def _figure(panel: Panel, with_data: bool) -> dict[str, object]:
+    """Returns the height of a figure, the arguments that plotly draws it from, and the file of its data, empty without one. Everything is styled by
+    `plot.figure`: plotly's template, longer than most figures, is left out."""
+    content = panel.figure.to_plotly_json()
     layout = {key: value for key, value in content["layout"].items() if key != "template"}
     config = {"responsive": True, "displaylogo": False, "displayModeBar": False}
     parts = ", ".join(
         json.dumps(part, cls=PlotlyJSONEncoder, separators=(",", ":"))
         for part in (content["data"], layout, config)
     )
-    return {"height": layout.get("height", _HEIGHT), "data": json_in_page(parts)}
+    file = ""
+    if with_data and figure_data.has_table(content["data"]):
+        words = "_".join(re.findall(r"[a-z0-9]+", panel.caption.lower())[:_WORDS])
+        file = f"{DATA}/{words or 'figure'}.csv"
+    return {"height": layout.get("height", _HEIGHT), "data": json_in_page(parts), "file": file}

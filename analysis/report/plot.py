@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from html import escape
 from typing import Any
 
 import plotly.graph_objects as go
@@ -89,6 +90,28 @@ def boxes(points: list[tuple[str, float, str]], name: str, colour: str, what: st
         line={"width": 1.2},
         name=name,
         hovertemplate="%{x:.4g}<br>" + what + "%{text}<extra>" + name + "</extra>",
+    )
+
+
+def guide(name: str, x: Any, y: Any, **line: Any) -> go.Scatter:
+    """Returns a line that points are held against, which says nothing of its own; it is dotted unless its style says otherwise."""
+    style = {"color": INK, "dash": "dot", "width": 1.5, **line}
+    return go.Scatter(x=x, y=y, mode="lines", line=style, name=name, hoverinfo="skip")
+
+
+def joined(name: str, x: Any, y: Any, colour: str, hover: str, bars: Any = None, **more: Any) -> go.Scatter:
+    """Returns points joined by lines, with error bars if given; `hover` is what a point shows beside the name. More is `dash`, or what plotly
+    calls it."""
+    line = {"color": colour, "dash": more.pop("dash", "solid"), "width": 2}
+    shown = {"mode": "lines+markers", "marker": {"color": colour, "size": 6}, **more}
+    return go.Scatter(
+        x=x,
+        y=y,
+        name=name,
+        line=line,
+        error_y=None if bars is None else {"array": bars, "thickness": 1.5},
+        hovertemplate=f"{hover}<extra>{escape(name)}</extra>",
+        **shown,
     )
 
 

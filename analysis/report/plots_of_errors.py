@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from analysis.report.plot import Panel, Plot, axis, family_marker, figure, log_axis
+from analysis.report.plot import Panel, Plot, axis, family_marker, figure, guide, log_axis
 from analysis.results.names import in_words
 from analysis.results.set_up import SetUp
 from analysis.results.commands import COMPARED_METHOD
@@ -55,16 +55,7 @@ def _values(rows: list[Row], quantity: str) -> go.Figure:
     ]
     positive = [value for value in every if 0 < value < math.inf]
     ends = [min(positive) / 1.5, max(positive) * 1.5]
-    traces: list[object] = [
-        go.Scatter(
-            x=ends,
-            y=ends,
-            mode="lines",
-            line={"color": "#9aa4ae", "dash": "dot"},
-            name="both agree",
-            hoverinfo="skip",
-        )
-    ]
+    traces = [guide("both agree", ends, ends)]
     for family in families:
         members = [row for row in chosen if row.case.family == family]
         traces.append(

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.labels import placed
-from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
+from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
 from analysis.results import measurements
 from analysis.results.measurements import MethodTime, RunTimes
 from analysis.results.units import duration
@@ -125,16 +125,8 @@ def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
             placed([_pixels(time, x_range, y_range) for time in times], labels),
         )
     )
-    traces = [
-        go.Scatter(
-            x=[time.seconds_per_triangle / _NANOSECOND for time in best],
-            y=[max(time.error, _ROUNDING) for time in best],
-            mode="lines",
-            line={"color": INK, "width": 1.5, "dash": "dot", "shape": "hv"},
-            name="front",
-            hoverinfo="skip",
-        )
-    ]
+    fastest = [time.seconds_per_triangle / _NANOSECOND for time in best]
+    traces = [guide("front", fastest, [max(time.error, _ROUNDING) for time in best], shape="hv")]
     for index, kind in enumerate(kinds):
         members = [time for time in times if _kind(time.method) == kind]
         traces.append(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from markupsafe import Markup
 
@@ -40,7 +42,7 @@ _ERROR = (
 
 FILES = (
     "Beside this page: table.csv with a row for each case and quantity, of a sensor and an object, of a sensor, or of a reading, and the folder cases with the answers and "
-    "the page of every case. A click on a point in a plot opens its case."
+    "the page of every case. A click on a point in a plot opens its case, and CSV beside its caption the plot's data."
 )
 
 
@@ -97,30 +99,22 @@ def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Mar
     if not summaries:
         return page.lines(parts)
     strong = frozenset(index for index, summary in enumerate(summaries) if summary.family == ALL_FAMILIES)
-    header = [
-        "quantity",
-        "family, or machine",
-        "cases",
-        "rms",
-        "median size",
-        "worst",
-        "reference sure to",
-        "worst case",
+    table = [
+        page.table_of(
+            summaries,
+            ("quantity", lambda s: s.quantity),
+            ("family, or machine", lambda s: s.family),
+            ("cases", lambda s: str(s.count)),
+            ("rms", lambda s: percent(s.rms)),
+            ("median size", lambda s: percent(s.median)),
+            ("worst", lambda s: signed_percent(s.worst)),
+            ("reference sure to", lambda s: percent(s.sure_to) if s.sure_to < 1 else "unknown"),
+            ("worst case", lambda s: page.case_link(s.worst_case, results.cases[s.worst_case].name, "cases")),
+            text_columns=2,
+            strong=strong,
+        ),
+        page.soft(_ERROR),
     ]
-    lines = [
-        [
-            s.quantity,
-            s.family,
-            str(s.count),
-            percent(s.rms),
-            percent(s.median),
-            signed_percent(s.worst),
-            percent(s.sure_to) if s.sure_to < 1 else "unknown",
-            page.case_link(s.worst_case, results.cases[s.worst_case].name, "cases"),
-        ]
-        for s in summaries
-    ]
-    table = [page.table(header, lines, text_columns=2, strong=strong), page.soft(_ERROR)]
     return page.beside(parts, table)
 
 
@@ -142,36 +136,24 @@ def _pairs(pairs: list[Pair]) -> list[Markup]:
         return [title, page.paragraph("The study holds no pair of set-ups whose answers must agree.")]
     agreeing = sum(pair.agrees for pair in pairs)
     largest = max(pair.difference for pair in pairs)
-    header = [
-        "first",
-        "second",
-        "relation",
-        "quantity",
-        "by",
-        "first (pF)",
-        "second (pF)",
-        "difference",
-        "within errors",
-    ]
-    rows = [
-        [
-            page.case_link(pair.first.id, pair.first.name),
-            page.case_link(pair.second.id, pair.second.name),
-            pair.relation,
-            pair.quantity,
-            pair.method,
-            picofarads(pair.first_value.value, pair.first_value.error),
-            picofarads(pair.second_value.value, pair.second_value.error),
-            f"{pair.difference:.1e}",
-            "yes" if pair.agrees else "no",
-        ]
-        for pair in pairs
-    ]
+    table = page.table_of(
+        pairs,
+        ("first", lambda pair: page.case_link(pair.first.id, pair.first.name)),
+        ("second", lambda pair: page.case_link(pair.second.id, pair.second.name)),
+        ("relation", lambda pair: pair.relation),
+        ("quantity", lambda pair: pair.quantity),
+        ("by", lambda pair: pair.method),
+        ("first (pF)", lambda pair: picofarads(pair.first_value.value, pair.first_value.error)),
+        ("second (pF)", lambda pair: picofarads(pair.second_value.value, pair.second_value.error)),
+        ("difference", lambda pair: f"{pair.difference:.1e}"),
+        ("within errors", lambda pair: "yes" if pair.agrees else "no"),
+        text_columns=5,
+    )
     sentence = (
         f"{agreeing} of {len(pairs)} comparisons of mirrored or exchanged set-ups agree within the sum of their errors; the "
         f"largest difference is {largest:.1e} of the value."
     )
-    return [title, page.finding(sentence), page.table(header, rows, text_columns=5)]
+    return [title, page.finding(sentence), table]
 
 
 def _checks(rows: list[Row]) -> list[Markup]:
@@ -237,69 +219,66 @@ def failures(results: Results) -> Markup:
     failed = [failure for failure in results.failures if not failure.refused]
     if not failed:
         return Markup("")
-    rows = [
-        [results.cases[failure.case].name if failure.case else "", failure.stage, failure.reason]
-        for failure in failed
-    ]
     return page.section(
         "Failed cases",
         page.finding(f"{len(failed)} answers are missing; the numbers above do not include them."),
-        page.table(["case", "stage", "reason"], rows, text_columns=3),
+        page.table_of(
+            failed,
+            ("case", lambda failure: results.cases[failure.case].name if failure.case else ""),
+            ("stage", lambda failure: failure.stage),
+            ("reason", lambda failure: failure.reason),
+            text_columns=3,
+        ),
     )
 
 
 def all_rows(results: Results, rows: list[Row]) -> Markup:
     """Returns every row with its case folder and the commands that recompute it."""
-    header = [
-        "case",
-        "quantity",
-        "reference (pF)",
-        "by",
-        "exact model (pF)",
-        "model error",
-        "from",
-        "to",
-        "reached",
-    ]
-    lines = []
-    for row in rows:
-        by_model = [""] * 4
-        if row.is_compared:
-            errors = (row.model_error, *row.model_error_interval)
-            by_model = [
-                f"{row.model[COMPARED_METHOD] / PICOFARAD:.5f}",
-                *(signed_percent(error, 2) for error in errors),
-            ]
-        lines.append(
-            [
-                page.case_link(row.case.id, row.case.name),
-                f"{row.quantity} {row.reading}".strip(),
-                picofarads(row.reference.value, row.reference.error),
-                row.known.answered_by,
-                *by_model,
-                "yes" if row.reached else "no",
-            ]
-        )
+
+    def of_model(shown: Callable[[Row], str]) -> Callable[[Row], str]:
+        return lambda row: shown(row) if row.is_compared else ""
+
+    table = page.table_of(
+        rows,
+        ("case", lambda row: page.case_link(row.case.id, row.case.name)),
+        ("quantity", lambda row: f"{row.quantity} {row.reading}".strip()),
+        ("reference (pF)", lambda row: picofarads(row.reference.value, row.reference.error)),
+        ("by", lambda row: row.known.answered_by),
+        ("exact model (pF)", of_model(lambda row: f"{row.model[COMPARED_METHOD] / PICOFARAD:.5f}")),
+        ("model error", of_model(lambda row: signed_percent(row.model_error, 2))),
+        ("from", of_model(lambda row: signed_percent(row.model_error_interval[0], 2))),
+        ("to", of_model(lambda row: signed_percent(row.model_error_interval[1], 2))),
+        ("reached", lambda row: "yes" if row.reached else "no"),
+        text_columns=2,
+    )
     return page.section(
         "Every row",
         page.paragraph(
             f"The same {len(rows)} rows, in full precision and with the other methods, are in table.csv beside report.html. The "
             "files of a case are in the folder cases/<case>, with its page."
         ),
-        page.folded("Show the rows", page.table(header, lines, text_columns=2)),
+        page.folded("Show the rows", table),
     )
 
 
 def reproduce(results: Results, rows: list[Row]) -> Markup:
     """Returns the commands, the versions and the machine."""
-    commands = [
-        [
-            page.case_link(case.id, case.name),
-            page.code(command) if (command := truth_command(results, case)) else "",
-            page.code(model_command(results, case.id)) if case.family != EMPTY and knows(case.scene) else "",
-        ]
-        for case in results.cases.values()
-    ]
+
+    def asked(command: str) -> str:
+        return page.code(command) if command else ""
+
+    commands = page.table_of(
+        results.cases.values(),
+        ("case", lambda case: page.case_link(case.id, case.name)),
+        ("reference", lambda case: asked(truth_command(results, case))),
+        (
+            "model",
+            lambda case: asked(
+                model_command(results, case.id) if case.family != EMPTY and knows(case.scene) else ""
+            ),
+        ),
+        text_columns=3,
+    )
     return page.section(
         "Reproduce",
         page.paragraph(
@@ -307,9 +286,7 @@ def reproduce(results: Results, rows: list[Row]) -> Markup:
             "that case's answer anew. The plots of model errors need both commands of a case, the run times of the model are those "
             "of --method exact or split:N, the slices of the potential come from the reference's command with --slice FILE."
         ),
-        page.folded(
-            "Show the commands", page.table(["case", "reference", "model"], commands, text_columns=3)
-        ),
+        page.folded("Show the commands", commands),
         page.heading("Versions and machine"),
         page.table(["what", "which"], _versions(results, rows), text_columns=2),
     )

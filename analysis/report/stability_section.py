@@ -6,7 +6,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import INK, Panel, axis, figure, power_axis, series_colour
+from analysis.report.plot import Panel, axis, figure, guide, power_axis, series_colour
 from analysis.results import measurements
 from analysis.results.measurements import MethodErrors, Stability, StabilityClass
 
@@ -92,16 +92,7 @@ def _label(method: str) -> str:
 
 def _figure(measured: Stability) -> go.Figure:
     names = [entry.name for entry in measured.classes]
-    traces = [
-        go.Scatter(
-            x=names,
-            y=[measured.limit] * len(names),
-            mode="lines",
-            line={"color": INK, "dash": "dot", "width": 1.5},
-            name=f"limit {measured.limit:g}",
-            hoverinfo="skip",
-        )
-    ]
+    traces = [guide(f"limit {measured.limit:g}", names, [measured.limit] * len(names))]
     for index, method in enumerate(methods_of(measured)):
         traces += _traces(measured, method, index)
     x = axis("", type="category", tickangle=-40)

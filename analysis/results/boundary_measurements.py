@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.results.measurements import Origin
+from analysis.results.measurements import Origin, origin
 from analysis.results.store import Document
 
 
@@ -61,7 +61,7 @@ def boundary_times(document: Document | None) -> BoundaryTimes | None:
         return None
     answer = document["answer"]
     return BoundaryTimes(
-        Origin(document["processor"], document["instruction_sets"], document["command"]),
+        origin(document),
         tuple(SceneTime(**entry) for entry in answer["scenes"]),
         tuple(SizeTime(**entry) for entry in answer["sizes"]),
         tuple(SolidCapacity(**entry) for entry in answer["solids"]),

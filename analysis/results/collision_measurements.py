@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.results.measurements import Origin
+from analysis.results.measurements import Origin, origin
 from analysis.results.store import Document
 
 
@@ -63,7 +63,7 @@ def collision(
     if not documents:
         return None
     return Collision(
-        tuple(Origin(d["processor"], d["instruction_sets"], d["command"]) for d in documents),
+        tuple(map(origin, documents)),
         tuple(PairClass(**entry) for entry in _entries(answers, "classes")),
         tuple(_query_times(entry) for entry in _entries(queries, "rows")),
         tuple(_scene_times(entry) for entry in _entries(scenes, "scenes")),

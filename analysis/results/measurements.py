@@ -89,7 +89,7 @@ def run_times(document: Document | None) -> RunTimes | None:
             time = _method_time(entry)
             known = found.get((time.set, time.method), time)
             found[time.set, time.method] = min(known, time, key=lambda t: t.seconds_per_triangle)
-    return RunTimes(_origin(document), answer["context"]["compiler"], tuple(found.values()))
+    return RunTimes(origin(document), answer["context"]["compiler"], tuple(found.values()))
 
 
 def stability(document: Document | None) -> Stability | None:
@@ -109,10 +109,11 @@ def stability(document: Document | None) -> Stability | None:
         )
         for entry in answer["classes"]
     )
-    return Stability(_origin(document), document["passed"], float(answer["limit"]), classes)
+    return Stability(origin(document), document["passed"], float(answer["limit"]), classes)
 
 
-def _origin(document: Document) -> Origin:
+def origin(document: Document) -> Origin:
+    """Returns where a stored answer comes from."""
     return Origin(document["processor"], document["instruction_sets"], document["command"])
 
 
@@ -124,10 +125,4 @@ def _method_time(entry: Document) -> MethodTime:
 
 
 def _method_errors(errors: Document) -> MethodErrors:
-    return MethodErrors(
-        errors["triangles"],
-        errors["not_finite"],
-        errors["wrong_by_1_percent"],
-        errors["largest_over_conditioning"],
-        errors["percentile_99_over_conditioning"],
-    )
+    return MethodErrors(**{name: errors[name] for name in MethodErrors.__dataclass_fields__})

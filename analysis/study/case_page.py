@@ -61,7 +61,7 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
             for name in case.truth.sensors
         ]
     yield page.header(case.name, *head)
-    yield page.figures(_panels(case))
+    yield page.figures(_panels(case), with_data=False)
     if case.slice is None and results.error != NO_REFERENCE and case.by_field:
         yield page.paragraph("No slice of its potential is stored. This command computes one:")
         yield page.command(f"{reference_command(results, case.id)} --slice slice.json")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 from markupsafe import Markup
@@ -24,7 +25,7 @@ from analysis.report.plot import Plot
 from analysis.results import statistics, study_results as results, symmetry, table
 from analysis.results.store import Document
 from analysis.topics.company.topic import COMPANY
-from analysis.topics.corrections import section as corrections_section
+from analysis.topics.corrections.topic import CORRECTIONS
 from analysis.topics.cross_check import section as cross_check_section
 from analysis.topics.errors import records as error_records, section as errors_section
 from analysis.topics.errors.topic import ERRORS
@@ -32,33 +33,28 @@ from analysis.topics.experiments import section as experiments_section
 from analysis.topics.insulators.topic import INSULATORS
 from analysis.topics.machines import section as machines_section
 from analysis.topics.machines.topic import MACHINES
-from analysis.topics.published import section as published_section
+from analysis.topics.published.topic import PUBLISHED
 from analysis.topics.topic import Topic
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
-from analysis.topics.verification import page as verification_page
+from analysis.topics.verification import topic as verification
+from analysis.topics.verification.topic import VERIFICATION
 from geometries.studies.study import BOTH, NO_REFERENCE
 
 CROSS_CHECK = "cross_check"
 """The page that shows disagreements."""
 ERRORS_CASES = "../../errors/cases"
 """The cases of `python3 -m analysis errors`, as seen from a page of a study's report."""
-CORRECTIONS, PUBLISHED = "corrections", "published"
-"""The pages whose points open set-ups that are not cases of the study."""
-CORRECTIONS_SET_UPS, PUBLISHED_SET_UPS = (f"set_ups/{name}.html" for name in (CORRECTIONS, PUBLISHED))
-"""The pages that show these set-ups, relative to the folder of pages."""
 
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """The data that pages are made from: a study's answers, the entries of each topic by its name, and measurements of reference and model that
-    belong to no study."""
+    """The data that pages are made from: a study's answers, and the answers and the entries of each topic by its name."""
 
     found: results.Results
     rows: list[table.Row]
     summaries: list[statistics.Summary]
-    verified: dict[str, Document]
+    answers: dict[str, dict[str, Document]]
     entries: dict[str, list[Any]]
-    corrected: Document | None
     faults: Document | None = None
 
 
@@ -104,30 +100,29 @@ def _parts(material: Material) -> list[Markup]:
     return [*ERRORS.shown(found, ERRORS_CASES), errors_section.of_study(own)]
 
 
+def set_ups_file(topic: Topic[Any, Any]) -> str:
+    """Returns the page that shows all set-ups of a topic, relative to the folder of pages."""
+    return f"set_ups/{topic.name}.html"
+
+
+def _shown(topic: Topic[Any, Any], material: Material) -> list[Markup]:
+    return topic.shown(material.entries[topic.name], set_ups_file(topic))
+
+
 def _about(topic: Topic[Any, Any]) -> Question:
     """Returns the page of a topic whose set-ups are none of the study's."""
-    return Question(
-        topic.name,
-        topic.short,
-        topic.question,
-        lambda material: topic.shown(material.entries[topic.name]),
-        own=False,
-    )
+    return Question(topic.name, topic.short, topic.question, partial(_shown, topic), own=False)
 
 
 def _corrections(material: Material) -> list[Markup]:
-    own = corrections_section.section(material.corrected, CORRECTIONS_SET_UPS)
-    return [own, machines_section.of_corrections(material.entries[MACHINES.name])]
-
-
-def _published(material: Material) -> list[Markup]:
-    return [published_section.section(PUBLISHED_SET_UPS)]
+    own = _shown(CORRECTIONS, material)
+    return [*own, machines_section.of_corrections(material.entries[MACHINES.name])]
 
 
 def _reference(material: Material) -> list[Markup]:
     pairs = symmetry.pairs(material.found.compared())
     trusted = sections.trust(material.found, material.rows, pairs)
-    return [trusted, verification_page.truths(material.verified)]
+    return [trusted, verification.truths(material.entries[VERIFICATION.name])]
 
 
 def _cross_check(material: Material) -> list[Markup]:
@@ -141,7 +136,7 @@ def _run_time(material: Material) -> list[Markup]:
         parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
     parts.append(run_times_section.section(material.found.run_times))
     parts.append(boundary_times_section.section(material.found.boundary_times))
-    return [*parts, verification_page.costs(material.verified)]
+    return [*parts, verification.costs(material.entries[VERIFICATION.name])]
 
 
 def _stability(material: Material) -> list[Markup]:
@@ -172,8 +167,8 @@ QUESTIONS = (
     Question("error_parts", ERRORS.short, ERRORS.question, _parts, own=False),
     _about(COMPANY),
     _about(INSULATORS),
-    Question(CORRECTIONS, "corrections", "What can be corrected, and at what cost?", _corrections, own=False),
-    Question(PUBLISHED, "published table", "Which values can others be held against?", _published, own=False),
+    Question(CORRECTIONS.name, CORRECTIONS.short, CORRECTIONS.question, _corrections, own=False),
+    _about(PUBLISHED),
     Question("reference", "reference", "How sure is the reference?", _reference),
     Question(CROSS_CHECK, "cross-check", "Do two independent methods agree?", _cross_check),
     Question("run_time", "run time", "What does accuracy cost?", _run_time),

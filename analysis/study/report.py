@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import re
+import shutil
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from markupsafe import Markup
 
@@ -15,17 +17,15 @@ from analysis.report.scene_pages import ScenePage
 from analysis.results import refusals, statistics, study_results as results, table
 from analysis.results.refusals import Refusal
 from analysis.results.store import Document, read_json, write_json, write_text
-from analysis.study import case_page, pages_of_set_ups
-from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material
+from analysis.study import case_page
+from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material, set_ups_file
 from analysis.topics.all import TOPICS
-from analysis.topics.corrections import stage as corrections_stage
 from analysis.topics.cross_check import agreement, section as cross_check_section
 from analysis.topics.errors import records as error_records
 from analysis.topics.errors.topic import ERRORS
 from analysis.topics.history import nights as history, page as history_page
-from analysis.topics.published import table as published
+from analysis.topics.topic import Topic
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
-from analysis.topics.verification import page as verification_page, stage as verification_stage
 
 PAGES = "report"
 """The folder of the pages and of plotly.js, which they share."""
@@ -53,13 +53,11 @@ def make(folder: Path) -> Report:
     found = results.load(folder)
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
-    verified = verification_stage.load(verification_page.beside(folder))
-    corrected = corrections_stage.load(corrections_stage.beside(folder))
-    of_topics = {topic.name: topic.load(topic.stages.beside(folder)) for topic in TOPICS}
+    of_topics = {topic.name: topic.load(topic.beside(folder)) for topic in TOPICS}
     faults = faults_section.beside(folder)
     answers = _answers(folder, found)
     in_field = [topic.checked() for topic in TOPICS]
-    inputs = keys.page_inputs(answers, verified, of_topics, corrected, faults, in_field, published.digest())
+    inputs = keys.page_inputs(answers, of_topics, faults, in_field)
     nights = history.load(folder)
     scenes = scene_pages.all_beside(folder)
     whole = keys.page_inputs(inputs, nights, [file for _, file in scenes])
@@ -69,7 +67,7 @@ def make(folder: Path) -> Report:
         and _is_complete(folder)
     ):
         entries = {topic.name: topic.found(of_topics[topic.name]) for topic in TOPICS}
-        material = Material(found, rows, summaries, verified, entries, corrected, faults)
+        material = Material(found, rows, summaries, of_topics, entries, faults)
         _write(material, nights, scenes, inputs, whole)
     return Report(
         folder / page.REPORT,
@@ -130,7 +128,7 @@ def _write(
     headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     shown = index_page.kinds(material.found, "cases")
-    write_text(
+    page.write(
         folder / page.REPORT,
         index_page.document(material.found.title, whole, warning, headline, shown, cards, rest),
     )
@@ -143,12 +141,12 @@ def _pages(material: Material, inputs: str) -> list[Card]:
     if known is not None and known["made_from"] == inputs:
         cards = [_card(card) for card in known["pages"]]
         needed = [place.parent / card.target for card in cards]
-        needed += [place / each.file for each in pages_of_set_ups.pages(material.corrected)]
+        needed += [place / set_ups_file(topic) for topic in _with_set_ups_page(material)]
         if all(path.is_file() for path in needed):
             return cards
     page.provide_script(place.parent)
     cards = _question_pages(material, inputs)
-    pages_of_set_ups.write(material.corrected, place)
+    _set_ups_pages(material, place)
     rows: dict[str, list[table.Row]] = {}
     for row in material.rows:
         rows.setdefault(row.case.id, []).append(row)
@@ -158,8 +156,24 @@ def _pages(material: Material, inputs: str) -> list[Card]:
         case_page.make(material.found, case, rows.get(case.id, []), apart.get(case.id))
     for outdated in set(place.glob("*.html")) - {place.parent / card.target for card in cards}:
         outdated.unlink()
+        shutil.rmtree(place / page.DATA / outdated.stem, ignore_errors=True)
     write_json(place / _FINDINGS, {"made_from": inputs, "pages": [asdict(card) for card in cards]})
     return cards
+
+
+def _with_set_ups_page(material: Material) -> list[Topic[Any, Any]]:
+    return [topic for topic in TOPICS if topic.set_ups_page and material.entries[topic.name]]
+
+
+def _set_ups_pages(material: Material, place: Path) -> None:
+    """Writes the pages of the topics' set-ups that are not up to date into the folder of the pages."""
+    for topic in _with_set_ups_page(material):
+        assert topic.set_ups_page is not None
+        inputs, target = keys.page_inputs(material.answers[topic.name]), place / set_ups_file(topic)
+        if not page.is_current(target, inputs):
+            back, script = f"../{topic.file}", f"../{Path(page.SCRIPT).name}"
+            found = material.entries[topic.name]
+            write_text(target, topic.set_ups_page(found, back, topic.question, inputs, script))
 
 
 def _card(stored: Document) -> Card:
@@ -184,7 +198,7 @@ def _question_pages(material: Material, inputs: str) -> list[Card]:
         text = page.document(
             f"{question.title} {title}", inputs, [way, head, bodies[question]], Path(page.SCRIPT).name
         )
-        write_text(place / file, text)
+        page.write(place / file, text)
         cards.append(
             Card(
                 f"{PAGES}/{file}",

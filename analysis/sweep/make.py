@@ -8,8 +8,7 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.report.page import provide_script
-from analysis.results.store import write_text
+from analysis.report.page import provide_script, write
 from analysis.show.make import find_scene, motion_beside
 from analysis.sweep import page, series
 from geometries.common import installation
@@ -78,5 +77,5 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
     title = f"{path.stem.replace('_', ' ')}: readings over {len(frames)} frames"
     shown = shlex.join([installation.model_command(), *command])
     provide_script(place.parent)
-    write_text(place, page.document(title, digest, found, frames, table.name, shown))
+    write(place, page.document(title, digest, found, frames, table.name, shown))
     return Made(place, page.findings(found, frames), status)

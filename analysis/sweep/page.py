@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import INK, Panel, axis, figure, power_axis, series_colour
+from analysis.report.plot import INK, Panel, axis, figure, guide, joined, power_axis, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.units import measured
 from analysis.sweep.crossings import Crossing, crossings
@@ -129,29 +129,11 @@ def _changes(series: Series, frames: tuple[str, ...]) -> go.Figure:
         if not any(values):
             continue
         answered_by = [each.answered_by or "no answer" for each in said]
-        traces.append(
-            go.Scatter(
-                x=list(range(1, len(frames) + 1)),
-                y=values,
-                mode="lines+markers",
-                name=method,
-                text=answered_by,
-                line={"color": series_colour(number)},
-                hovertemplate="%{y:.5g} fF by %{text}<extra>" + method + "</extra>",
-            )
-        )
+        across, hover = list(range(1, len(frames) + 1)), "%{y:.5g} fF by %{text}"
+        traces.append(joined(method, across, values, series_colour(number), hover, text=answered_by))
     if series.threshold is not None:
         height = series.threshold / _FEMTO
-        traces.append(
-            go.Scatter(
-                x=[1, len(frames)],
-                y=[height, height],
-                mode="lines",
-                line={"color": INK, "dash": "dash"},
-                name=f"threshold {height:.4g} fF",
-                hoverinfo="skip",
-            )
-        )
+        traces.append(guide(f"threshold {height:.4g} fF", [1, len(frames)], [height] * 2, dash="dash"))
         traces += _marks(_crossings(series), height, len(frames))
     return figure(traces, _frames_axis(frames), power_axis("size of the change (fF)"), height=460)
 
@@ -222,21 +204,10 @@ def _readings(series: Series, frames: tuple[str, ...]) -> go.Figure:
 
 
 def _line(values: list[Estimate | None], name: str, number: int) -> list[go.Scatter]:
-    return [
-        go.Scatter(
-            x=list(range(1, len(values) + 1)),
-            y=[None if each is None else each.value / _PICO for each in values],
-            error_y={
-                "type": "data",
-                "array": [
-                    0 if each is None or math.isnan(each.error) else each.error / _PICO for each in values
-                ],
-            },
-            mode="lines+markers",
-            name=f"{name}, {_TRUTH}",
-            line={"color": series_colour(number), "dash": "solid" if number == 0 else "dot"},
-        )
-    ]
+    bars = [0 if each is None or math.isnan(each.error) else each.error / _PICO for each in values]
+    shown = [None if each is None else each.value / _PICO for each in values]
+    across, dash = list(range(1, len(values) + 1)), "solid" if number == 0 else "dot"
+    return [joined(f"{name}, {_TRUTH}", across, shown, series_colour(number), "%{y:.5g} pF", bars, dash=dash)]
 
 
 def _voltages(series: Series, frames: tuple[str, ...]) -> go.Figure:
@@ -244,16 +215,7 @@ def _voltages(series: Series, frames: tuple[str, ...]) -> go.Figure:
         None if said is None or said.delta_voltage is None else said.delta_voltage / _MILLI
         for said in series.truth
     ]
-    traces = [
-        go.Scatter(
-            x=list(range(1, len(frames) + 1)),
-            y=values,
-            mode="lines+markers",
-            name=_TRUTH,
-            line={"color": series_colour(0)},
-            hovertemplate="%{y:.4g} mV<extra></extra>",
-        )
-    ]
+    traces = [joined(_TRUTH, list(range(1, len(frames) + 1)), values, series_colour(0), "%{y:.4g} mV")]
     return figure(traces, _frames_axis(frames), axis("mV"), height=320)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import Generic, Protocol, TypeVar
 
@@ -57,6 +57,11 @@ class Comparison(Generic[SomeSetUp]):
         return abs(self.difference) / self.allowed
 
     @property
+    def is_proven(self) -> bool:
+        """Whether the field solver proves an interval."""
+        return self.proven[1] < float("inf")
+
+    @property
     def half_width(self) -> float:
         """Half the width of the proven interval, relative to the field solver's value."""
         lower, upper = self.proven
@@ -72,9 +77,13 @@ class Comparison(Generic[SomeSetUp]):
 @dataclass(frozen=True)
 class FieldCheck(Generic[SomeSetUp]):
     """The field solver's `quantities` of readings. A record has them by itself, or, with `both`, under "field" beside those by boundary elements
-    under "boundary"; it may have "lower" and "upper", the ends of the interval proven for the change."""
+    under "boundary"; it may have "lower" and "upper", the ends of the interval proven for the change. A page counts the set-ups of each `kind`,
+    has the columns `described` of them in its table, and an `explanation`."""
 
     stored: Stored[SomeSetUp]
+    kind: Callable[[SomeSetUp], str]
+    described: tuple[tuple[str, Callable[[SomeSetUp], str]], ...]
+    explanation: str = ""
     quantities: tuple[str, ...] = QUANTITIES
     both: bool = False
 

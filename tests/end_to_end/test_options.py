@@ -278,6 +278,7 @@ class Reached(Exception):
 
 
 SET_UPS_RUN = "analysis.pipeline.set_up_stages.SetUpStages.run"
+VERIFICATION_RUN = "analysis.topics.verification.stage.Rows.run"
 
 
 @pytest.mark.parametrize(
@@ -288,13 +289,13 @@ SET_UPS_RUN = "analysis.pipeline.set_up_stages.SetUpStages.run"
         (["run", "smoke", "--results", "OUT"], "analysis.study.workflow.run", 2, None),
         (["run", "smoke", "--results", "OUT", "--measure-model"], "analysis.study.workflow.run", 3, True),
         (["run", "smoke", "--results", "OUT"], "analysis.study.workflow.run", 3, False),
-        (["run", "smoke", "--results", "OUT", "--verify"], "analysis.topics.verification.stage.run", 2, None),
+        (["run", "smoke", "--results", "OUT", "--verify"], VERIFICATION_RUN, 3, None),
         (["nightly", "smoke", "--results", "OUT"], "analysis.nightly.night.run", 1, "OUT"),
         (["nightly", "smoke", "--results", "OUT", "--jobs", "3"], "analysis.nightly.night.run", 2, (None, 3, None)),
         (["nightly", "smoke", "--results", "OUT", "--job-seconds", "9"], "analysis.nightly.night.run", 2, (None, None, 9)),
-        (["nightly", "smoke", "--results", "OUT", "--verify"], "analysis.topics.verification.stage.run", 2, None),
-        (["verify", "--output", "OUT"], "analysis.topics.verification.stage.run", 0, "OUT"),
-        (["verify", "--output", "OUT", "--jobs", "3"], "analysis.topics.verification.stage.run", 2, 3),
+        (["nightly", "smoke", "--results", "OUT", "--verify"], VERIFICATION_RUN, 3, None),
+        (["verify", "--output", "OUT"], VERIFICATION_RUN, 1, "OUT"),
+        (["verify", "--output", "OUT", "--jobs", "3"], VERIFICATION_RUN, 3, 3),
         (["errors", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
         (["errors", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
         (["company", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
@@ -303,7 +304,7 @@ SET_UPS_RUN = "analysis.pipeline.set_up_stages.SetUpStages.run"
         (["machines", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
         (["insulators", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
         (["insulators", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
-        (["corrections", "--output", "OUT"], "analysis.topics.corrections.stage.run", 0, "OUT"),
+        (["corrections", "--output", "OUT"], "analysis.topics.corrections.stage.Evaluated.run", 1, "OUT"),
         (["documentation", "--output", "OUT"], "analysis.documentation.make.build", 0, "OUT"),
     ],
 )  # fmt: skip

@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import PICOFARAD, percent, picofarads
-from analysis.topics.company import field_section, plots
+from analysis.topics.company import plots
 from analysis.topics.company.factors import (
     CONNECTIONS,
     PARTS,
@@ -22,7 +22,6 @@ from analysis.topics.company.factors import (
     of_model,
     of_part,
 )
-from analysis.topics.company.field_section import Comparison
 from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
 from analysis.topics.company.stage import RTOL
 from analysis.topics.spread import ratio
@@ -42,15 +41,24 @@ _WHAT = (
 )
 
 
-def section(found: list[Entry], checks: list[Comparison]) -> Markup:
-    """Returns the section, with the comparisons with the field solver; one sentence without answers."""
+def section(found: list[Entry], checked: list[Markup]) -> Markup:
+    """Returns the section, with what the field solver finds; one sentence without answers."""
     if not factors(found):
         return page.section(TITLE, page.paragraph(ABSENT))
     return page.section(
         TITLE,
         page.finding(finding(found)),
         page.figures([plots.of_factors(found), plots.of_model(found)]),
-        page.table(["what", "against", "pairs", "median", "smallest", "largest", "error"], _rows(found)),
+        page.table_of(
+            factors(found),
+            ("what", lambda each: each.what),
+            ("against", lambda each: each.against),
+            ("pairs", lambda each: str(len(each.ratios))),
+            ("median", lambda each: f"{each.median:.3f}"),
+            ("smallest", lambda each: f"{each.smallest:.3f}"),
+            ("largest", lambda each: f"{each.largest:.3f}"),
+            ("error", lambda each: f"{each.error:.1e}"),
+        ),
         page.paragraph(
             "The same apart, median, and from smallest to largest: each part by the hand's connection,"
         ),
@@ -62,8 +70,7 @@ def section(found: list[Entry], checks: list[Comparison]) -> Markup:
         page.table(["in company of", *_hands(TO_GROUND)], _rows_of_model(found)),
         page.finding(conclusion(found)),
         page.soft(_WHAT),
-        page.heading("Checked by the field solver"),
-        *field_section.parts(checks),
+        *checked,
         page.folded("Show the numbers", _numbers(found)),
     )
 
@@ -125,21 +132,6 @@ def _range(factor: Factor) -> str:
     return f"{ratio(factor.median)} ({ratio(factor.smallest)} to {ratio(factor.largest)})"
 
 
-def _rows(found: list[Entry]) -> list[list[str]]:
-    return [
-        [
-            each.what,
-            each.against,
-            str(len(each.ratios)),
-            f"{each.median:.3f}",
-            f"{each.smallest:.3f}",
-            f"{each.largest:.3f}",
-            f"{each.error:.1e}",
-        ]
-        for each in factors(found)
-    ]
-
-
 def _rows_of_parts(found: list[Entry]) -> list[list[str]]:
     return _cells({part: [of_part(found, part, (ground,)) for ground in TO_GROUND] for part in PARTS})
 
@@ -173,19 +165,14 @@ def _hands(grounds: Iterable[str]) -> list[str]:
 
 
 def _numbers(found: list[Entry]) -> Markup:
-    header = [
-        "set-up",
-        "arrangement",
-        "in company of",
-        "hand",
-        "background (pF)",
-        "change (pF)",
-        "model (pF)",
-    ]
-    rows = []
-    for entry in found:
-        made = entry.set_up
-        numbers = [picofarads(each.value, each.error) for each in (entry.background, entry.change)]
-        model = f"{entry.model / PICOFARAD:.4f}" if entry.model is not None else ""
-        rows.append([page.code(made.id), str(made.number), made.machine, made.ground, *numbers, model])
-    return page.table(header, rows, text_columns=4)
+    return page.table_of(
+        found,
+        ("set-up", lambda entry: page.code(entry.set_up.id)),
+        ("arrangement", lambda entry: str(entry.set_up.number)),
+        ("in company of", lambda entry: entry.set_up.machine),
+        ("hand", lambda entry: entry.set_up.ground),
+        ("background (pF)", lambda entry: picofarads(entry.background.value, entry.background.error)),
+        ("change (pF)", lambda entry: picofarads(entry.change.value, entry.change.error)),
+        ("model (pF)", lambda entry: "" if entry.model is None else f"{entry.model / PICOFARAD:.4f}"),
+        text_columns=4,
+    )

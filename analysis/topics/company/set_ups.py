@@ -8,13 +8,12 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 
+from analysis.pipeline.set_up_stages import OfScene
 from geometries.scene.poses import Pose, Vector3
 from geometries.scene.scene import Object, Scene, Sensor
 from geometries.scene.shapes import Cuboid
-from geometries.scene.writer import canonical_and_identity
 from geometries.studies import machines
 from geometries.studies.families import FLOATING, GROUNDED, empty
-from geometries.studies.study import IDENTITY_DIGITS
 
 NOTHING, HOUSING, GUARD, TABLE, PERSON = (
     "nothing",
@@ -59,27 +58,19 @@ class Arrangement:
 
 
 @dataclass(frozen=True)
-class SetUp:
-    """An arrangement, named by its number, in the company of a machine; `ground` names the hand's connection. `text` is the
-    canonical scene and `identity` its hash."""
+class SetUp(OfScene):
+    """An arrangement, named by its number, in the company of a machine; `ground` names the hand's connection."""
 
     number: int
     machine: str
     ground: str
-    scene: Scene
-    text: str
-    identity: str
-
-    @property
-    def id(self) -> str:
-        return self.identity[:IDENTITY_DIGITS]
 
 
 @cache
 def all_set_ups() -> tuple[SetUp, ...]:
     """Returns every arrangement in the company of every machine, with every connection of the hand to the ground."""
     return tuple(
-        _set_up(number, arrangement, machine, ground)
+        SetUp(scene(arrangement, machine, ground), number, machine, ground)
         for number, arrangement in enumerate(_arrangements(), start=1)
         for machine in MACHINES
         for ground in TO_GROUND
@@ -95,11 +86,6 @@ def scene(arrangement: Arrangement, machine: str, ground: str) -> Scene:
     hand = Object(HAND, shape, pose=Pose(arrangement.hand), potential=potential, to_ground=to_ground)
     company = _company(arrangement, machine, sensors)
     return machines.before(Scene(sensors=sensors, objects=(hand,)), company)
-
-
-def _set_up(number: int, arrangement: Arrangement, machine: str, ground: str) -> SetUp:
-    made = scene(arrangement, machine, ground)
-    return SetUp(number, machine, ground, made, *canonical_and_identity(made))
 
 
 def _company(arrangement: Arrangement, machine: str, sensors: tuple[Sensor, ...]) -> tuple[Object, ...]:

@@ -11,7 +11,6 @@ from analysis.topics.corrections.estimates import Estimates
 from analysis.topics.corrections.set_ups import SetUp
 from analysis.topics.corrections.truths import load
 from geometries.scene.scene import Scene
-from geometries.scene.writer import canonical
 
 
 def documents(module: Any, found: Estimates, chosen: list[SetUp]) -> list[Document]:
@@ -27,7 +26,7 @@ def documents(module: Any, found: Estimates, chosen: list[SetUp]) -> list[Docume
             "truth": float(found.truth[index]),
             "error": truths[set_up.name].error,
             "estimates": {name: float(values[index]) for name, values in found.by_correction.items()},
-            "scene": canonical(set_up.scene),
+            "scene": set_up.text,
         }
         for index, set_up in enumerate(chosen)
     ]

@@ -11,8 +11,6 @@ from numpy.typing import NDArray
 
 from analysis.topics.corrections.set_ups import SetUp, set_ups
 from analysis.topics.corrections.truths import Truth, load
-from geometries.common.children import temporary_folder
-from geometries.scene.writer import canonical
 
 Array = NDArray[np.float64]
 
@@ -64,13 +62,10 @@ def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | 
     truths = load()
     asked = list(set_ups(module)) if chosen is None else list(chosen)
     values: dict[str, list[float]] = {correction: [] for correction in corrections}
-    with temporary_folder() as folder:
-        path = folder / "scene.toml"
-        for set_up in asked:
-            path.write_text(canonical(set_up.scene), encoding="utf-8")
-            scene = module.Scene.load(path)
-            for correction in corrections:
-                values[correction].append(scene.capacitance(correction=correction)["sensors"][0]["total"])
+    for set_up in asked:
+        scene = module.Scene.loads(set_up.text)
+        for correction in corrections:
+            values[correction].append(scene.capacitance(correction=correction)["sensors"][0]["total"])
     return Estimates(
         tuple(set_up.name for set_up in asked),
         tuple(set_up.family for set_up in asked),

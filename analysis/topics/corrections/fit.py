@@ -17,8 +17,6 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results.units import VACUUM_PERMITTIVITY
 from analysis.topics.corrections.set_ups import SetUp, set_ups
 from analysis.topics.corrections.truths import load
-from geometries.common.children import temporary_folder
-from geometries.scene.writer import canonical
 
 Array = NDArray[np.float64]
 NAMES = (
@@ -37,12 +35,7 @@ _START = (2.0, 2.0, 8.0, 1.0, 4.0, 0.2, 0.7, -1.0)
 def terms(module: Any, chosen: Sequence[SetUp]) -> tuple[dict[str, Array], Array]:
     """Returns the formula's terms in the set-ups, and the truth over ε; arrays (n,), variations (3, n)."""
     truths = load()
-    rows = []
-    with temporary_folder() as folder:
-        path = folder / "scene.toml"
-        for set_up in chosen:
-            path.write_text(canonical(set_up.scene), encoding="utf-8")
-            rows.append(module.Scene.load(path).formula_terms()[0][0])
+    rows = [module.Scene.loads(set_up.text).formula_terms()[0][0] for set_up in chosen]
     truth = np.array([truths[set_up.name].mutual / VACUUM_PERMITTIVITY for set_up in chosen])
     return {name: np.array([row[name] for row in rows]).T for name in rows[0]}, truth
 

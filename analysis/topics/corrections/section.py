@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from operator import itemgetter
+
 import plotly.graph_objects as go
 from markupsafe import Markup
 
@@ -16,11 +19,8 @@ ABSENT = f"The corrections were not evaluated yet: {stage.COMMAND} does it in a 
 _PLAIN, _BEST, _RECOMMENDED = "none", "formula", "recommended"
 
 
-def section(document: Document | None, set_ups: str) -> Markup:
-    """Returns the section of a document of analysis.topics.corrections.stage; one sentence without one. `set_ups` is the file of the page of its
-    set-ups, as seen from the page."""
-    if document is None:
-        return page.section(TITLE, page.paragraph(ABSENT))
+def section(document: Document, set_ups: str) -> Markup:
+    """Returns the section of a document of analysis.topics.corrections.stage. `set_ups` is the file of the page of its set-ups, as seen from the page."""
     return page.section(
         TITLE,
         page.finding(finding(document)),
@@ -85,60 +85,51 @@ def _worst_cases(document: Document, corrections: list[Document]) -> list[str]:
 
 
 def _table(document: Document) -> Markup:
-    shapes = list(document["nanoseconds"])
-    header = [
-        "correction",
-        "rms",
-        "median",
-        "95 %",
-        "worst",
-        "sealed: rms",
-        "worst",
-        "family left out: rms",
-        "worst",
-    ]
-    header += [f"ns, {shape}" for shape in shapes]
-    rows = []
-    for entry in document["corrections"]:
-        every = entry["all"]
-        rows.append(
-            [
-                page.code(entry["name"]),
-                *(percent(every[name]) for name in ("rms", "median", "percentile_95", "worst")),
-                *(percent(entry["sealed"][name]) for name in ("rms", "worst")),
-                *(percent(entry["left_out"][name]) for name in ("rms", "worst")),
-                *(f"{document['nanoseconds'][shape][entry['name']]:.3g}" for shape in shapes),
-            ]
-        )
-    return page.table(header, rows, strong=frozenset({_names(document).index(_RECOMMENDED)}))
+    return page.table_of(
+        document["corrections"],
+        ("correction", lambda entry: page.code(entry["name"])),
+        ("rms", _error("all", "rms")),
+        ("median", _error("all", "median")),
+        ("95 %", _error("all", "percentile_95")),
+        ("worst", _error("all", "worst")),
+        ("sealed: rms", _error("sealed", "rms")),
+        ("worst", _error("sealed", "worst")),
+        ("family left out: rms", _error("left_out", "rms")),
+        ("worst", _error("left_out", "worst")),
+        *((f"ns, {shape}", _time(known)) for shape, known in document["nanoseconds"].items()),
+        strong=frozenset({_names(document).index(_RECOMMENDED)}),
+    )
+
+
+def _error(over: str, name: str) -> Callable[[Document], str]:
+    return lambda entry: percent(entry[over][name])
+
+
+def _time(known: dict[str, float]) -> Callable[[Document], str]:
+    return lambda entry: f"{known[entry['name']]:.3g}"
 
 
 def _families(document: Document) -> Markup:
-    families = list(document["corrections"][0]["families"])
-    rows = [
-        [
-            page.code(entry["name"]),
-            *(
-                f"{percent(entry['families'][family]['rms'])} / {percent(entry['families'][family]['worst'])}"
-                for family in families
-            ),
-        ]
-        for entry in document["corrections"]
-    ]
     counts = document["corrections"][0]["families"]
-    header = ["rms / worst", *(f"{family} ({counts[family]['count']})" for family in families)]
-    return page.table(header, rows)
+    return page.table_of(
+        document["corrections"],
+        ("rms / worst", lambda entry: page.code(entry["name"])),
+        *((f"{family} ({errors['count']})", _in_family(family)) for family, errors in counts.items()),
+    )
+
+
+def _in_family(family: str) -> Callable[[Document], str]:
+    return lambda entry: " / ".join(percent(entry["families"][family][name]) for name in ("rms", "worst"))
 
 
 def _registry(document: Document) -> Markup:
-    rows = [
-        [
-            page.code(entry["name"]),
-            *(entry[key] for key in ("formula", "source", "constants", "cost")),
-        ]
-        for entry in document["corrections"]
-    ]
-    return page.table(["correction", "formula", "source", "constants", "cost"], rows, text_columns=5)
+    told = ("formula", "source", "constants", "cost")
+    return page.table_of(
+        document["corrections"],
+        ("correction", lambda entry: page.code(entry["name"])),
+        *((name, itemgetter(name)) for name in told),
+        text_columns=5,
+    )
 
 
 def _explanation(document: Document) -> str:

@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from analysis.pipeline.set_up_stages import OfScene
 from geometries.common.errors import InputError
 from geometries.scene.poses import Pose, QuaternionRotation
 from geometries.scene.scene import Object, Scene
@@ -40,12 +41,11 @@ Vector2 = tuple[float, float]
 
 
 @dataclass(frozen=True)
-class SetUp:
+class SetUp(OfScene):
     """A scene with one sensor, "sensor", and one object, "target"."""
 
     name: str
     family: str
-    scene: Scene
 
     @property
     def sealed(self) -> bool:
@@ -60,7 +60,7 @@ def set_ups(module: Any) -> Iterator[SetUp]:
         scenes = (_drawn(family, draw, module) for _ in itertools.count())
         accepted = (scene for scene in scenes if scene is not None)
         for number, scene in enumerate(itertools.islice(accepted, count)):
-            yield SetUp(f"{family}-{number:03d}", family, scene)
+            yield SetUp(scene, f"{family}-{number:03d}", family)
 
 
 def _drawn(family: str, draw: Draw, module: Any) -> Scene | None:

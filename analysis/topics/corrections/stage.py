@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import json
 import subprocess
-from dataclasses import asdict
+from collections.abc import Iterable
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from analysis.pipeline import keys, model_stage
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
+from analysis.pipeline.set_up_stages import Whole
 from analysis.pipeline.stage import NoAnswer, Stage, outdated
 from analysis.results import machine
 from analysis.results.store import Document, read_json
@@ -21,7 +23,6 @@ from analysis.topics.corrections.truths import FILE
 from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.installation import ROOT, no_benchmark
 
-FOLDER = "corrections"
 DOCUMENT = "corrections.json"
 COMMAND = "python3 -m analysis corrections"
 _BENCHMARK = Path("build", "bin", "correction_benchmark")
@@ -29,9 +30,21 @@ _SECONDS = 60.0
 _SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json")
 
 
-def run(folder: Path) -> list[Failure]:
-    """Fills the folder, unless this code made its document on this machine; returns the failures."""
-    return run_all(outdated([stage(folder)]), 1, shown=False)
+@dataclass(frozen=True)
+class Evaluated:
+    """The one stage, by which all corrections are evaluated."""
+
+    name: str = "corrections"
+
+    def run(self, folder: Path, _: Iterable[Whole], workers: int | None = None) -> list[Failure]:
+        """Fills the folder, unless this code made its document on this machine; returns the failures."""
+        return run_all(outdated([stage(folder)]), 1, shown=False)
+
+    def load(self, folder: Path, _: Iterable[Whole]) -> dict[str, Document]:
+        """Returns the document in a folder, also one of an earlier form of the code; none without single set-ups, or with corrections that
+        failed."""
+        document = read_json(folder / DOCUMENT) or {}
+        return {Whole().id: document} if "cases" in document and "discrepancy" not in document else {}
 
 
 def stage(folder: Path) -> Stage:
@@ -55,19 +68,6 @@ def _answer(_: Processes) -> Document:
         return {**evaluated(model_stage.model_module()), "nanoseconds": nanoseconds(program)}
     except (OSError, subprocess.SubprocessError) as error:
         raise NoAnswer(str(error)) from error
-
-
-def load(folder: Path) -> Document | None:
-    """Returns the document in a folder; None without one, or with one of an earlier form: without single set-ups, or with corrections that failed."""
-    document = read_json(folder / DOCUMENT)
-    return (
-        document if document is not None and "cases" in document and "discrepancy" not in document else None
-    )
-
-
-def beside(results: Path) -> Path:
-    """Returns the folder that belongs to a study's results."""
-    return results.resolve().parent / FOLDER
 
 
 def evaluated(module: Any) -> Document:

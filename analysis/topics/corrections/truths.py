@@ -14,7 +14,6 @@ from typing import Any
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import write_text
 from analysis.topics.corrections.set_ups import SetUp, set_ups
-from geometries.common.children import temporary_folder
 from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical
 
@@ -66,8 +65,5 @@ def solved(module: Any, set_up: SetUp) -> Truth:
 
 
 def _maxwell(module: Any, scene: Scene) -> dict[str, Any]:
-    with temporary_folder() as folder:
-        path = folder / "scene.toml"
-        path.write_text(canonical(scene), encoding="utf-8")
-        answer: dict[str, Any] = module.Scene.load(path).maxwell(rtol=RTOL)
+    answer: dict[str, Any] = module.Scene.loads(canonical(scene)).maxwell(rtol=RTOL)
     return answer

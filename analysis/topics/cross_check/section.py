@@ -7,7 +7,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import INK, Panel, family_marker, figure, power_axis, series_colour
+from analysis.report.plot import Panel, family_marker, figure, guide, power_axis, series_colour
 from analysis.results.study_results import Results
 from analysis.results.units import PICOFARAD, duration, percent, picofarads
 from analysis.topics.cross_check import agreement
@@ -102,11 +102,7 @@ def _panel(found: list[Comparison]) -> Panel:
     families = list(dict.fromkeys(comparison.case.family for comparison in found))
     allowed = [comparison.allowed for comparison in found]
     ends = [min(allowed) / 2, max(allowed) * 2]
-    traces = [
-        go.Scatter(
-            x=ends, y=ends, mode="lines", line={"color": INK, "dash": "dot"}, name="limit", hoverinfo="skip"
-        )
-    ]
+    traces = [guide("limit", ends, ends)]
     for family in families:
         members = [comparison for comparison in found if comparison.case.family == family]
         traces.append(
@@ -127,54 +123,38 @@ def _panel(found: list[Comparison]) -> Panel:
 
 
 def _table(found: list[Comparison]) -> Markup:
-    header = [
-        "set-up",
-        "value",
-        "field solver (pF)",
-        "from",
-        "to",
-        "boundary elements (pF)",
-        "difference",
-        "allowed",
-        "overlap",
-    ]
-    rows = [
-        [
-            page.case_link(c.case.id, c.case.name),
-            c.what,
-            f"{c.reference / PICOFARAD:.6f}",
-            f"{c.low / PICOFARAD:.6f}",
-            f"{c.high / PICOFARAD:.6f}",
-            picofarads(c.boundary.value, c.boundary.error),
-            f"{c.difference:+.1e}",
-            f"{c.allowed:.1e}",
-            page.yes_or_no(c.agrees),
-        ]
-        for c in found
-    ]
-    return page.table(header, rows, text_columns=2)
+    return page.table_of(
+        found,
+        ("set-up", lambda c: page.case_link(c.case.id, c.case.name)),
+        ("value", lambda c: c.what),
+        ("field solver (pF)", lambda c: f"{c.reference / PICOFARAD:.6f}"),
+        ("from", lambda c: f"{c.low / PICOFARAD:.6f}"),
+        ("to", lambda c: f"{c.high / PICOFARAD:.6f}"),
+        ("boundary elements (pF)", lambda c: picofarads(c.boundary.value, c.boundary.error)),
+        ("difference", lambda c: f"{c.difference:+.1e}"),
+        ("allowed", lambda c: f"{c.allowed:.1e}"),
+        ("overlap", lambda c: page.yes_or_no(c.agrees)),
+        text_columns=2,
+    )
 
 
 def _brackets(brackets: list[Bracket]) -> Markup:
-    widest = sorted(brackets, key=lambda bracket: -bracket.width)
-    rows = [
-        [
-            page.case_link(bracket.case.id, bracket.case.name),
-            bracket.conductor,
-            f"{max(bracket.lower, bracket.flux) / PICOFARAD:.6f}",
-            f"{bracket.upper / PICOFARAD:.6f}",
-            f"{bracket.width:.1e}",
-            f"{bracket.width_before:.1e}",
-        ]
-        for bracket in widest
-    ]
-    header = ["set-up", "conductor", "lower (pF)", "upper (pF)", "width", "by the field solver alone"]
+    table = page.table_of(
+        sorted(brackets, key=lambda bracket: -bracket.width),
+        ("set-up", lambda bracket: page.case_link(bracket.case.id, bracket.case.name)),
+        ("conductor", lambda bracket: bracket.conductor),
+        ("lower (pF)", lambda bracket: f"{max(bracket.lower, bracket.flux) / PICOFARAD:.6f}"),
+        ("upper (pF)", lambda bracket: f"{bracket.upper / PICOFARAD:.6f}"),
+        ("width", lambda bracket: f"{bracket.width:.1e}"),
+        ("by the field solver alone", lambda bracket: f"{bracket.width_before:.1e}"),
+        text_columns=2,
+    )
     return page.section(
         "Diagonal entries between two proven bounds",
         page.finding(bracket_finding(brackets)),
         page.figures([_bracket_panel(brackets)]),
         page.soft(_PROOF),
-        page.folded("Show every bracket", page.table(header, rows, text_columns=2)),
+        page.folded("Show every bracket", table),
     )
 
 
@@ -184,9 +164,7 @@ def _bracket_panel(brackets: list[Bracket]) -> Panel:
         max(bracket.width_before for bracket in brackets) * 2,
     ]
     traces = [
-        go.Scatter(
-            x=ends, y=ends, mode="lines", line={"color": INK, "dash": "dot"}, name="as wide", hoverinfo="skip"
-        ),
+        guide("as wide", ends, ends),
         go.Scatter(
             x=[bracket.width_before for bracket in brackets],
             y=[max(bracket.width, _ROUNDING) for bracket in brackets],

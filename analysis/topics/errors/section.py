@@ -11,7 +11,7 @@ from analysis.results.table import DELTA_SELF, MUTUAL
 from analysis.results.units import PICOFARAD, percent, signed_percent
 from analysis.topics.errors import parts, plots, records
 from analysis.topics.errors.parts import PARTS
-from analysis.topics.errors.records import Entry, Statistics
+from analysis.topics.errors.records import Entry
 from analysis.topics.errors.set_ups import MAPS, OFFSET_MAP, SIZE_MAP, TILT_MAP
 
 ABSENT = "This version of the model has no study of its errors yet: python3 -m analysis errors does it in a minute or two."
@@ -36,9 +36,7 @@ _WHAT = (
 
 
 def sections(found: list[Entry], cases: str) -> list[Markup]:
-    """Returns the parts and the maps; one sentence without answers. `cases` is the folder of the set-ups as seen from the page."""
-    if not found:
-        return [page.section("The parts of the error", page.paragraph(ABSENT))]
+    """Returns the parts and the maps. `cases` is the folder of the set-ups as seen from the page."""
     return [_parts(found, cases), *(_map(group, found, cases) for group in MAPS if _on(group, found))]
 
 
@@ -154,22 +152,17 @@ def quantity_finding(found: list[Entry]) -> str:
 
 
 def _table(found: list[Entry], quantity: str, cases: str) -> Markup:
-    header = ["part", "median", "mean", "rms", "worst", "greatest part in", "between orders", "worst case"]
-    rows = [_cells(each, len(found), cases) for each in records.statistics(found, quantity)]
-    return page.table(header, rows)
-
-
-def _cells(each: Statistics, count: int, cases: str) -> list[str]:
-    return [
-        each.name,
-        signed_percent(each.median),
-        signed_percent(each.mean),
-        percent(each.rms),
-        signed_percent(each.worst),
-        f"{each.largest_in} of {count}",
-        percent(each.spread) if each.name in parts.EFFECTS else "",
-        page.case_link(each.worst_case.id, each.worst_case.name, cases),
-    ]
+    return page.table_of(
+        records.statistics(found, quantity),
+        ("part", lambda each: each.name),
+        ("median", lambda each: signed_percent(each.median)),
+        ("mean", lambda each: signed_percent(each.mean)),
+        ("rms", lambda each: percent(each.rms)),
+        ("worst", lambda each: signed_percent(each.worst)),
+        ("greatest part in", lambda each: f"{each.largest_in} of {len(found)}"),
+        ("between orders", lambda each: percent(each.spread) if each.name in parts.EFFECTS else ""),
+        ("worst case", lambda each: page.case_link(each.worst_case.id, each.worst_case.name, cases)),
+    )
 
 
 def _map(group: str, found: list[Entry], cases: str) -> Markup:

@@ -8,12 +8,12 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cache
 
+from analysis.pipeline.set_up_stages import OfScene
 from analysis.results.names import in_words
 from analysis.results.set_up import describe
 from geometries.scene.poses import Pose, QuaternionRotation
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import PlateShape
-from geometries.scene.writer import canonical_and_identity
 from geometries.studies import families, study
 from geometries.studies.study import Parameter
 
@@ -37,21 +37,14 @@ _REACH = 0.15
 
 
 @dataclass(frozen=True)
-class SetUp:
+class SetUp(OfScene):
     """One sensor plate and one target plate. `place` is the place on its map: gap over the sensor's size, and the other axis'
-    value; None off the maps. `text` is the canonical scene and `identity` its hash."""
+    value; None off the maps."""
 
     group: str
     family: str
     parameters: dict[str, Parameter]
     place: tuple[float, float] | None
-    scene: Scene
-    text: str
-    identity: str
-
-    @property
-    def id(self) -> str:
-        return self.identity[: study.IDENTITY_DIGITS]
 
     @property
     def name(self) -> str:
@@ -77,11 +70,11 @@ def all_set_ups() -> tuple[SetUp, ...]:
                 _on_map(OFFSET_MAP, (gap, offset), families.parallel, square, square, gap * SIDE, shift)
             )
     found += [
-        _set_up(DEFAULT, case.family, case.parameters, None, case.scene)
+        SetUp(case.scene, DEFAULT, case.family, case.parameters, None)
         for case in study.load(study.find("default")).sweeps
         if describe(case.scene) is not None
     ]
-    found += [_set_up(RANDOM, "random", {}, None, scene) for scene in _random_scenes()]
+    found += [SetUp(scene, RANDOM, "random", {}, None) for scene in _random_scenes()]
     return tuple(sorted(found, key=lambda each: (*MAPS, DEFAULT, RANDOM).index(each.group)))
 
 
@@ -89,18 +82,7 @@ def _on_map(
     group: str, place: tuple[float, float], family: Callable[..., Scene], *values: Parameter
 ) -> SetUp:
     names = family.__code__.co_varnames
-    return _set_up(group, family.__name__, dict(zip(names, values)), place, family(*values))
-
-
-def _set_up(
-    group: str,
-    family: str,
-    parameters: dict[str, Parameter],
-    place: tuple[float, float] | None,
-    scene: Scene,
-) -> SetUp:
-    text, identity = canonical_and_identity(scene)
-    return SetUp(group, family, parameters, place, scene, text, identity)
+    return SetUp(family(*values), group, family.__name__, dict(zip(names, values)), place)
 
 
 def _random_scenes() -> Iterator[Scene]:

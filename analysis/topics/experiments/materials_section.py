@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from html import escape
-
 import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import INK, Panel, axis, figure, log_axis, power_axis, series_colour
+from analysis.report.plot import INK, Panel, axis, figure, joined, log_axis, power_axis, series_colour
 from analysis.results.study_results import Results
 from analysis.results.units import CENTIMETRE, PICOFARAD, picofarads
 from analysis.topics.experiments.curves import DISTANCE
@@ -72,65 +70,43 @@ def _factor(value: float) -> str:
 def _felt(found: list[Material], grounded: Material) -> Panel:
     traces = [_trace(each, index) for index, each in enumerate(found)]
     known = [point for point in grounded.points if point.model is not None]
-    traces.append(
-        go.Scatter(
-            x=[point.gap / CENTIMETRE for point in known],
-            y=[(point.model or 0.0) / PICOFARAD for point in known],
-            mode="lines",
-            line={"color": INK, "dash": "dash"},
-            name="model",
-            hovertemplate="%{y:.4g} pF<extra>model</extra>",
-        )
+    gaps, model = (
+        [point.gap / CENTIMETRE for point in known],
+        [(point.model or 0.0) / PICOFARAD for point in known],
     )
+    traces.append(joined("model", gaps, model, INK, "%{y:.4g} pF", mode="lines", dash="dash"))
     y = power_axis("delta_self (pF)")
     return Panel("delta_self over the gap", figure(traces, log_axis("gap (cm)"), y, 440))
 
 
 def _trace(each: Material, index: int) -> go.Scatter:
-    return go.Scatter(
-        x=[point.gap / CENTIMETRE for point in each.points],
-        y=[point.delta_self.value / PICOFARAD for point in each.points],
-        error_y={"array": [point.delta_self.error / PICOFARAD for point in each.points], "thickness": 1.5},
-        customdata=[point.case for point in each.points],
-        mode="lines+markers",
-        line={"color": series_colour(index)},
-        name=each.label,
-        hovertemplate="%{y:.4g} pF at %{x:.3g} cm<extra>" + escape(each.label) + "</extra>",
+    gaps = [point.gap / CENTIMETRE for point in each.points]
+    values, bars = (
+        [getattr(point.delta_self, part) / PICOFARAD for point in each.points] for part in ("value", "error")
     )
+    cases = [point.case for point in each.points]
+    hover = "%{y:.4g} pF at %{x:.3g} cm"
+    return joined(each.label, gaps, values, series_colour(index), hover, bars, customdata=cases)
 
 
 def _ratios(others: list[Material], grounded: Material) -> Panel:
     traces = []
     for index, each in enumerate(others, 1):
         found = ratios(each, grounded)
-        traces.append(
-            go.Scatter(
-                x=[point.gap / CENTIMETRE for point, _ in found],
-                y=[100 * ratio for _, ratio in found],
-                customdata=[point.case for point, _ in found],
-                mode="lines+markers",
-                line={"color": series_colour(index)},
-                name=each.label,
-                hovertemplate="%{y:.3g} %<extra>" + escape(each.label) + "</extra>",
-            )
-        )
+        gaps, shares = [point.gap / CENTIMETRE for point, _ in found], [100 * ratio for _, ratio in found]
+        cases = [point.case for point, _ in found]
+        traces.append(joined(each.label, gaps, shares, series_colour(index), "%{y:.3g} %", customdata=cases))
     y = axis("part of the grounded target's (%)", rangemode="tozero")
     return Panel("the same over that of the grounded target", figure(traces, log_axis("gap (cm)"), y, 440))
 
 
 def _table(found: list[Material], grounded: Material) -> Markup:
-    rows = []
-    for each in found:
-        for point, ratio in ratios(each, grounded):
-            true = point.delta_self
-            rows.append(
-                [
-                    each.label,
-                    page.case_link(point.case, place(point.gap, DISTANCE)),
-                    picofarads(true.value, true.error),
-                    f"{100 * ratio:.2f} %",
-                    "" if point.model is None else f"{point.model / PICOFARAD:.5f}",
-                ]
-            )
-    header = ["material", "gap", "delta_self (pF)", "of grounded", "model (pF)"]
-    return page.table(header, rows, text_columns=2)
+    return page.table_of(
+        [(each, *pair) for each in found for pair in ratios(each, grounded)],
+        ("material", lambda row: row[0].label),
+        ("gap", lambda row: page.case_link(row[1].case, place(row[1].gap, DISTANCE))),
+        ("delta_self (pF)", lambda row: picofarads(row[1].delta_self.value, row[1].delta_self.error)),
+        ("of grounded", lambda row: f"{100 * row[2]:.2f} %"),
+        ("model (pF)", lambda row: "" if row[1].model is None else f"{row[1].model / PICOFARAD:.5f}"),
+        text_columns=2,
+    )

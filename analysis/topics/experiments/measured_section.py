@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import Panel, figure, power_axis, series_colour
+from analysis.report.plot import Panel, figure, joined, power_axis, series_colour
 from analysis.results.units import PICOFARAD
 from analysis.topics.experiments import plots, tables
 from analysis.topics.experiments.curves import Curve
@@ -77,20 +76,13 @@ def _both(labelled: list[tuple[str, Curve]], swept: str) -> Panel:
     for index, (name, curve) in enumerate(labelled):
         for what, dash in (("change", "solid"), ("mutual", "dot")):
             estimates = [getattr(point, what) for point in curve.points]
-            traces.append(
-                go.Scatter(
-                    x=plots.across(curve, swept),
-                    y=[each.value / PICOFARAD for each in estimates],
-                    error_y={"array": [each.error / PICOFARAD for each in estimates], "thickness": 1.5},
-                    mode="lines+markers",
-                    line={"color": series_colour(index), "dash": dash, "width": 2},
-                    marker={"size": 6},
-                    name=f"{what}, {name}",
-                    text=[point.case for point in curve.points],
-                    customdata=[point.case for point in curve.points],
-                    hovertemplate="%{y:.4g} pF<br>%{text}<extra>" + f"{what}, {name}</extra>",
-                )
+            values, bars = (
+                [getattr(estimate, part) / PICOFARAD for estimate in estimates] for part in ("value", "error")
             )
+            cases = [point.case for point in curve.points]
+            across, colour, hover = plots.across(curve, swept), series_colour(index), "%{y:.4g} pF<br>%{text}"
+            more = {"dash": dash, "text": cases, "customdata": cases}
+            traces.append(joined(f"{what}, {name}", across, values, colour, hover, bars, **more))
     y = power_axis("capacitance (pF)")
     return Panel(
         "change of the reading, and mutual, by the reference", figure(traces, plots.axis_of(swept), y, 440)

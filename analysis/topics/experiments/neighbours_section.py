@@ -6,7 +6,16 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import Panel, axis, figure, log_axis, power_axis, series_colour
+from analysis.report.plot import (
+    Panel,
+    axis,
+    figure,
+    guide,
+    joined,
+    log_axis,
+    power_axis,
+    series_colour,
+)
 from analysis.results.answers import Estimate
 from analysis.results.units import CENTIMETRE, PICOFARAD, measured, percent, picofarads, signed_percent
 from analysis.topics.experiments.neighbours import Felt, Point, Series
@@ -78,14 +87,15 @@ def _share(point: Point) -> float:
 
 def _felt(series: Series) -> Panel:
     """Returns both sensors' delta_self over the gap with error bars, and the model's values."""
-    traces: list[object] = []
-    for index, (name, felt) in enumerate(
-        (
-            ("near sensor", [p.near for p in series.points]),
-            ("neighbour", [p.neighbour for p in series.points]),
-        )
-    ):
-        traces += _traces(name, series.points, felt, series_colour(index))
+    both = (
+        ("near sensor", [p.near for p in series.points]),
+        ("neighbour", [p.neighbour for p in series.points]),
+    )
+    traces = [
+        trace
+        for index, (name, felt) in enumerate(both)
+        for trace in _traces(name, series.points, felt, series_colour(index))
+    ]
     caption = f"sensors {_centimetres(series.separation)} apart"
     y = power_axis("delta_self, model (pF)")
     return Panel(caption, figure(traces, log_axis("gap to the object (cm)"), y, 440))
@@ -93,57 +103,29 @@ def _felt(series: Series) -> Panel:
 
 def _traces(name: str, points: tuple[Point, ...], felt: list[Felt], colour: str) -> list[go.Scatter]:
     x, cases = [point.gap / CENTIMETRE for point in points], [point.case for point in points]
-    measured = [each.delta_self for each in felt]
+    known = [each.delta_self for each in felt]
+    values, bars = ([getattr(each, part) / PICOFARAD for each in known] for part in ("value", "error"))
+    model = [each.model / PICOFARAD for each in felt]
+    hover = "%{y:.4g} pF at %{x:.3g} cm"
     return [
-        go.Scatter(
-            x=x,
-            y=[value.value / PICOFARAD for value in measured],
-            error_y={"array": [value.error / PICOFARAD for value in measured], "thickness": 1.5},
-            customdata=cases,
-            mode="lines+markers",
-            line={"color": colour},
-            name=f"{name}: reference",
-            hovertemplate="%{y:.4g} pF at %{x:.3g} cm<extra>" + name + "</extra>",
-        ),
-        go.Scatter(
-            x=x,
-            y=[each.model / PICOFARAD for each in felt],
-            customdata=cases,
-            mode="lines",
-            line={"color": colour, "dash": "dash"},
-            name=f"{name}: model",
-            hovertemplate="%{y:.4g} pF<extra>model, " + name + "</extra>",
-        ),
+        joined(f"{name}: reference", x, values, colour, hover, bars, customdata=cases),
+        joined(f"{name}: model", x, model, colour, hover, customdata=cases, mode="lines", dash="dash"),
     ]
 
 
 def _coupling(found: list[Series]) -> Panel:
     traces = []
     for index, series in enumerate(found):
-        traces.append(
-            go.Scatter(
-                x=[point.gap / CENTIMETRE for point in series.points],
-                y=[point.coupling.value / PICOFARAD for point in series.points],
-                error_y={"array": [point.coupling.error / PICOFARAD for point in series.points]},
-                customdata=[point.case for point in series.points],
-                mode="lines+markers",
-                line={"color": series_colour(index)},
-                name=f"{_centimetres(series.separation)} apart",
-                hovertemplate="%{y:.4g} pF at %{x:.3g} cm<extra></extra>",
-            )
+        gaps = [point.gap / CENTIMETRE for point in series.points]
+        values, bars = (
+            [getattr(point.coupling, part) / PICOFARAD for point in series.points]
+            for part in ("value", "error")
         )
-        alone = series.points[0].coupling_alone.value / PICOFARAD
-        ends = [series.points[0].gap / CENTIMETRE, series.points[-1].gap / CENTIMETRE]
-        traces.append(
-            go.Scatter(
-                x=ends,
-                y=[alone, alone],
-                mode="lines",
-                line={"color": series_colour(index), "dash": "dot"},
-                name="the same without the object",
-                hoverinfo="skip",
-            )
-        )
+        name, cases = f"{_centimetres(series.separation)} apart", [point.case for point in series.points]
+        colour, hover = series_colour(index), "%{y:.4g} pF at %{x:.3g} cm"
+        traces.append(joined(name, gaps, values, colour, hover, bars, customdata=cases))
+        alone = [series.points[0].coupling_alone.value / PICOFARAD] * 2
+        traces.append(guide("the same without the object", [gaps[0], gaps[-1]], alone, color=colour))
     y = axis("coupling of the sensors (pF)", rangemode="tozero")
     return Panel(
         "coupling of the two sensors, reference", figure(traces, log_axis("gap to the object (cm)"), y, 440)
@@ -151,31 +133,26 @@ def _coupling(found: list[Series]) -> Panel:
 
 
 def _table(found: list[Series]) -> Markup:
-    header = [
-        "apart",
-        "gap",
-        "sensor",
-        "delta_self (pF)",
-        "mutual (pF)",
-        "model (pF)",
-        "coupling (pF)",
+    felt = [
+        (series, point, name, each)
+        for series in found
+        for point in series.points
+        for name, each in (("near", point.near), ("neighbour", point.neighbour))
     ]
-    rows = []
-    for series in found:
-        for point in series.points:
-            for name, felt in (("near", point.near), ("neighbour", point.neighbour)):
-                place = [
-                    _centimetres(series.separation),
-                    page.case_link(point.case, _centimetres(point.gap)),
-                    name,
-                ]
-                numbers = [
-                    _estimate(felt.delta_self),
-                    _estimate(felt.mutual),
-                    f"{felt.model / PICOFARAD:.5f}",
-                ]
-                rows.append([*place, *numbers, _estimate(point.coupling)])
-    return page.table(header, rows, text_columns=3)
+    rows = [
+        [
+            _centimetres(series.separation),
+            page.case_link(point.case, _centimetres(point.gap)),
+            name,
+            _estimate(each.delta_self),
+            _estimate(each.mutual),
+            f"{each.model / PICOFARAD:.5f}",
+            _estimate(point.coupling),
+        ]
+        for series, point, name, each in felt
+    ]
+    values = ["delta_self (pF)", "mutual (pF)", "model (pF)", "coupling (pF)"]
+    return page.table(["apart", "gap", "sensor", *values], rows, text_columns=3)
 
 
 def _estimate(value: Estimate) -> str:

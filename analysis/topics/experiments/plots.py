@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from analysis.report.plot import Panel, axis, figure, log_axis, power_axis, series_colour
+from analysis.report.plot import Panel, axis, figure, joined, log_axis, power_axis, series_colour
 from analysis.topics.experiments.calibration import deviation
 from analysis.topics.experiments.curves import DISTANCE, Curve
 from analysis.topics.experiments.splitting import REGIONS, Accuracy
@@ -43,15 +43,9 @@ def delta_output(caption: str, series: list[Series], swept: str) -> Panel:
         colour = series_colour(index)
         traces.append(_reference(each, swept, colour))
         for number, line in enumerate(each.lines):
+            shade, at = _line_colour(series, index, number), across(each.curve, swept)
             traces.append(
-                go.Scatter(
-                    x=across(each.curve, swept),
-                    y=line.prediction,
-                    mode="lines",
-                    line={"color": _line_colour(series, index, number), "dash": line.dash, "width": 2},
-                    name=line.name,
-                    hovertemplate=line.name + ": %{y:.4g} V<extra></extra>",
-                )
+                joined(line.name, at, line.prediction, shade, "%{y:.4g} V", mode="lines", dash=line.dash)
             )
     return Panel(caption, figure(traces, axis_of(swept), axis("delta output (V)", rangemode="tozero"), 440))
 
@@ -92,16 +86,9 @@ def splitting(found: list[Accuracy]) -> Panel:
             ("median", [each.median for each in members], "solid"),
             ("worst", [each.worst for each in members], "dot"),
         ):
-            traces.append(
-                go.Scatter(
-                    x=[each.level for each in members],
-                    y=[PERCENT * value for value in values],
-                    mode="lines+markers",
-                    line={"color": series_colour(index), "dash": dash},
-                    name=f"{region}, {name}",
-                    hovertemplate="%{x} splits: %{y:.3g} %<extra>" + f"{region}, {name}</extra>",
-                )
-            )
+            levels, errors = [each.level for each in members], [PERCENT * value for value in values]
+            hover = "%{x} splits: %{y:.3g} %"
+            traces.append(joined(f"{region}, {name}", levels, errors, series_colour(index), hover, dash=dash))
     x = axis("how often each triangle is split in four", dtick=1)
     return Panel("over the set-ups of a region", figure(traces, x, power_axis("error of splitting (%)"), 460))
 

@@ -7,15 +7,13 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.results.study_results import Results
 from analysis.topics.experiments import (
-    angles_section,
     materials_section,
     measured_section,
     neighbours,
     neighbours_section,
-    sizes_section,
     splitting_section,
     tables,
-    tuning_section,
+    tuned_sections,
 )
 from analysis.topics.experiments.calibration import FORMS, OBSERVABLE, calibrate
 from analysis.topics.experiments.curves import Curve, curves, with_flat_start
@@ -77,9 +75,9 @@ def _of_sensor(experiment: str, found: list[Curve]) -> list[Markup]:
     except ValueError as error:
         return [page.paragraph(f"Not tuned: {error}.")]
     if experiment == "II":
-        return tuning_section.parts(flat, tunings)
+        return tuned_sections.one_plate(flat, tunings)
     if experiment == "III":
         others = [curve for curve in found if curve.family == "parallel" and curve is not flat]
-        return sizes_section.parts(flat, others, tunings)
+        return tuned_sections.other_sizes(flat, others, tunings)
     pivoted = [with_flat_start(curve, flat) for curve in found if curve.family == "inclined"]
-    return angles_section.parts(flat, pivoted, tunings)
+    return tuned_sections.pivoted_plates(flat, pivoted, tunings)

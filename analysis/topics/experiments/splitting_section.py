@@ -18,22 +18,19 @@ def parts(found: list[Accuracy]) -> list[Markup]:
     """Returns the finding, the plot and its numbers."""
     if not found:
         return [page.paragraph("No case has answers of the model by split:N.")]
-    header = ["region", "splits", "set-ups", "median", "worst", "below exact"]
-    rows = [
-        [
-            each.region,
-            str(each.level),
-            str(len(each.errors)),
-            f"{100 * each.median:.3g} %",
-            f"{100 * each.worst:.3g} %",
-            str(sum(error < 0 for error in each.errors)),
-        ]
-        for each in found
-    ]
+    table = page.table_of(
+        found,
+        ("region", lambda each: each.region),
+        ("splits", lambda each: str(each.level)),
+        ("set-ups", lambda each: str(len(each.errors))),
+        ("median", lambda each: f"{100 * each.median:.3g} %"),
+        ("worst", lambda each: f"{100 * each.worst:.3g} %"),
+        ("below exact", lambda each: str(sum(error < 0 for error in each.errors))),
+    )
     return [
         page.finding(finding(found)),
         page.figures([plots.splitting(found)]),
-        page.folded("Show the figures", page.table(header, rows)),
+        page.folded("Show the figures", table),
         page.soft(_EXPLANATION),
     ]
 

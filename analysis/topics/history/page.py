@@ -11,9 +11,9 @@ from markupsafe import Markup
 from analysis.pipeline import keys
 from analysis.report import page
 from analysis.report.page import is_current
-from analysis.report.plot import Panel, axis, figure, power_axis, series_colour
+from analysis.report.plot import Panel, axis, figure, guide, power_axis, series_colour
 from analysis.results import study_results as results
-from analysis.results.store import Document, write_text
+from analysis.results.store import Document
 from analysis.results.table import QUANTITIES
 from analysis.results.units import percent
 from analysis.topics.history import nights as history
@@ -30,7 +30,7 @@ def make(folder: Path) -> Path:
     inputs = keys.page_inputs(nights)
     if not is_current(target, inputs):
         page.provide_script(folder)
-        write_text(target, _page(results.title(folder), nights, inputs))
+        page.write(target, _page(results.title(folder), nights, inputs))
     return target
 
 
@@ -91,14 +91,8 @@ def _panels(nights: list[Document]) -> list[Panel]:
         [max(value, _LEAST) if value is not None else None for value in largest],
         0,
     )
-    allowed = go.Scatter(
-        x=[night["time"] for night in compared[:1] + compared[-1:]],
-        y=[1, 1][: len(compared[:1] + compared[-1:])],
-        mode="lines",
-        line={"color": "#57606a", "dash": "dot"},
-        name="more has moved",
-        hoverinfo="skip",
-    )
+    ends = [night["time"] for night in compared[:1] + compared[-1:]]
+    allowed = guide("more has moved", ends, [1] * len(ends))
     seconds = [
         _line("solves in the table", nights, [night["reference_seconds"] for night in nights], 0),
         _line("the night itself", nights, [night["seconds"] for night in nights], 1),

@@ -9,7 +9,7 @@ from analysis.results.answers import Estimate
 from analysis.results.store import Document
 from analysis.topics.insulators.set_ups import COUNTS, SetUp
 from analysis.topics.insulators.stage import FORMULA, IGNORING
-from analysis.topics.insulators.truths import Truth, Truths
+from analysis.topics.insulators.truths import Truths, read
 from analysis.topics.spread import Spread, spread
 
 
@@ -69,13 +69,4 @@ def entry(set_up: SetUp, answer: Document) -> Entry:
         for name in (FORMULA, IGNORING)
         if "refused" not in answer["changes"][name]
     }
-    true = answer["truths"]
-    return Entry(set_up, Truths(_truth(true["insulated"]), _truth(true["without"])), changes, answer["pairs"])
-
-
-def _truth(record: Document) -> Truth:
-    background, change, mutual = (
-        Estimate(**record[key]) if record[key] else None for key in ("background", "change", "mutual")
-    )
-    assert background is not None and change is not None
-    return Truth(background, change, mutual)
+    return Entry(set_up, read(answer["truths"]), changes, answer["pairs"])

@@ -2,26 +2,20 @@
 
 from __future__ import annotations
 
-from collections import Counter
-
 from markupsafe import Markup
 
 from analysis.report import page
+from analysis.results.answers import Estimate
 from analysis.results.units import percent, picofarads, signed_percent
 from analysis.topics.insulators import plots, records
-from analysis.topics.field_solver import QUANTITIES, Comparison as AnyComparison
 from analysis.topics.insulators.records import Entry, by_family
-from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, TARGET, SetUp
+from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, TARGET
 from analysis.topics.insulators.stage import FORMULA, IGNORING
 from analysis.topics.insulators.truths import RTOL
 from analysis.topics.spread import range_of, spread
 
-Comparison = AnyComparison[SetUp]
 TITLE = "Insulators: Experiment VIII"
 ABSENT = "This version of the model has no study of insulators yet: python3 -m analysis insulators does it in a minute."
-GOAL = 5e-3
-"""Largest difference of the methods, relative to the field solver's value, that there should be."""
-UNCHECKED = "None of these set-ups has a reading by the field solver."
 _WHAT = (
     "Change: the reading with the hand less that without it, the insulator as it is; a blanket comes with the hand. Factor: the change with the insulator over that "
     "without it, and of an insulating target over that of a grounded one of the same shape. False change: what the insulator by itself adds to the reading, over the "
@@ -31,10 +25,8 @@ _WHAT = (
 )
 
 
-def section(found: list[Entry], checks: list[Comparison]) -> Markup:
-    """Returns the section, with the comparisons with the field solver; one sentence without answers."""
-    if not found:
-        return page.section(TITLE, page.paragraph(ABSENT))
+def section(found: list[Entry], checked: list[Markup]) -> Markup:
+    """Returns the section, with what the field solver finds."""
     return page.section(
         TITLE,
         page.finding(finding(found)),
@@ -59,9 +51,7 @@ def section(found: list[Entry], checks: list[Comparison]) -> Markup:
             text_columns=2,
         ),
         page.soft(_WHAT),
-        page.heading("Checked by the field solver"),
-        page.finding(check_finding(checks)) if checks else page.paragraph(UNCHECKED),
-        page.folded("Show the comparison", _comparisons(checks)),
+        *checked,
         page.folded("Show the numbers", _numbers(found)),
     )
 
@@ -112,25 +102,6 @@ def rule_finding(found: list[Entry]) -> str:
     return f"The formula in company, with the layer rule, is off by: {'; '.join(phrases)}."
 
 
-def check_finding(checks: list[Comparison]) -> str:
-    """Tells how many values of both methods agree, within the goal and within the stated errors."""
-    families = Counter({each.set_up.identity: each.set_up.family for each in checks}.values())
-    told = ", ".join(f"{family} {count}" for family, count in families.items())
-    phrases = []
-    for quantity in QUANTITIES:
-        own = [each for each in checks if each.quantity == quantity]
-        near = sum(abs(each.difference) <= GOAL for each in own)
-        stated = sum(each.over_errors <= 1 for each in own)
-        worst = max((each.difference for each in own), key=abs)
-        phrases.append(
-            f"{quantity} {near} of {len(own)} within {percent(GOAL)} and {stated} within the stated errors, {signed_percent(worst)} at worst"
-        )
-    return (
-        f"Boundary elements less the field solver in {families.total()} set-ups ({told}), their hands moved to the sensors' axes, relative: "
-        f"{'; '.join(phrases)}."
-    )
-
-
 def _name(family: str) -> str:
     return f"a {family}"
 
@@ -172,54 +143,20 @@ def _rows_of_model(found: list[Entry]) -> list[list[str]]:
     return rows
 
 
-def _comparisons(checks: list[Comparison]) -> Markup:
-    header = [
-        "set-up",
-        "quantity",
-        "field solver (pF)",
-        "boundary elements (pF)",
-        "difference",
-        "difference/errors",
-    ]
-    rows = [
-        [
-            each.set_up.name,
-            each.quantity,
-            *(picofarads(by.value, by.error) for by in (each.field, each.boundary)),
-            signed_percent(each.difference),
-            f"{each.over_errors:.2f}",
-        ]
-        for each in checks
-    ]
-    return page.table(header, rows, text_columns=2)
-
-
 def _numbers(found: list[Entry]) -> Markup:
-    header = [
-        "set-up",
-        "name",
-        "permittivity",
-        "thickness (mm)",
-        "distance (mm)",
-        "change (pF)",
-        "without (pF)",
-        "formula (pF)",
-    ]
-    rows = [
-        [
-            page.code(entry.set_up.id),
-            entry.set_up.name,
-            f"{entry.set_up.permittivity:g}",
-            f"{1e3 * entry.set_up.thickness:.1f}",
-            f"{1e3 * entry.set_up.gap:.1f}",
-            *(
-                picofarads(each.change.value, each.change.error)
-                for each in (entry.true.insulated, entry.true.without)
-            ),
-            picofarads(entry.changes[FORMULA].value, entry.changes[FORMULA].error)
-            if FORMULA in entry.changes
-            else "refused",
-        ]
-        for entry in found
-    ]
-    return page.table(header, rows, text_columns=2)
+    return page.table_of(
+        found,
+        ("set-up", lambda entry: page.code(entry.set_up.id)),
+        ("name", lambda entry: entry.set_up.name),
+        ("permittivity", lambda entry: f"{entry.set_up.permittivity:g}"),
+        ("thickness (mm)", lambda entry: f"{1e3 * entry.set_up.thickness:.1f}"),
+        ("distance (mm)", lambda entry: f"{1e3 * entry.set_up.gap:.1f}"),
+        ("change (pF)", lambda entry: _picofarads(entry.true.insulated.change)),
+        ("without (pF)", lambda entry: _picofarads(entry.true.without.change)),
+        ("formula (pF)", lambda entry: _picofarads(entry.changes.get(FORMULA))),
+        text_columns=2,
+    )
+
+
+def _picofarads(estimate: Estimate | None) -> str:
+    return "refused" if estimate is None else picofarads(estimate.value, estimate.error)

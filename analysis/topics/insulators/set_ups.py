@@ -11,12 +11,11 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 
+from analysis.pipeline.set_up_stages import OfScene
 from geometries.scene.covers import covers
 from geometries.scene.poses import Pose, Vector3
 from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
 from geometries.scene.shapes import Cuboid
-from geometries.scene.writer import canonical_and_identity
-from geometries.studies.study import IDENTITY_DIGITS
 
 COVER, FILM, MATTRESS, BLANKET, TARGET = "cover", "wet film", "mattress", "blanket", "insulating target"
 COUNTS = {COVER: 70, FILM: 30, MATTRESS: 30, BLANKET: 30, TARGET: 50}
@@ -34,7 +33,7 @@ _DIGITS = 4
 
 
 @dataclass(frozen=True)
-class SetUp:
+class SetUp(OfScene):
     """A scene with the insulator (relative permittivity, thickness in m) and the one without it.
 
     `gap` (m) is from the plate to the hand. Without the insulator an insulating target is a grounded one.
@@ -47,14 +46,7 @@ class SetUp:
     gap: float
     size: float
     has_housing: bool
-    scene: Scene
     without: Scene
-    text: str
-    identity: str
-
-    @property
-    def id(self) -> str:
-        return self.identity[:IDENTITY_DIGITS]
 
     @property
     def shift(self) -> float:
@@ -96,8 +88,6 @@ def _of_family(family: str) -> Iterator[SetUp]:
         scene = Scene(sensors=(sensor,), readings=(Reading(READING, SENSOR, (SENSOR,)),))
         # Readers put covers first.
         objects = sorted((*behind, *parts.objects), key=lambda body: body.conductor != SENSOR)
-        whole = replace(scene, objects=tuple(objects))
-        text, identity = canonical_and_identity(whole)
         yield SetUp(
             family=family,
             number=number,
@@ -106,10 +96,8 @@ def _of_family(family: str) -> Iterator[SetUp]:
             gap=parts.gap,
             size=round(math.sqrt(width * depth), 6),
             has_housing=bool(behind),
-            scene=whole,
+            scene=replace(scene, objects=tuple(objects)),
             without=replace(scene, objects=(*behind, *parts.without)),
-            text=text,
-            identity=identity,
         )
 
 

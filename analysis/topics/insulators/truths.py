@@ -45,10 +45,7 @@ class Truths:
 @cache
 def load() -> dict[str, Truths]:
     """Returns the records by the identity of their set-up's scene; none without a file."""
-    return {
-        identity: Truths(*(_truth(record[key]) for key in ("insulated", "without")))
-        for identity, record in STORED.records().items()
-    }
+    return {identity: read(record) for identity, record in STORED.records().items()}
 
 
 def solved(model: Any, set_up: SetUp) -> Truths:
@@ -70,6 +67,11 @@ def _solved(model: Any, scene: Scene, rtol: float) -> Truth:
     row = names.index(SENSOR)
     entry, error = answer["maxwell"][row][grounded], answer["error"][row][grounded]
     return Truth(background, change, Estimate(-float(entry), float(error)))
+
+
+def read(record: Document) -> Truths:
+    """Reads stored truths."""
+    return Truths(*(_truth(record[key]) for key in ("insulated", "without")))
 
 
 def _truth(record: Document) -> Truth:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.units import picofarads, signed_percent
-from analysis.topics.machines import field_section, plots, records
-from analysis.topics.machines.field_section import Comparison
+from analysis.topics.machines import plots, records
 from analysis.topics.machines.parts import COMPANY
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import FAMILIES
@@ -29,10 +30,8 @@ _WHAT = (
 )
 
 
-def section(found: list[Entry], checks: list[Comparison]) -> Markup:
-    """Returns the section, with the comparisons with the field solver; one sentence without answers."""
-    if not found:
-        return page.section(TITLE, page.paragraph(ABSENT))
+def section(found: list[Entry], checked: list[Markup]) -> Markup:
+    """Returns the section, with what the field solver finds."""
     return page.section(
         TITLE,
         page.finding(finding(found)),
@@ -43,16 +42,19 @@ def section(found: list[Entry], checks: list[Comparison]) -> Markup:
         ),
         page.finding(parts_finding(found)),
         page.figures([plots.of_parts(found)]),
-        page.table(
-            ["part", "set-ups", "median", "least", "greatest", "greatest part in"], _rows_of_parts(found)
+        page.table_of(
+            records.of_parts(found),
+            ("part", lambda each: each.name),
+            ("set-ups", lambda each: str(each.count)),
+            ("median", lambda each: f"{each.median:+.3g}"),
+            ("least", lambda each: f"{each.least:+.3g}"),
+            ("greatest", lambda each: f"{each.greatest:+.3g}"),
+            ("greatest part in", lambda each: f"{each.largest_in} of {len(found)}"),
         ),
         page.soft(_WHAT),
         page.paragraph("Sealed set-ups, which no rule was chosen by, and the others; error of the change:"),
-        page.table(
-            ["method", "set-ups", "count", "median ratio", "rms error", "worst error"], _rows_of_sealed(found)
-        ),
-        page.heading("Checked by the field solver"),
-        *field_section.parts(checks),
+        _sealed(found),
+        *checked,
         page.folded("Show the numbers", _numbers(found)),
     )
 
@@ -64,9 +66,7 @@ def of_corrections(found: list[Entry]) -> Markup:
     return page.section(
         "In company: the change of a reading on machines",
         page.finding(sealed_finding(found)),
-        page.table(
-            ["method", "set-ups", "count", "median ratio", "rms error", "worst error"], _rows_of_sealed(found)
-        ),
+        _sealed(found),
         page.soft(
             "Ratio: the method's change over the true one by boundary elements. The page on machines has the set-ups."
         ),
@@ -132,42 +132,37 @@ def _rows(found: list[Entry]) -> list[list[str]]:
     return rows
 
 
-def _rows_of_parts(found: list[Entry]) -> list[list[str]]:
-    return [
-        [
-            each.name,
-            str(each.count),
-            f"{each.median:+.3g}",
-            f"{each.least:+.3g}",
-            f"{each.greatest:+.3g}",
-            f"{each.largest_in} of {len(found)}",
-        ]
-        for each in records.of_parts(found)
-    ]
-
-
-def _rows_of_sealed(found: list[Entry]) -> list[list[str]]:
-    rows = []
-    for method in METHODS:
-        for name, sealed in (("sealed", True), ("open", False)):
-            each = records.statistics([entry for entry in found if entry.set_up.sealed == sealed], method)
-            if each is not None:
-                errors = (f"{100 * each.rms:.0f} %", f"{100 * each.worst:+.0f} %")
-                rows.append([method, name, str(each.count), ratio(each.median), *errors])
-    return rows
+def _sealed(found: list[Entry]) -> Markup:
+    """Returns how each method does in the sealed set-ups and in the others."""
+    kinds = [(method, name) for method in METHODS for name in ("sealed", "open")]
+    members = {
+        name: [entry for entry in found if entry.set_up.sealed == (name == "sealed")] for _, name in kinds
+    }
+    known = [(*kind, spread) for kind in kinds if (spread := records.statistics(members[kind[1]], kind[0]))]
+    return page.table_of(
+        known,
+        ("method", lambda each: each[0]),
+        ("set-ups", lambda each: each[1]),
+        ("count", lambda each: str(each[2].count)),
+        ("median ratio", lambda each: ratio(each[2].median)),
+        ("rms error", lambda each: f"{100 * each[2].rms:.0f} %"),
+        ("worst error", lambda each: f"{100 * each[2].worst:+.0f} %"),
+    )
 
 
 def _numbers(found: list[Entry]) -> Markup:
-    header = ["set-up", "name", "sealed", "change (pF)", "pair (pF)", *METHODS, "greatest part"]
-    rows = [
-        [
-            page.code(entry.set_up.id),
-            entry.set_up.name,
-            "yes" if entry.set_up.sealed else "",
-            *(picofarads(each.value, each.error) for each in (entry.change, entry.true.alone)),
-            *(ratio(entry.ratio(method)) if method in entry.methods else "" for method in METHODS),
-            entry.largest,
-        ]
-        for entry in found
-    ]
-    return page.table(header, rows, text_columns=3)
+    return page.table_of(
+        found,
+        ("set-up", lambda entry: page.code(entry.set_up.id)),
+        ("name", lambda entry: entry.set_up.name),
+        ("sealed", lambda entry: "yes" if entry.set_up.sealed else ""),
+        ("change (pF)", lambda entry: picofarads(entry.change.value, entry.change.error)),
+        ("pair (pF)", lambda entry: picofarads(entry.true.alone.value, entry.true.alone.error)),
+        *((method, partial(_ratio, method)) for method in METHODS),
+        ("greatest part", lambda entry: entry.largest),
+        text_columns=3,
+    )
+
+
+def _ratio(method: str, entry: Entry) -> str:
+    return ratio(entry.ratio(method)) if method in entry.methods else ""

@@ -11,14 +11,13 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 
+from analysis.pipeline.set_up_stages import OfScene
 from analysis.topics.machines import bodies
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
 from geometries.scene.shapes import Cuboid
-from geometries.scene.writer import canonical_and_identity
 from geometries.studies import machines
 from geometries.studies.families import FLOATING
-from geometries.studies.study import IDENTITY_DIGITS
 
 HOUSING, TABLE, ARM, PERSON, ROBOT, TRANSMIT = "housing", "table", "arm", "person", "robot", "transmit"
 FAMILIES = (HOUSING, TABLE, ARM, PERSON, ROBOT, TRANSMIT)
@@ -38,11 +37,10 @@ _TO_GROUND = (0.0, 1e-11, 1e-10, 1e-9)
 
 
 @dataclass(frozen=True)
-class SetUp:
+class SetUp(OfScene):
     """A scene with one reading, which drives and senses the first sensor; in the family `transmit` it drives the second and senses the first.
 
-    `own` names the bodies that the sensors are mounted on, `others` the other bodies of the machine and around it. `text` is the canonical
-    scene and `identity` its hash.
+    `own` names the bodies that the sensors are mounted on, `others` the other bodies of the machine and around it.
     """
 
     family: str
@@ -50,13 +48,6 @@ class SetUp:
     sealed: bool
     own: tuple[str, ...]
     others: tuple[str, ...]
-    scene: Scene
-    text: str
-    identity: str
-
-    @property
-    def id(self) -> str:
-        return self.identity[:IDENTITY_DIGITS]
 
     @property
     def name(self) -> str:
@@ -104,9 +95,8 @@ def _of_family(family: str) -> Iterator[SetUp]:
         scene = machines.before(Scene(sensors=parts.sensors, objects=parts.targets), around)
         driven = parts.sensors[1 if family == TRANSMIT else 0].name
         scene = replace(scene, readings=(Reading(READING, parts.sensors[0].name, (driven,)),))
-        text, identity = canonical_and_identity(scene)
         own, others = (tuple(body.name for body in some) for some in (parts.own, parts.others))
-        yield SetUp(family, number, number > _COUNT - _SEALED, own, others, scene, text, identity)
+        yield SetUp(scene, family, number, number > _COUNT - _SEALED, own, others)
 
 
 def _housing(chance: random.Random) -> _Parts:

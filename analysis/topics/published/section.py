@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
@@ -20,12 +18,14 @@ from geometries.common import installation
 from geometries.studies.study import Case
 
 TITLE = "A reference table of capacitances around a plate"
+Published = tuple[list[Row], list[Check]]
+"""The rows of the table, and what the field solver finds of some."""
 _PERCENT = 100.0
 
 
-def section(set_ups: str) -> Markup:
+def section(published: Published, set_ups: str) -> Markup:
     """Tells what the table holds and how sure it is; `set_ups` is the file of the page of its set-ups, as seen from the page."""
-    found, checks = _published()
+    found, checks = published
     families = list(dict.fromkeys(row.family for row in found))
     panels = [
         Panel("mutual, best values", _values(found, families)),
@@ -43,10 +43,9 @@ def section(set_ups: str) -> Markup:
     )
 
 
-@functools.cache
-def set_ups_document(back: str, back_title: str, inputs: str, script: str) -> str:
+def set_ups_document(published: Published, back: str, back_title: str, inputs: str, script: str) -> str:
     """Returns the page of the table's set-ups; `back` is the file of the page that leads to it, `inputs` the hash of what it is made from."""
-    found, _ = _published()
+    found, _ = published
     texts = {case.id: case for case in stage.cases()}
     around = Around(
         "Set-ups of the published table",
@@ -58,11 +57,6 @@ def set_ups_document(back: str, back_title: str, inputs: str, script: str) -> st
         (f"--method boundary-elements --rtol {min(stage.RTOLS):g}",),
     )
     return set_ups_page.document(around, [_shown(row, texts[row.case]) for row in found], inputs, script)
-
-
-@functools.cache
-def _published() -> tuple[list[Row], list[Check]]:
-    return files.load(table.PLACE)
 
 
 def _values(found: list[Row], families: list[str]) -> go.Figure:

@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
+from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
 from analysis.results.store import Document
 from analysis.results.study_results import Results
 from analysis.results.units import duration, percent
@@ -76,16 +76,8 @@ def plot(found: list[Point], known_to: float) -> go.Figure:
             traces.append(_series(name, members, colour, symbol, mode, known_to, plain))
     seconds = [point.seconds for point in found]
     ends = [math.log10(min(seconds)) - 0.4, math.log10(max(seconds)) + 0.5]
-    traces.append(
-        go.Scatter(
-            x=[10 ** ends[0], 10 ** ends[1]],
-            y=[known_to, known_to],
-            mode="lines",
-            line={"color": INK, "width": 1, "dash": "dash"},
-            name="what the truth is known to",
-            hoverinfo="skip",
-        )
-    )
+    whole = [10**end for end in ends]
+    traces.append(guide("what the truth is known to", whole, [known_to] * 2, width=1, dash="dash"))
     x = power_axis("seconds for one pose", range=ends)
     return figure(traces, x, power_axis("relative error in mutual"), height=560)
 
@@ -101,14 +93,8 @@ def front(found: list[Point], known_to: float) -> list[Point]:
 
 def _front(found: list[Point], known_to: float) -> go.Scatter:
     best = front(found, known_to)
-    return go.Scatter(
-        x=[point.seconds for point in best],
-        y=[max(point.error, known_to) for point in best],
-        mode="lines",
-        line={"color": INK, "width": 1.5, "dash": "dot", "shape": "hv"},
-        name="front: none is faster and better",
-        hoverinfo="skip",
-    )
+    seconds, errors = [point.seconds for point in best], [max(point.error, known_to) for point in best]
+    return guide("front: none is faster and better", seconds, errors, shape="hv")
 
 
 def _series(

@@ -9,7 +9,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, power_axis, series_colour
-from analysis.topics.verification.records import Cost, Point, Target
+from analysis.topics.verification.records import Cost, Point
 
 TITLE = "Run time against error of the reference"
 KNOWN = 1e-2
@@ -85,20 +85,16 @@ def _error(error: float, cost: Cost) -> str:
 
 
 def _targets(costs: list[Cost]) -> Markup:
-    header = ["set-up", "error asked for", "within (s)", "stated", "after (s)", "off by", "in time"]
-    return page.table(header, [_target_cells(cost, target) for cost in costs for target in cost.targets])
-
-
-def _target_cells(cost: Cost, target: Target) -> list[str]:
-    return [
-        cost.caption,
-        f"{target.rtol:.0e}",
-        f"{target.allowed_seconds:g}",
-        f"{target.stated:.1e}",
-        f"{target.seconds:.1f}",
-        _error(target.error, cost),
-        page.yes_or_no(target.met),
-    ]
+    return page.table_of(
+        [(cost, target) for cost in costs for target in cost.targets],
+        ("set-up", lambda each: each[0].caption),
+        ("error asked for", lambda each: f"{each[1].rtol:.0e}"),
+        ("within (s)", lambda each: f"{each[1].allowed_seconds:g}"),
+        ("stated", lambda each: f"{each[1].stated:.1e}"),
+        ("after (s)", lambda each: f"{each[1].seconds:.1f}"),
+        ("off by", lambda each: _error(each[1].error, each[0])),
+        ("in time", lambda each: page.yes_or_no(each[1].met)),
+    )
 
 
 def _series(cost: Cost) -> list[tuple[str, tuple[Point, ...], int, str, str]]:

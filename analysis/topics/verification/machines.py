@@ -22,7 +22,7 @@ from typing import Literal
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import Document, write_text
 from analysis.results.units import PICOFARAD
-from geometries.common.children import end_with, temporary_folder
+from geometries.common.children import end_with
 from geometries.common.errors import InputError
 from geometries.scene.meshes import read_triangles
 from geometries.scene.poses import AxisRotation, Pose, Vector3
@@ -189,10 +189,8 @@ KEYS = ("value", "error", "lower", "upper")
 
 def _boundary_elements(machine: Machine) -> list[Document]:
     """The backgrounds and changes of the readings (pF) by boundary elements, each with its error."""
-    with temporary_folder() as folder:
-        path = folder / "scene.toml"
-        path.write_text(canonical(machine.scene), encoding="utf-8")
-        known = model_module().Scene.load(path).readings(method="boundary-elements", rtol=BOUNDARY_RTOL)
+    loaded = model_module().Scene.loads(canonical(machine.scene))
+    known = loaded.readings(method="boundary-elements", rtol=BOUNDARY_RTOL)
     return [
         {
             "name": f"{kind} of {name}",

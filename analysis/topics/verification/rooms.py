@@ -19,7 +19,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.pipeline.model_stage import model_module
-from geometries.common.children import temporary_folder
 from geometries.common.files import whole_file
 
 Array = NDArray[np.float64]
@@ -122,11 +121,9 @@ def _with_images(room: PlatesInRoom, reflections: int) -> tuple[Array, float]:
         for number, (centre, half) in enumerate(plate for plates in room.plates for plate in plates)
         for place, factor in images(room, centre, reflections)
     ]
-    with temporary_folder() as folder:
-        path = folder / "images.toml"
-        text = [_sensor(f"plate {k}", place, half) for k, (_, place, half, _) in enumerate(charged)]
-        path.write_text("\n".join(text), encoding="utf-8")
-        found = model_module().Scene.load(path).maxwell(rtol=RTOL if len(charged) <= MANY else RTOL_OF_MANY)
+    text = [_sensor(f"plate {k}", place, half) for k, (_, place, half, _) in enumerate(charged)]
+    loaded = model_module().Scene.loads("\n".join(text))
+    found = loaded.maxwell(rtol=RTOL if len(charged) <= MANY else RTOL_OF_MANY)
     matrix, error = np.array(found["maxwell"]), np.array(found["error"])
     own = [[number for number, *_ in charged].index(k) for k in range(len(owner))]
     factors = np.zeros((len(charged), len(owner)))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from html import escape
 
 import numpy as np
@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import INK, Panel, figure, power_axis, series_colour
+from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
 from analysis.topics.verification.records import Compared, Held, worst_of_each_case
 
 TITLE = "The reference against known capacitances"
@@ -105,7 +105,7 @@ def _stated_against_true(found: list[Compared]) -> go.Figure:
     shown = [max(row.known_off, _SMALLEST) for row in found]
     ends = [min(shown), max(row.stated for row in found)]
     traces = [
-        go.Scatter(x=ends, y=ends, mode="lines", line={"color": INK, "dash": "dot", "width": 1.5}, name="equal", hoverinfo="skip"),
+        guide("equal", ends, ends),
         _marks("stated error of the best value", [(row, row.stated) for row in found], 0, "circle"),
         _marks("half the enclosure's width", [(row, row.half_width) for row in found if row.half_width], 1, "square-open"),
     ]  # fmt: skip
@@ -125,45 +125,33 @@ def _marks(name: str, rows: list[tuple[Compared, float | None]], index: int, sym
     )
 
 
-_HEADER = (
-    "set-up",
-    "quantity",
-    "known to",
-    "off by",
-    "stated",
-    "effectivity",
-    "within",
-    "half width",
-    "effectivity",
+_COLUMNS: tuple[tuple[str, Callable[[Compared], str]], ...] = (
+    ("set-up", lambda row: row.case),
+    ("quantity", lambda row: row.quantity),
+    ("known to", lambda row: f"{row.truth_error:.0e}" if row.truth_error else "exact"),
+    ("off by", lambda row: f"{row.off:.1e}"),
+    ("stated", lambda row: f"{row.stated:.1e}"),
+    ("effectivity", lambda row: f"{row.effectivity:.2g}"),
+    ("within", lambda row: page.yes_or_no(row.within)),
+    ("half width", lambda row: _known(row.half_width, ".1e")),
+    ("effectivity", lambda row: _known(row.enclosure_effectivity, ".2g")),
+    ("truth inside", lambda row: "" if row.enclosed is None else page.yes_or_no(row.enclosed)),
+    ("order", lambda row: _known(row.order, ".2f")),
 )
-_MORE = ("truth inside", "order")
+
+
+def _known(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)
 
 
 def _table(rows: list[Compared]) -> Markup:
-    return page.table([*_HEADER, *_MORE], [_cells(row) for row in rows], text_columns=2)
+    return page.table_of(rows, *_COLUMNS, text_columns=2)
 
 
 def _full_table(rows: list[Compared]) -> Markup:
     """Returns the table with the source of every truth, and the run time of every answer."""
-    more = [[*_cells(row), f"{row.seconds:.1f}", row.source] for row in rows]
-    return page.table([*_HEADER, *_MORE, "seconds", "truth from"], more, text_columns=2)
-
-
-def _cells(row: Compared) -> list[str]:
-    ratio, order = row.enclosure_effectivity, row.order
-    return [
-        row.case,
-        row.quantity,
-        f"{row.truth_error:.0e}" if row.truth_error else "exact",
-        f"{row.off:.1e}",
-        f"{row.stated:.1e}",
-        f"{row.effectivity:.2g}",
-        page.yes_or_no(row.within),
-        "" if row.half_width is None else f"{row.half_width:.1e}",
-        "" if ratio is None else f"{ratio:.2g}",
-        "" if row.enclosed is None else page.yes_or_no(row.enclosed),
-        "" if order is None else f"{order:.2f}",
-    ]
+    seconds: tuple[str, Callable[[Compared], str]] = ("seconds", lambda row: f"{row.seconds:.1f}")
+    return page.table_of(rows, *_COLUMNS, seconds, ("truth from", lambda row: row.source), text_columns=2)
 
 
 def _orders(found: list[Compared]) -> list[Markup]:
@@ -209,31 +197,24 @@ def _error_over_size(shown: list[Compared]) -> go.Figure:
         )
     middle = math.exp(float(np.mean([math.log(row.clear_levels[0][1]) for row in shown])))
     sizes = [1.0, 0.25]
-    traces.append(
-        go.Scatter(
-            x=sizes, y=[middle * size for size in sizes], mode="lines", name="order 1", hoverinfo="skip",
-            line={"color": INK, "dash": "dot", "width": 2},
-        )
-    )  # fmt: skip
+    traces.append(guide("order 1", sizes, [middle * size for size in sizes], width=2))
     x = power_axis("edge size over that of the first mesh", tickvals=[1, 0.5, 0.25, 0.125, 0.0625])
     return figure(traces, x | {"exponentformat": "none"}, power_axis("relative error of a mesh"), height=420)
 
 
 def _properties(properties: list[Held]) -> list[Markup]:
-    rows = [
-        [
-            entry.group,
-            entry.words,
-            f"{entry.measured:.2g}",
-            f"{entry.allowed:.2g}, {entry.because}",
-            page.yes_or_no(entry.holds),
-        ]
-        for entry in properties
-    ]
     return [
         page.heading("Properties of any capacitances"),
         page.finding(property_finding(properties)),
-        page.table(["property", "what", "measured", "at most", "holds"], rows, text_columns=2),
+        page.table_of(
+            properties,
+            ("property", lambda entry: entry.group),
+            ("what", lambda entry: entry.words),
+            ("measured", lambda entry: f"{entry.measured:.2g}"),
+            ("at most", lambda entry: f"{entry.allowed:.2g}, {entry.because}"),
+            ("holds", lambda entry: page.yes_or_no(entry.holds)),
+            text_columns=2,
+        ),
     ]
 
 

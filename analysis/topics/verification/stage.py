@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import functools
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.pipeline import keys
@@ -14,8 +16,6 @@ from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from geometries.common.installation import ROOT
 
-FOLDER = "verification"
-"""The folder of the rows, beside the folders of the studies' results."""
 _SOURCES = (
     "truths.py",
     "truths_of_revolution.py",
@@ -40,12 +40,19 @@ _LONG = {
 _COMPILES_FORMS = "truth/cube"
 
 
-def row_names() -> list[str]:
-    """Returns the names of all rows."""
-    # Imported here: loading the solver takes a second, and a report that is up to date does not need it.
+@dataclass(frozen=True)
+class Row:
+    """A row by its name."""
+
+    id: str
+
+
+def all_rows() -> Iterator[Row]:
+    """Gives all rows in their order."""
+    # Imported when the first one is asked for: loading the solver takes a second, and a report that is up to date does not need it.
     from analysis.topics.verification import rows
 
-    return rows.row_names()
+    yield from map(Row, rows.row_names())
 
 
 def code(repository: Path = ROOT) -> str:
@@ -65,34 +72,41 @@ def path_of(folder: Path, name: str) -> Path:
     return folder / "rows" / f"{name.replace('/', '-').replace(' ', '_')}.json"
 
 
-def run(folder: Path, names: list[str], workers: int | None = None) -> list[Failure]:
-    """Solves the rows that are missing or out of date; returns those that failed.
+@dataclass(frozen=True)
+class Rows:
+    """The stages of all rows."""
 
-    Truths and properties come first, then the rows whose run times are measured, `workers` at a time.
-    """
-    current = code()
-    missing = outdated([stage(folder, name, current) for name in names])
-    failures: list[Failure] = []
-    # The others would wait for the forms that the first solve compiles.
-    first = [each for each in missing if each.name == _COMPILES_FORMS]
-    timed = [each for each in missing if each.name.startswith("cost/")]
-    rest = [each for each in missing if each not in first + timed]
-    for group in (first, rest, timed):
-        failures += run_all(group, workers or parallel_jobs(), "rows of the verification")
-    return failures
+    name: str = "verification"
+
+    def run(self, folder: Path, rows: Iterable[Row], workers: int | None = None) -> list[Failure]:
+        """Solves the rows that are missing or out of date; returns those that failed.
+
+        Truths and properties come first, then the rows whose run times are measured, `workers` at a time.
+        """
+        current = code()
+        missing = outdated([stage(folder, row.id, current) for row in rows])
+        failures: list[Failure] = []
+        # The others would wait for the forms that the first solve compiles.
+        first = [each for each in missing if each.name == _COMPILES_FORMS]
+        timed = [each for each in missing if each.name.startswith("cost/")]
+        rest = [each for each in missing if each not in first + timed]
+        for group in (first, rest, timed):
+            failures += run_all(group, workers or parallel_jobs(), "rows of the verification")
+        return failures
+
+    def load(self, folder: Path, _: Iterable[Row]) -> dict[str, Document]:
+        """Returns the rows in a folder that are up to date, by name; rows of another version of the code or machine are left out."""
+        stored = [read_json(path) for path in sorted((folder / "rows").glob("*.json"))]
+        current = code() if stored else ""
+        return {
+            row["row"]: row for row in stored if row is not None and row["key"] == key(row["row"], current)
+        }
 
 
 def stage(folder: Path, name: str, code: str) -> Stage:
     """Returns the stage of one row."""
     seconds = _LONG.get(name, _SECONDS[name.partition("/")[0]])
     return Stage(name, "", path_of(folder, name), key(name, code), seconds, functools.partial(answer, name))
-
-
-def load(folder: Path) -> dict[str, Document]:
-    """Returns the rows in a folder that are up to date, by name; rows of another version of the code or machine are left out."""
-    stored = [read_json(path) for path in sorted((folder / "rows").glob("*.json"))]
-    current = code() if stored else ""
-    return {row["row"]: row for row in stored if row is not None and row["key"] == key(row["row"], current)}
 
 
 def answer(name: str, processes: Processes) -> Document:

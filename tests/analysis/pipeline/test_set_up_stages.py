@@ -120,6 +120,5 @@ def test_a_set_up_without_an_answer_is_told_and_done_the_next_time(topic: Topic,
     assert len(topic.stages.load(tmp_path, TOYS)) == len(TOYS)
 
 
-def test_the_folder_of_a_topic_is_beside_that_of_a_study(topic: Topic, tmp_path: Path) -> None:
-    assert topic.stages.beside(tmp_path / "results" / "default") == tmp_path / "results" / "toys"
+def test_without_a_folder_there_are_no_answers(topic: Topic, tmp_path: Path) -> None:
     assert topic.stages.load(tmp_path / "nowhere", TOYS) == {}

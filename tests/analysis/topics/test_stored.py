@@ -94,7 +94,9 @@ def test_a_record_may_hold_both_methods(tmp_path: Path) -> None:
     record = {"field": quantities_of(reading, ("change", "value")), "boundary": {}}
     record["boundary"] = quantities_of({**reading, "change": 2.1}, ("change", "value"))
     kept.write({SECOND.identity: record})
-    change, value = FieldCheck(kept, ("change", "value"), both=True).comparisons()
+    change, value = FieldCheck(
+        kept, lambda each: each.machine, (), quantities=("change", "value"), both=True
+    ).comparisons()
     assert (change.set_up, change.quantity) == (SECOND, "change") and value.over_errors == 0
     assert change.difference == pytest.approx(0.05) and change.over_errors == pytest.approx(5)
     assert change.is_enclosed, "nothing is proven"

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-import re
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from analysis import __main__ as command_line
 from analysis.results import store
 from analysis.results.study_results import SCENE
-from analysis.topics.company import factors, section, set_ups
+from analysis.topics.company import factors, section
 from analysis.topics.company.factors import TOGETHER, Entry
 from analysis.topics.company.set_ups import (
     GUARD,
@@ -33,7 +31,6 @@ from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.readings import readings, targets
 from geometries.studies.families import FLOATING, GROUNDED
-from tests.analysis.synthetic import make_results, report_text
 
 PICO = 1e-12
 # What made-up answers are multiplied by.
@@ -171,30 +168,3 @@ def test_real_answers_have_the_order_of_the_theorem_and_state_their_errors(folde
         assert grounded.model > grounded.change.value
         assert 0 < grounded.change.error < 5e-3 * grounded.change.value
     assert found[NOTHING, GROUNDED].model == found[HOUSING, GROUNDED].model
-
-
-def test_the_command_computes_what_is_missing_and_makes_the_page(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(set_ups, "all_set_ups", some)
-    assert command_line.main(["company", "--output", str(folder)]) == 0
-    printed = capsys.readouterr()
-    assert f"report: {folder / COMPANY.file}" in printed.out and "4 set-ups" in printed.out
-    assert "in company" not in printed.err, "nothing was left to do"
-
-
-def test_a_report_beside_the_answers_shows_them_and_another_says_how_to_get_them(
-    folder: Path, tmp_path: Path
-) -> None:
-    text = report_text(make_results(folder.parent / "study"))
-    assert section.TITLE in text and section.ABSENT not in text
-    (found,) = re.findall(rf"<h2>{section.TITLE}</h2>(.*?)</section>", text, re.DOTALL)
-    assert "hand floating" in found and all(each.id in found for each in some())
-    assert section.ABSENT in report_text(make_results(tmp_path / "elsewhere" / "study"))
-
-
-def test_the_page_is_made_once(folder: Path) -> None:
-    made = COMPANY.make(folder)
-    text = made.path.read_text()
-    assert "--method boundary-elements --rtol 0.001" in text and "analysis company" in text
-    assert COMPANY.make(folder).path.stat().st_mtime_ns == made.path.stat().st_mtime_ns

@@ -18,7 +18,6 @@ from analysis.topics.corrections import (
     evaluation,
     fit,
     notes,
-    page,
     set_ups,
     truths,
 )
@@ -170,7 +169,7 @@ def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
 
 
 def test_the_page_of_the_set_ups_shows_each_scene_with_its_numbers(told: list[Document]) -> None:
-    text = cases_section.set_ups_document(told, page.PAGE, "Corrections", "made from", "plotly.js")
+    text = cases_section.set_ups_document(told, "corrections.html", "Corrections", "made from", "plotly.js")
     (data,) = re.findall(r'<script type="application/json" id="set-ups">(.*?)</script>', text, re.DOTALL)
     shown = {each["name"]: each for each in json.loads(data)["setUps"]}
     heads, commands = json.loads(data)["heads"], json.loads(data)["commands"]

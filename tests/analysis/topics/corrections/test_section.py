@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from analysis.results import store
-from analysis.topics.corrections import page, section, stage
+from analysis.topics.corrections import section, stage
+from analysis.topics.corrections.topic import CORRECTIONS
 from tests.analysis.synthetic import corrections_document
 
 SET_UPS = "set_ups/corrections.html"
@@ -14,13 +15,20 @@ SET_UPS = "set_ups/corrections.html"
 @pytest.mark.parametrize("earlier", [{"corrections": []}, {**corrections_document(), "discrepancy": {}}])
 def test_an_answer_of_an_earlier_form_counts_as_none(tmp_path: Path, earlier: store.Document) -> None:
     store.write_json(tmp_path / stage.DOCUMENT, {"key": "", **earlier})
-    assert stage.load(tmp_path) is None
-    made = page.make(tmp_path)
-    assert section.ABSENT in made.read_text() and not (tmp_path / page.SET_UPS).exists()
+    assert not CORRECTIONS.load(tmp_path)
+    made = CORRECTIONS.make(tmp_path)
+    assert section.ABSENT in made.path.read_text() and not (tmp_path / "set_ups.html").exists()
+
+
+def test_the_page_by_itself_leads_to_that_of_its_set_ups(tmp_path: Path) -> None:
+    store.write_json(tmp_path / stage.DOCUMENT, corrections_document())
+    made = CORRECTIONS.make(tmp_path)
+    assert made.headline == section.finding(corrections_document())
+    assert 'data-set-ups="set_ups.html"' in made.path.read_text()
+    assert f'href="{CORRECTIONS.file}"' in (tmp_path / "set_ups.html").read_text()
 
 
 def test_the_section_tells_the_errors_and_the_times() -> None:
-    assert section.ABSENT in section.section(None, SET_UPS)
     document = corrections_document()
     told = section.finding(document)
     assert (

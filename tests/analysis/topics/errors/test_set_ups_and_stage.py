@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from analysis import __main__ as command_line
 from analysis.results.set_up import describe, rectangles
 from analysis.results.table import MUTUAL
 from analysis.study import report
@@ -108,13 +107,3 @@ def test_a_report_beside_the_errors_shows_them_and_opens_their_cases(folder: Pat
     for target in re.findall(r'href="(\.\./\.\./errors/[^"]*)"', text):
         assert (study / report.PAGES / target).is_file()
     assert section.ABSENT in report_text(make_results(tmp_path / "elsewhere" / "study"))
-
-
-def test_the_command_computes_what_is_missing_and_makes_the_page(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(set_ups, "all_set_ups", some)
-    assert command_line.main(["errors", "--output", str(folder)]) == 0
-    printed = capsys.readouterr()
-    assert f"report: {folder / ERRORS.file}" in printed.out and "set-ups the model is" in printed.out
-    assert "taken apart" not in printed.err, "nothing was left to do"

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from analysis import __main__ as command_line
 from analysis.results import store
 from analysis.results.answers import Estimate
 from analysis.results.study_results import SCENE
 from analysis.topics.errors.parts import EFFECTS, Truth
-from analysis.topics.machines import parts, records, section, set_ups
+from analysis.topics.machines import parts, records, section
 from analysis.topics.machines.parts import GROUNDING, MERGED, OTHERS, OWN, SENSORS, OnMachine, Pairs
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import (
@@ -35,7 +33,6 @@ from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.shapes import MeshShape, PlateShape
 from geometries.studies.families import GROUNDED
-from tests.analysis.synthetic import make_results, report_text
 
 PICO = 1e-12
 
@@ -191,7 +188,7 @@ def test_grounded_company_takes_from_the_change(found: list[Entry]) -> None:
 
 
 def test_the_section_tells_ratios_and_parts(found: list[Entry]) -> None:
-    text = str(section.section(found, {}))
+    text = str(section.section(found, []))
     assert text.count("plotly-graph-div") == 2
     told = section.finding(found)
     times = [entry.ratio(EVERY) for entry in found if EVERY in entry.methods]
@@ -210,23 +207,3 @@ def test_the_page_on_corrections_counts_sealed_set_ups_apart(found: list[Entry])
                 f"{100 * own.rms:.0f} % rms and {100 * own.worst:+.0f} % at worst in {own.count} {name} ones"
                 in told
             )
-
-
-def test_the_command_computes_what_is_missing_and_makes_the_page(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.setattr(set_ups, "all_set_ups", some)
-    assert command_line.main(["machines", "--output", str(folder)]) == 0
-    printed = capsys.readouterr()
-    assert f"report: {folder / MACHINES.file}" in printed.out and "Over 4 set-ups" in printed.out
-    assert "on machines" not in printed.err, "nothing was left to do"
-
-
-def test_a_report_beside_the_answers_shows_them_and_another_says_how_to_get_them(
-    folder: Path, tmp_path: Path
-) -> None:
-    text = report_text(make_results(folder.parent / "study"))
-    assert section.TITLE in text and section.ABSENT not in text
-    (shown,) = re.findall(rf"<h2>{section.TITLE}</h2>(.*?)</section>", text, re.DOTALL)
-    assert OWN in shown and all(each.id in shown for each in some())
-    assert section.ABSENT in report_text(make_results(tmp_path / "elsewhere" / "study"))

@@ -12,9 +12,9 @@ import pytest
 from analysis.pipeline import processes
 from analysis.pipeline.stage import NoAnswer
 from analysis.results import machine, store
+from analysis.results.study_results import Failure
 from analysis.topics.verification import (
     cost_section,
-    page as verification_page,
     records as verification,
     rows as verification_rows,
     section as verification_section,
@@ -24,6 +24,8 @@ from analysis.topics.verification import (
 )
 from analysis.topics.verification.records import Asked, Cost, Held
 from analysis.topics.verification.set_ups import alone, plate, true_cases
+from analysis.topics.verification.stage import Row
+from analysis.topics.verification.topic import VERIFICATION
 from tests.analysis.synthetic import make_results, report_text
 
 
@@ -198,7 +200,7 @@ def test_meshes_of_one_size_come_nearer_to_the_truth_from_above() -> None:
 
 def test_every_truth_has_a_set_up_that_can_be_solved_and_a_file_of_its_own(tmp_path: Path) -> None:
     assert all(case.set_up.conductors().names for case in true_cases().values())
-    names = verification_stage.row_names()
+    names = [row.id for row in verification_stage.all_rows()]
     assert len({verification_stage.path_of(tmp_path, name) for name in names}) == len(names)
 
 
@@ -220,26 +222,30 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[str]:
 ROWS = ["truth/one", "truth/fails", "cost/p/estimate"]
 
 
+def run(folder: Path) -> list[Failure]:
+    return VERIFICATION.stages.run(folder, map(Row, ROWS), 1)
+
+
 def test_finished_rows_are_not_solved_again_and_failures_stop_nothing(
     tmp_path: Path, solved: list[str]
 ) -> None:
-    failures = verification_stage.run(tmp_path, ROWS, 1)
+    failures = run(tmp_path)
     assert [(failure.stage, failure.reason) for failure in failures] == [("truth/fails", "no memory")]
     assert solved == ROWS
-    verification_stage.run(tmp_path, ROWS, 1)
+    run(tmp_path)
     assert solved == [*ROWS, "truth/fails"]
-    assert sorted(verification_stage.load(tmp_path)) == ["cost/p/estimate", "truth/one"]
+    assert sorted(VERIFICATION.load(tmp_path)) == ["cost/p/estimate", "truth/one"]
 
 
 def test_another_version_makes_all_rows_void_and_another_machine_run_times(
     tmp_path: Path, solved: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    verification_stage.run(tmp_path, ROWS, 1)
+    run(tmp_path)
     monkeypatch.setattr(machine, "identity", lambda: {"name": "another"})
-    assert list(verification_stage.load(tmp_path)) == ["truth/one"]
+    assert list(VERIFICATION.load(tmp_path)) == ["truth/one"]
     monkeypatch.setattr(verification_stage, "code", lambda: "another")
-    assert not verification_stage.load(tmp_path)
-    verification_stage.run(tmp_path, ROWS, 1)
+    assert not VERIFICATION.load(tmp_path)
+    run(tmp_path)
     assert solved == [*ROWS, *ROWS]
 
 
@@ -251,7 +257,7 @@ def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
     rows = {"truth/cube": truth_row(INSIDE)}
     for name, row in rows.items():
         key = verification_stage.key(name, verification_stage.code())
-        target = verification_stage.path_of(verification_page.beside(folder), name)
+        target = verification_stage.path_of(VERIFICATION.beside(folder), name)
         store.write_json(target, {"key": key, "row": name, **row})
     text = report_text(folder)
     assert verification_section.TITLE in text and verification_section.ABSENT not in text
@@ -260,10 +266,7 @@ def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
 
 
 def test_the_page_by_itself_has_every_panel(tmp_path: Path) -> None:
-    made = verification_page.make(tmp_path)
-    assert (
-        made.headline == verification_section.ABSENT and verification_section.ABSENT in made.path.read_text()
-    )
+    made = VERIFICATION.make(tmp_path)
     (script,) = re.findall(r'src="(.*?)"', made.path.read_text())
     assert (tmp_path / script).is_file()
     text = cost_section.section([costs()])
