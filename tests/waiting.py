@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -17,6 +18,11 @@ def wait_until(happens: Callable[[], object], what: str) -> None:
     while not happens():
         assert time.monotonic() < end, f"{what}: not within {DEADLINE:g} s"
         time.sleep(0.01)
+
+
+def heed_closed_terminals() -> None:
+    """For processes that a closed terminal has to end: what nohup starts ignores that signal, and so would they."""
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
 
 
 def has_ended(process: int | str) -> bool:

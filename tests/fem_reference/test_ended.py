@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.processes import marked
-from tests.waiting import wait_until
+from tests.waiting import heed_closed_terminals, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 WRAP = str(ROOT / "build" / "bin" / "fringe-wrap")
@@ -53,7 +53,12 @@ def test_the_wrap_ends_with_the_field_solver(
 ) -> None:
     folder = tmp_path / "temporary"
     with subprocess.Popen(
-        command, cwd=ROOT, env=environment(folder), stderr=subprocess.PIPE, start_new_session=True
+        command,
+        cwd=ROOT,
+        env=environment(folder),
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+        preexec_fn=heed_closed_terminals,
     ) as solver:
         try:
             wait_until(lambda: any(words.startswith(WRAP) for words in marked(folder).values()), "a wrap")
