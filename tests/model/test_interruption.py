@@ -241,5 +241,5 @@ def test_on_a_terminal_the_progress_is_shown_and_erased(
     path.write_text(REFINED)
     shown = shown_on_a_terminal("capacitance", path, "--method", "boundary-elements", "--rtol", "1e-3")
     assert re.search(r"\r\x1b\[K\d+ unknowns, error [\d.e-]+ of 0.001 asked for, [\d.]+ s", shown)
-    # Only what the command says of the accuracy stands after it: the facets of round bodies leave more than this.
+    # Only what the command says of the accuracy stands after it.
     assert re.search(r"\r\x1b\[K(fringe: [^\r]*\r\n)?$", shown)

@@ -34,8 +34,8 @@ struct BoundaryElementOptions {
   /// row's and its column's diagonal entries, whichever is larger; from 1e-6 to 0.5.
   double rtol = 1e-3;
   Entries entries = Entries::all;
-  /// Refinement stops at this number of unknowns: a dense matrix of this size takes 3 GiB.
-  std::size_t most_unknowns = 20'000;
+  /// Refinement stops at this number of unknowns, or where the matrix would take a quarter of the memory.
+  std::size_t most_unknowns = 1'000'000;
   /// Also finds the derivatives of the readings' changes with respect to the poses of the links.
   bool derivatives = false;
   /// Number of threads; 0: as many as this process may run at once. The answer does not depend on it.
@@ -92,8 +92,9 @@ struct MaxwellMatrix {
 
 /// Computes the Maxwell matrix by the Galerkin boundary element method (model/BOUNDARY_ELEMENTS.md), refined
 /// until the estimated errors are within rtol. Supports every shape in any pose, sensors of several plates,
-/// grounded and floating objects, electrodes, and conductors of several objects. A cylinder, cone, arc or
-/// sphere is represented by its triangles (triangulate()), which lie within it. Meshes need not be closed or
+/// grounded and floating objects, electrodes, and conductors of several objects. A sphere, ellipsoid,
+/// capsule, disc or cuboid with rounded edges is solved as round; a cylinder, cone or arc is represented by
+/// its triangles (triangulate()), whose effect is in the stated errors. Meshes need not be closed or
 /// oriented; their triangles may cross, overlap and be given twice. Grounded objects that touch, overlap or
 /// contain each other are one conductor. Dielectric objects are bodies of triangles, too. They may touch and
 /// overlap conductors, which displace them, and each other, where the later one fills the common space; no

@@ -87,6 +87,16 @@ double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
                    errors_of_values(answer.readings).cwiseQuotient(value_scales(answer, bodies)).maxCoeff()});
 }
 
+double largest_geometry_error(const MaxwellMatrix& answer, const ChargedBodies& bodies,
+                              const GeometryErrors& geometry) {
+  const double of_entries = (geometry.entries.array() / error_scales(answer, bodies)).maxCoeff();
+  if (bodies.readings.empty())
+    return of_entries;
+  return std::max({of_entries,
+                   geometry.readings.change.cwiseQuotient(change_scales(answer.readings)).maxCoeff(),
+                   geometry.readings.value.cwiseQuotient(value_scales(answer, bodies)).maxCoeff()});
+}
+
 double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, const GeometryErrors& geometry,
                     double rtol) {
   const auto excess = [&](const Eigen::ArrayXXd& errors, const Eigen::ArrayXXd& by_geometry) {

@@ -29,6 +29,10 @@ struct GeometryErrors {
   bool are_of_facets = false;  ///< of round shapes alone
 };
 
+/// Returns the largest error by the surfaces, as largest_error() does of all.
+double largest_geometry_error(const MaxwellMatrix& answer, const ChargedBodies& bodies,
+                              const GeometryErrors& geometry);
+
 /// Returns the largest error as largest_error() does, but the part that refinement can reduce, relative to
 /// what is allowed: the rest of `rtol`, or as much as simplified surfaces have cost already. Where facets
 /// cost more than half of `rtol`, which only more segments can reduce, the polyhedron's answer gets all of

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/maxwell_matrix.hpp"
 #include "bem/simplification.hpp"
@@ -22,10 +21,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 /// Ratio of rtol to the quadratures' tolerance.
-constexpr double quadrature_part = 50;
-
-/// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
-constexpr double finest_tolerance = 1e-13;
+constexpr double rtol_per_tolerance = 50;
 
 /// Fraction of rtol to which the conjugate gradients find the charges. Their energy is found to the square of
 /// that, but the potentials far away not: those of a sensor and of the guard around it nearly cancel there.
@@ -51,9 +47,9 @@ double largest_error(const PanelSolution& solution, const ChargedBodies& bodies)
 
 /// Marks the groups of panels that are at least half as important as the most important one, or all of them
 /// if importance is not known.
-std::vector<bool> most_important(const PanelMesh& mesh,
-                                 const std::function<double(const AlignedBox3d&)>& importance) {
-  std::vector<bool> marked(mesh.groups().size(), true);
+std::vector<int> most_important(const PanelMesh& mesh,
+                                const std::function<double(const AlignedBox3d&)>& importance) {
+  std::vector<int> marked(mesh.groups().size(), 1);
   if (!importance)
     return marked;
   std::vector<double> values;
@@ -67,7 +63,7 @@ std::vector<bool> most_important(const PanelMesh& mesh,
   }
   const double limit = *std::max_element(values.begin(), values.end()) / 2;
   for (std::size_t k = 0; k < values.size(); ++k)
-    marked[k] = values[k] >= limit;
+    marked[k] = values[k] >= limit ? 1 : 0;
   return marked;
 }
 
@@ -77,44 +73,38 @@ ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_
                                    std::size_t least_panels, std::size_t threads,
                                    const std::function<double(const AlignedBox3d&)>& importance)
     : bodies_(in_triangles(std::move(bodies), rtol, most_panels)),
-      system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}, threads) {
+      system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}, threads), rtol_(rtol),
+      tolerance_(rtol / rtol_per_tolerance), most_panels_(most_panels) {
   const std::size_t enough = least_panels + (importance ? mesh().panels().size() : 0);
   while (mesh().panels().size() < enough)
     // With equal charges, triangles are halved across their longest sides.
     system_.refine_groups(most_important(mesh(), importance),
                           Eigen::MatrixXd::Ones(index_of(mesh().panels().size()), 1));
-  double tolerance = rtol / quadrature_part;
-  while (true) {
-    system_.refine({}, tolerance);
-    solution_ = system_.solve(iteration_part * rtol * iteration_part * rtol);
-    if (!solution_.positive_definite) {
-      if (tolerance < finest_tolerance)
-        throw std::runtime_error("the matrix of the conductors at rest is not positive definite");
-      tolerance /= 100;
-      continue;
-    }
-    error_ = largest_error(solution_, bodies_);
-    show_progress(
-        fmt::format("{} panels, error {:.2g} of {:g} asked for", mesh().panels().size(), error_, rtol));
-    const double excess = error_ / rtol;
-    if (excess <= 1 || !refine(excess, most_panels))
-      return;
-  }
+  solve_adaptively(*this);
 }
 
-/// Refines where the error indicators are large. Returns false if no more panels are allowed.
-bool ConductorsAtRest::refine(double excess, std::size_t most_panels) {
-  /// Factor by which a refinement aims below the allowed error.
-  constexpr double margin = 1.25;
+Assessment ConductorsAtRest::solve() {
+  while (true) {
+    system_.refine({}, tolerance_);
+    solution_ = system_.solve(iteration_part * rtol_ * iteration_part * rtol_);
+    if (solution_.positive_definite)
+      break;
+    if (tolerance_ < finest_tolerance)
+      throw std::runtime_error("the matrix of the conductors at rest is not positive definite");
+    tolerance_ /= 100;
+  }
+  error_ = largest_error(solution_, bodies_);
   const std::size_t panels = mesh().panels().size();
-  if (panels >= most_panels)
+  show_progress(fmt::format("{} panels, error {:.2g} of {:g} asked for", panels, error_, rtol_));
+  return {error_ <= rtol_, solution_.error_indicators,
+          solution_.error_indicators.sum() * rtol_ / (excess_margin * error_),
+          std::min(panels, most_panels_ - std::min(panels, most_panels_))};
+}
+
+bool ConductorsAtRest::refine(const std::vector<int>& steps) {
+  if (steps.empty())
     return false;
-  const std::vector<bool> marked = doerfler_marking(mesh().groups(), solution_.error_indicators,
-                                                    solution_.error_indicators.sum() / (margin * excess),
-                                                    std::min(panels, most_panels - panels));
-  if (marked.empty())
-    return false;
-  system_.refine_groups(marked, solution_.charges);
+  system_.refine_groups(steps, solution_.charges);
   return true;
 }
 

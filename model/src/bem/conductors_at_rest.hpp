@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 
+#include "bem/adaptive.hpp"
 #include "bem/bodies.hpp"
 #include "bem/panel_system.hpp"
 
@@ -12,7 +13,7 @@ namespace fringe::detail {
 
 /// Conductors that keep their poses, solved by boundary elements of triangles: what surface_charges() and the
 /// formula in company (model/CORRECTIONS.md, section 8) prepare from.
-class ConductorsAtRest {
+class ConductorsAtRest : private AdaptiveProblem {
  public:
   /// Solves for every conductor at unit potential, the others grounded. Panels are refined until the stated
   /// errors of the diagonal entries that are asked for are within `rtol`, as far as `most_panels` allow.
@@ -22,8 +23,6 @@ class ConductorsAtRest {
   ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_t most_panels, std::size_t least_panels = 0,
                    std::size_t threads = 1,
                    const std::function<double(const Eigen::AlignedBox3d&)>& importance = {});
-  ConductorsAtRest(const ConductorsAtRest&) = delete;
-  ConductorsAtRest& operator=(const ConductorsAtRest&) = delete;
 
   const ChargedBodies& bodies() const { return bodies_; }
   const PanelMesh& mesh() const { return system_.mesh(); }
@@ -38,10 +37,15 @@ class ConductorsAtRest {
   double error() const { return error_; }
 
  private:
-  bool refine(double excess, std::size_t most_panels);
+  const std::vector<PanelGroup>& groups() const override { return mesh().groups(); }
+  Assessment solve() override;
+  bool refine(const std::vector<int>& steps) override;
 
   ChargedBodies bodies_;
   PanelSystem system_;
+  double rtol_;
+  double tolerance_;
+  std::size_t most_panels_;
   PanelSolution solution_;
   double error_ = 0;
 };

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 #include <vector>
 
 #include <Eigen/Cholesky>
@@ -128,6 +127,21 @@ VectorXd change_indicators(const PanelMesh& mesh, const std::vector<MatrixXd>& b
   return energies;
 }
 
+MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodies, const MatrixXd& charges) {
+  MatrixXd energies = MatrixXd::Zero(index_of(mesh.groups().size()), charges.cols());
+  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
+    const PanelGroup& group = mesh.groups()[g];
+    const RoundShape* const round = round_shape_of(bodies.bodies[group.body].surface);
+    if (round == nullptr || !round->is_followed())
+      continue;
+    for (std::size_t k = group.first; k < group.first + group.count; ++k)
+      energies.row(index_of(g)) += error_per_added_facet_effect *
+                                   round->lack_per_squared_charge(mesh.panels()[k]) *
+                                   charges.row(index_of(k)).cwiseAbs2();
+  }
+  return energies;
+}
+
 UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const std::vector<MatrixXd>& blocks,
                                  const MatrixXd& charges, const MatrixXd& background_charges,
                                  const std::vector<bool>& is_target, const VectorXd& own, double tolerance) {
@@ -160,45 +174,6 @@ UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const std::vec
   }
   unrefined.groups *= part / unrefined.groups.sum();
   return unrefined;
-}
-
-std::vector<bool> doerfler_marking(const std::vector<PanelGroup>& groups, const Eigen::VectorXd& energies,
-                                   double allowed, std::size_t most) {
-  /// Fraction of its missing energy that a group keeps after refinement; less where the charge is smooth.
-  constexpr double left = 0.4;
-  /// Fraction of the missing energy at which marking may stop: the rest is too little to be surely worth
-  /// refining.
-  constexpr double greater_part = 0.75;
-  /// Ratio of indicators above which two are equal up to what quadratures and iterations leave.
-  constexpr double alike = 0.95;
-  std::vector<std::size_t> order(groups.size());
-  std::iota(order.begin(), order.end(), std::size_t{0});
-  const auto energy = [&](std::size_t group) { return energies[static_cast<Eigen::Index>(group)]; };
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::size_t a, std::size_t b) { return energy(a) > energy(b); });
-  /// Part of the panels that a refinement adds at least, so that few refinements suffice, and part of the
-  /// largest indicator below which a group is not worth it.
-  constexpr double least_growth = 0.4, worthless = 1e-3;
-  std::size_t panels = 0;
-  for (const PanelGroup& group : groups)
-    panels += group.count;
-  const double total = energies.sum(), largest = groups.empty() ? 0 : energies.maxCoeff();
-  double taken = 0, last = 0;
-  std::size_t added = 0;
-  std::vector<bool> marked(groups.size(), false);
-  for (const std::size_t group : order) {
-    const bool enough = total - (1 - left) * taken <= allowed || taken >= greater_part * total;
-    const bool is_small = energy(group) < worthless * largest ||
-                          static_cast<double>(added) >= least_growth * static_cast<double>(panels);
-    if ((enough && is_small && energy(group) < alike * last) ||
-        added + PanelMesh::growth(groups[group]) > most)
-      break;
-    marked[group] = true;
-    last = energy(group);
-    added += PanelMesh::growth(groups[group]);
-    taken += last;
-  }
-  return added > 0 ? marked : std::vector<bool>{};
 }
 
 }  // namespace fringe::detail

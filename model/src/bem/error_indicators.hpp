@@ -46,6 +46,11 @@ Eigen::VectorXd change_indicators(const PanelMesh& mesh, const std::vector<Eigen
                                   const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
                                   const Eigen::VectorXd& scales);
 
+/// Returns for every group of panels (rows) the energies that the facets of round shapes may be wrong by once
+/// they are added to the answer. `charges` are the panels'.
+Eigen::MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodies,
+                               const Eigen::MatrixXd& charges);
+
 /// The energy that unrefined elements, panels that were never divided, would gain from division. `charges`
 /// are those of all unknowns.
 struct UnrefinedEnergy {
@@ -59,13 +64,5 @@ UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const std::vec
                                  const Eigen::MatrixXd& charges, const Eigen::MatrixXd& background_charges,
                                  const std::vector<bool>& is_target, const Eigen::VectorXd& own,
                                  double tolerance);
-
-/// Marks the groups of panels with the largest error indicators (Dörfler marking): as many as it takes to
-/// bring the missing energy below `allowed`, or to have the greater part of it, and no more than add `most`
-/// panels. So that few refinements suffice, marks more until these add four tenths of the panels, but none of
-/// negligible indicator. Marks groups with equal indicators together. Returns an empty vector if none is to
-/// be refined.
-std::vector<bool> doerfler_marking(const std::vector<PanelGroup>& groups, const Eigen::VectorXd& energies,
-                                   double allowed, std::size_t most);
 
 }  // namespace fringe::detail

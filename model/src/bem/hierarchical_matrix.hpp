@@ -59,6 +59,11 @@ class HierarchicalMatrix {
   const Eigen::MatrixXd& diagonal_block(std::size_t leaf) const { return near_[own_[leaf]].values; }
   const std::vector<DenseBlock>& near() const { return near_; }
 
+  void scale_diagonal(double factor) {
+    for (const std::size_t block : own_)
+      near_[block].values.diagonal() *= factor;
+  }
+
   /// Returns the memory of all blocks in bytes.
   std::size_t bytes() const;
 

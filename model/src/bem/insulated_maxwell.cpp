@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "bem/adaptive.hpp"
 #include "bem/asked_error.hpp"
-#include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/insulated_system.hpp"
 #include "bem/matrix_readings.hpp"
@@ -65,9 +65,6 @@ constexpr double error_of_film_effects = 0.5;
 
 /// Part of the errors of a value and its background by films in which they differ.
 constexpr double unlike_film_effects = 0.1;
-
-/// Factor by which a refinement aims below the allowed error.
-constexpr double excess_margin = 1.25;
 
 MatrixXd symmetric(const MatrixXd& matrix) {
   return (matrix + matrix.transpose()) / 2;
@@ -267,78 +264,116 @@ bool is_in_vain(double excess, std::size_t panels, std::size_t most, int refinem
          excess * static_cast<double>(panels) > static_cast<double>(most);
 }
 
-MaxwellMatrix refined_answer(const InsulatedBodies& bodies, const BoundaryElementOptions& options) {
-  const ChargedBodies& conductors = bodies.conductors;
-  const std::size_t most = std::min(most_panels, options.most_unknowns);
-  const bool has_readings = !conductors.readings.empty();
-  std::vector<Presence> others{sensors_alone(bodies)};
-  if (has_readings)
-    others.push_back(without_targets(bodies));
-  InsulatedSystem system(
-      bodies, others, {grading_part * options.rtol, std::min(most, graded_of) / most_graded_with_insulators},
-      options.threads);
-  if (system.panels() > most)
-    throw InputError(fmt::format(
-        "the scene has dielectric bodies and needs at least {} panels: boundary elements take at most {}; a "
-        "larger rtol, fewer segments of round bodies or a larger distance between bodies need fewer",
-        system.panels(), most));
-  MaxwellMatrix answer = named_answer(conductors);
-  int refinements = 0;
-  while (true) {
-    InsulatedSolution solution;
+/// The Maxwell matrix and the readings of conductors and dielectric bodies.
+class InsulatedProblem : public AdaptiveProblem {
+ public:
+  InsulatedProblem(const InsulatedBodies& bodies, const BoundaryElementOptions& options)
+      : conductors_(bodies.conductors), options_(options),
+        most_(std::min(most_panels, options.most_unknowns)),
+        system_(bodies, presences(bodies),
+                {grading_part * options.rtol, std::min(most_, graded_of) / most_graded_with_insulators},
+                options.threads),
+        films_(!bodies.films.empty()), answer_(named_answer(conductors_)) {
+    if (system_.panels() > most_)
+      throw InputError(fmt::format(
+          "the scene has dielectric bodies and needs at least {} panels: boundary elements take at most {}; "
+          "a "
+          "larger rtol, fewer segments of round bodies or a larger distance between bodies need fewer",
+          system_.panels(), most_));
+  }
+
+  const std::vector<PanelGroup>& groups() const override { return system_.groups(); }
+
+  Assessment solve() override {
     Solved all, alone, background;
     try {
-      system.evaluate(std::min(tolerance_part * options.rtol, coarsest_tolerance));
-      solution = system.solve(0);
-      all = solved(solution, conductors);
-      if (answer.sensors > 0)
-        alone = solved(system.solve(1), conductors);
-      if (has_readings)
-        background = solved(system.solve(2), conductors);
+      system_.evaluate(std::min(tolerance_part * options_.rtol, coarsest_tolerance));
+      solution_ = system_.solve(0);
+      all = solved(solution_, conductors_);
+      if (answer_.sensors > 0)
+        alone = solved(system_.solve(1), conductors_);
+      if (has_readings())
+        background = solved(system_.solve(2), conductors_);
     } catch (const Interrupted&) {
-      if (answer.unknowns == 0)
+      if (answer_.unknowns == 0)
         throw;
-      break;
+      return {true, {}, 0, 0};
     }
-    answer.values = all.values;
-    const double undivided = system.undivided_error();
-    answer.errors = errors_of(all, undivided);
-    answer.charges = charges_of(all, solution, conductors);
-    answer.unknowns = system.panels();
-    write_delta_self(all, alone, undivided, answer);
-    GeometryErrors geometry{film_errors_of(all) + errors_of_roots(all.facets), {}, bodies.films.empty()};
+    write(all, alone);
+    GeometryErrors geometry{film_errors_of(all) + errors_of_roots(all.facets), {}, !films_};
     GeometryErrors lasting{geometry.entries, {}, true};
-    if (has_readings) {
-      geometry.readings = film_errors_of_readings(all, background, conductors);
+    if (has_readings()) {
+      geometry.readings = film_errors_of_readings(all, background, conductors_);
       geometry.readings +=
-          errors_of_readings(all.facets, background.facets, BesideFacets::copies, conductors);
+          errors_of_readings(all.facets, background.facets, BesideFacets::copies, conductors_);
       lasting.readings = geometry.readings;
       lasting.readings +=
-          errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors);
-      answer.readings = reading_answers(all, background, undivided, lasting.readings, conductors);
+          errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors_);
+      answer_.readings =
+          reading_answers(all, background, system_.undivided_error(), lasting.readings, conductors_);
     } else {
-      answer.readings = readings_of_sensors(answer);
+      answer_.readings = readings_of_sensors(answer_);
     }
-    const double excess = excess_error(answer, conductors, geometry, options.rtol);
-    if (excess <= 1 || system.panels() >= most)
-      break;
     // The error of undivided triangles ends when they are divided; it does not fall with the number of
     // panels.
     lasting.entries += errors_of_roots(all.undivided);
-    if (is_in_vain(excess_error(answer, conductors, lasting, options.rtol), system.panels(), most,
-                   refinements))
-      break;
-    ++refinements;
-    if (options.before_refinement)
-      options.before_refinement({answer.unknowns, excess * options.rtol});
-    const double allowed = solution.error_indicators.sum() / (excess_margin * excess);
-    const std::vector<bool> marked = doerfler_marking(system.groups(), solution.error_indicators, allowed,
-                                                      std::min(system.panels(), most - system.panels()));
-    if (marked.empty())
-      break;
-    system.refine(marked, solution.panels);
+    return assessed(geometry, lasting);
   }
-  return answer;
+
+  bool refine(const std::vector<int>& steps) override {
+    if (steps.empty())
+      return false;
+    ++refinements_;
+    system_.refine(steps, solution_.panels);
+    return true;
+  }
+
+  const MaxwellMatrix& answer() const { return answer_; }
+
+ private:
+  static std::vector<Presence> presences(const InsulatedBodies& bodies) {
+    std::vector<Presence> others{sensors_alone(bodies)};
+    if (!bodies.conductors.readings.empty())
+      others.push_back(without_targets(bodies));
+    return others;
+  }
+
+  bool has_readings() const { return !conductors_.readings.empty(); }
+
+  void write(const Solved& all, const Solved& alone) {
+    answer_.values = all.values;
+    answer_.errors = errors_of(all, system_.undivided_error());
+    answer_.charges = charges_of(all, solution_, conductors_);
+    answer_.unknowns = system_.panels();
+    write_delta_self(all, alone, system_.undivided_error(), answer_);
+  }
+
+  Assessment assessed(const GeometryErrors& geometry, const GeometryErrors& lasting) const {
+    const double excess = excess_error(answer_, conductors_, geometry, options_.rtol);
+    if (excess <= 1 || system_.panels() >= most_ ||
+        is_in_vain(excess_error(answer_, conductors_, lasting, options_.rtol), system_.panels(), most_,
+                   refinements_))
+      return {true, {}, 0, 0};
+    if (options_.before_refinement)
+      options_.before_refinement({answer_.unknowns, excess * options_.rtol});
+    return {false, solution_.error_indicators, solution_.error_indicators.sum() / (excess_margin * excess),
+            std::min(system_.panels(), most_ - system_.panels())};
+  }
+
+  const ChargedBodies& conductors_;
+  const BoundaryElementOptions& options_;
+  std::size_t most_;
+  InsulatedSystem system_;
+  bool films_;
+  MaxwellMatrix answer_;
+  InsulatedSolution solution_;
+  int refinements_ = 0;
+};
+
+MaxwellMatrix refined_answer(const InsulatedBodies& bodies, const BoundaryElementOptions& options) {
+  InsulatedProblem problem(bodies, options);
+  solve_adaptively(problem);
+  return problem.answer();
 }
 
 }  // namespace

@@ -186,12 +186,12 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
     return false;
   };
   while (mesh_.panels().size() < grading.most_panels) {
-    std::vector<bool> marked;
+    std::vector<int> marked;
     for (const PanelGroup& group : mesh_.groups()) {
       check_interruption();
-      marked.push_back(is_too_large(group));
+      marked.push_back(is_too_large(group) ? 1 : 0);
     }
-    if (std::find(marked.begin(), marked.end(), true) == marked.end())
+    if (std::find(marked.begin(), marked.end(), 1) == marked.end())
       break;
     // With equal charges, triangles are halved across their longest sides.
     mesh_.refine(marked, MatrixXd::Ones(index_of(mesh_.panels().size()), 1));
@@ -330,7 +330,7 @@ std::vector<Index> InsulatedSystem::outermost_panels() const {
   return result;
 }
 
-void InsulatedSystem::refine(const std::vector<bool>& marked, const MatrixXd& panels) {
+void InsulatedSystem::refine(const std::vector<int>& marked, const MatrixXd& panels) {
   mesh_.refine(marked, panels);
 }
 

@@ -70,7 +70,7 @@ class InsulatedSystem {
   const Eigen::MatrixXd& single_layer() const { return single_layer_; }
 
   /// Divides the marked groups of panels.
-  void refine(const std::vector<bool>& marked, const Eigen::MatrixXd& panels);
+  void refine(const std::vector<int>& marked, const Eigen::MatrixXd& panels);
 
  private:
   /// Tells for every panel, in any of the sets, if the permittivities on both sides of it differ or a thin

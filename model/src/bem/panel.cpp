@@ -16,16 +16,28 @@ Panel make_panel(const Triangle& corners) {
   return {corners, centre, std::sqrt(squared_radius), twice_area(corners) / 2};
 }
 
-std::array<Triangle, 4> quarters(const Triangle& triangle) {
+std::array<Vector3d, 3> middles_of_sides(const Triangle& triangle) {
   const auto& [a, b, c] = triangle;
-  const Vector3d ab = (a + b) / 2, bc = (b + c) / 2, ca = (c + a) / 2;
+  return {(a + b) / 2, (b + c) / 2, (c + a) / 2};
+}
+
+std::array<Triangle, 4> quarters(const Triangle& triangle, const std::array<Vector3d, 3>& middles) {
+  const auto& [a, b, c] = triangle;
+  const auto& [ab, bc, ca] = middles;
   return {Triangle{a, ab, ca}, Triangle{ab, b, bc}, Triangle{ca, bc, c}, Triangle{ab, bc, ca}};
 }
 
-std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side) {
+std::array<Triangle, 4> quarters(const Triangle& triangle) {
+  return quarters(triangle, middles_of_sides(triangle));
+}
+
+std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side, const Vector3d& middle) {
   const Vector3d &from = triangle[side], &to = triangle[(side + 1) % 3], &opposite = triangle[(side + 2) % 3];
-  const Vector3d middle = (from + to) / 2;
   return {Triangle{from, middle, opposite}, Triangle{middle, to, opposite}};
+}
+
+std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side) {
+  return halves(triangle, side, (triangle[side] + triangle[(side + 1) % 3]) / 2);
 }
 
 std::size_t longest_side(const Triangle& triangle) {

@@ -18,11 +18,17 @@ struct Panel {
 
 Panel make_panel(const Triangle& corners);
 
-/// Returns the four triangles between the corners and the middles of the sides: those at the corners, then
-/// the middle one.
+/// Returns the middles of the sides, each after the corner it begins at.
+std::array<Eigen::Vector3d, 3> middles_of_sides(const Triangle& triangle);
+
+/// Returns the four triangles between the corners and a point of each side, or its middle: those at the
+/// corners, then the middle one.
+std::array<Triangle, 4> quarters(const Triangle& triangle, const std::array<Eigen::Vector3d, 3>& middles);
 std::array<Triangle, 4> quarters(const Triangle& triangle);
 
-/// Halves a triangle from the middle of a side, given by the corner it begins at, to the opposite corner.
+/// Halves a triangle from a point of a side, or its middle, to the opposite corner. A side is given by the
+/// corner it begins at.
+std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side, const Eigen::Vector3d& middle);
 std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side);
 
 /// Returns the longest side, by the corner it begins at; of several the first.

@@ -14,7 +14,9 @@ namespace fringe::detail {
 namespace {
 
 using Eigen::Index;
+using Eigen::Matrix3d;
 using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
 using Eigen::Vector3d;
 
 /// Largest number of triangles of a surface that are quartered. A larger surface has triangles enough of its
@@ -92,24 +94,169 @@ Triangle quartered_triangle(const std::vector<Panel>& panels, const PanelGroup& 
           panels[group.first + 2].corners[2]};
 }
 
+/// Returns the middles of the sides of the triangle whose quarters are the panels of a group.
+std::array<Vector3d, 3> middles_of_quartered(const std::vector<Panel>& panels, const PanelGroup& group) {
+  return {panels[group.first].corners[1], panels[group.first + 1].corners[2],
+          panels[group.first + 2].corners[0]};
+}
+
+/// Returns the barycentric coordinates of a triangle's quarters (rows), from those of its corners (rows).
+std::array<Matrix3d, 4> quarters_of_places(const Matrix3d& corners) {
+  const auto middle = [&](Index from, Index to) {
+    return Eigen::RowVector3d((corners.row(from) + corners.row(to)) / 2);
+  };
+  const Eigen::RowVector3d a = corners.row(0), b = corners.row(1), c = corners.row(2);
+  const Eigen::RowVector3d ab = middle(0, 1), bc = middle(1, 2), ca = middle(2, 0);
+  std::array<Matrix3d, 4> result;
+  result[0] << a, ab, ca;
+  result[1] << ab, b, bc;
+  result[2] << ca, bc, c;
+  result[3] << ab, bc, ca;
+  return result;
+}
+
 }  // namespace
 
-void PanelMesh::add_quartered(const Triangle& triangle, std::size_t body) {
-  if (is_hidden(triangle, body))
-    return;
-  groups_.push_back({panels_.size(), 4, body, true});
-  for (const Triangle& quarter : quarters(triangle))
+/// Charges that go over to the parts of triangles, by densities that are linear on each triangle.
+class PanelMesh::Carried {
+ public:
+  /// `choosing` are the charges by which sides are chosen, `carried` further ones.
+  Carried(const MatrixXd& choosing, const MatrixXd& carried)
+      : choosing_(choosing.cols()), charges_(choosing.rows(), choosing.cols() + carried.cols()) {
+    charges_.leftCols(choosing_) = choosing;
+    if (carried.cols() > 0)
+      charges_.rightCols(carried.cols()) = carried;
+  }
+
+  /// Keeps the charge of a panel.
+  void keep(std::size_t panel) { rows_.emplace_back(charges_.row(index_of(panel))); }
+
+  /// Takes the densities of a panel, or of the quarters of a triangle.
+  void begin(const std::vector<Panel>& panels, std::size_t first, bool is_quartered) {
+    const auto density = [&](std::size_t k) {
+      return RowVectorXd(charges_.row(index_of(first + k)) / panels[first + k].area);
+    };
+    slopes_ = MatrixXd::Zero(3, charges_.cols());
+    mean_ = density(0);
+    if (!is_quartered)
+      return;
+    // The least squares of a linear function through the means of the quarters.
+    const RowVectorXd at_corners = (density(0) + density(1) + density(2)) / 3;
+    for (std::size_t k = 0; k < 3; ++k)
+      slopes_.row(index_of(k)) = 2 * (density(k) - at_corners);
+    mean_ = (3 * at_corners + density(3)) / 4;
+  }
+
+  /// Adds the charges of a triangle's part, by the barycentric coordinates of its corners (rows).
+  void add(const Matrix3d& corners, double area) { rows_.emplace_back(area * density(corners)); }
+
+  /// Returns the charges of quarters in the columns that choose sides.
+  MatrixXd of_quarters(const std::array<Triangle, 4>& quarters, const Matrix3d& places) const {
+    MatrixXd result(4, choosing_);
+    const std::array<Matrix3d, 4> parts = quarters_of_places(places);
+    for (std::size_t k = 0; k < 4; ++k)
+      result.row(index_of(k)) = twice_area(quarters[k]) / 2 * density(parts[k]).head(choosing_);
+    return result;
+  }
+
+  /// Returns the further charges of the panels that were added.
+  MatrixXd result() const {
+    MatrixXd result(index_of(rows_.size()), charges_.cols() - choosing_);
+    for (std::size_t k = 0; k < rows_.size(); ++k)
+      result.row(index_of(k)) = rows_[k].tail(result.cols());
+    return result;
+  }
+
+ private:
+  RowVectorXd density(const Matrix3d& corners) const {
+    const Eigen::RowVector3d centre = corners.colwise().mean();
+    return mean_ + centre * slopes_;
+  }
+
+  Index choosing_;
+  MatrixXd charges_;
+  std::vector<RowVectorXd> rows_;
+  RowVectorXd mean_;
+  MatrixXd slopes_;  ///< their sum vanishes
+};
+
+/// Returns points near the middles of a panel's sides, on the round shape where the body stands for one: but
+/// of the sides themselves where that would make a sliver of a quarter.
+std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t body) const {
+  /// Least area of a quarter, relative to one of a flat triangle.
+  constexpr double least_area = 0.2;
+  std::array<Vector3d, 3> straight = middles_of_sides(triangle);
+  if (body >= followed_.size() || !followed_[body])
+    return straight;
+  std::array<Vector3d, 3> result;
+  for (std::size_t side = 0; side < 3; ++side)
+    result[side] = followed_[body]->middle(triangle[side], triangle[(side + 1) % 3]);
+  for (const Triangle& quarter : quarters(triangle, result))
+    if (4 * twice_area(quarter) < least_area * twice_area(triangle))
+      return straight;
+  return result;
+}
+
+void PanelMesh::add_group(const std::array<Triangle, 4>& quarters, std::size_t body) {
+  groups_.push_back({panels_.size(), quarters.size(), body, true});
+  for (const Triangle& quarter : quarters)
     panels_.push_back(make_panel(quarter));
   places_before_.resize(panels_.size(), no_place);
 }
 
-void PanelMesh::add(std::size_t body, std::span<const Triangle> surface, const PanelGrading& grading) {
+void PanelMesh::add_quartered(const Triangle& triangle, std::size_t body) {
+  if (!is_hidden(triangle, body))
+    add_group(quarters(triangle, middles(triangle, body)), body);
+}
+
+/// Adds the quarters of a triangle that is halved so many times. `places` are the barycentric coordinates of
+/// its corners (rows) in the triangle with the densities.
+void PanelMesh::add_parts(const Triangle& triangle, const Matrix3d& places, std::size_t body, int steps,
+                          Carried& carried) {
+  const std::array<Vector3d, 3> middle = middles(triangle, body);
+  const std::array<Triangle, 4> parts = quarters(triangle, middle);
+  if (steps == 0) {
+    if (is_hidden(triangle, body))
+      return;
+    add_group(parts, body);
+    const std::array<Matrix3d, 4> quarters = quarters_of_places(places);
+    for (std::size_t k = 0; k < 4; ++k)
+      carried.add(quarters[k], panels_[panels_.size() - 4 + k].area);
+    return;
+  }
+  const std::size_t side = side_to_halve(triangle, carried.of_quarters(parts, places));
+  add_halves(triangle, places, side, middle[side], body, steps - 1, carried);
+}
+
+void PanelMesh::add_halves(const Triangle& triangle, const Matrix3d& places, std::size_t side,
+                           const Vector3d& middle, std::size_t body, int steps, Carried& carried) {
+  const auto from = index_of(side), to = index_of((side + 1) % 3);
+  const std::array<Triangle, 2> parts = halves(triangle, side, middle);
+  for (std::size_t k = 0; k < 2; ++k) {
+    Matrix3d own;
+    own.row(k == 0 ? 0 : 1) = places.row(k == 0 ? from : to);
+    own.row(k == 0 ? 1 : 0) = (places.row(from) + places.row(to)) / 2;
+    own.row(2) = places.row(index_of((side + 2) % 3));
+    add_parts(parts[k], own, body, steps, carried);
+  }
+}
+
+void PanelMesh::add(std::size_t body, std::span<const Triangle> surface, const PanelGrading& grading,
+                    const RoundShape* round) {
+  if (round != nullptr && round->is_followed()) {
+    followed_.resize(std::max(followed_.size(), body + 1));
+    followed_[body] = *round;
+  }
   std::vector<Triangle> triangles(surface.begin(), surface.end());
   std::erase_if(triangles, [&](const Triangle& triangle) { return is_hidden(triangle, body); });
   if (triangles.size() <= few_triangles) {
-    for (const Triangle& triangle :
-         graded_triangles(triangles, grading.missing, grading.most_panels / group_size))
+    for (Triangle& triangle :
+         graded_triangles(triangles, grading.missing, grading.most_panels / group_size)) {
+      if (body < followed_.size() && followed_[body])
+        for (Vector3d& corner : triangle)
+          corner = followed_[body]->on_shape(corner);
       add_quartered(triangle, body);
+    }
     return;
   }
   for (const std::vector<std::size_t>& members : grouped(triangles)) {
@@ -122,10 +269,6 @@ void PanelMesh::add(std::size_t body, std::span<const Triangle> surface, const P
       panels_.push_back(make_panel(triangles[member]));
     places_before_.resize(panels_.size(), no_place);
   }
-}
-
-std::size_t PanelMesh::growth(const PanelGroup& group) {
-  return group.is_quartered ? group.count : 3 * group.count;
 }
 
 PanelMesh PanelMesh::of_first(std::size_t bodies) const {
@@ -156,31 +299,36 @@ std::vector<Triangle> PanelMesh::triangles(const PanelGroup& group) const {
   return triangles;
 }
 
-void PanelMesh::refine(const std::vector<bool>& marked, const MatrixXd& charges) {
+MatrixXd PanelMesh::refine(const std::vector<int>& steps, const MatrixXd& charges, const MatrixXd& carried) {
   const std::vector<Panel> panels = std::move(panels_);
   const std::vector<PanelGroup> groups = std::move(groups_);
   panels_.clear();
   groups_.clear();
   places_before_.clear();
+  Carried moving(charges, carried);
   for (std::size_t k = 0; k < groups.size(); ++k) {
     const PanelGroup& group = groups[k];
-    if (!marked[k]) {
+    if (steps[k] == 0) {
       groups_.push_back({panels_.size(), group.count, group.body, group.is_quartered});
       for (std::size_t member = group.first; member < group.first + group.count; ++member) {
         panels_.push_back(panels[member]);
         places_before_.push_back(static_cast<Index>(member));
+        moving.keep(member);
       }
     } else if (group.is_quartered) {
       const Triangle whole = quartered_triangle(panels, group);
-      const MatrixXd own =
-          charges.middleRows(static_cast<Index>(group.first), static_cast<Index>(group.count));
-      for (const Triangle& half : halves(whole, side_to_halve(whole, own)))
-        add_quartered(half, group.body);
+      const std::size_t side = side_to_halve(whole, charges.middleRows(index_of(group.first), 4));
+      moving.begin(panels, group.first, true);
+      add_halves(whole, Matrix3d::Identity(), side, middles_of_quartered(panels, group)[side], group.body,
+                 steps[k] - 1, moving);
     } else {
-      for (std::size_t member = 0; member < group.count; ++member)
-        add_quartered(panels[group.first + member].corners, group.body);
+      for (std::size_t member = group.first; member < group.first + group.count; ++member) {
+        moving.begin(panels, member, false);
+        add_parts(panels[member].corners, Matrix3d::Identity(), group.body, steps[k] - 1, moving);
+      }
     }
   }
+  return moving.result();
 }
 
 }  // namespace fringe::detail

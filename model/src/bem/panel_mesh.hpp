@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -10,6 +12,7 @@
 
 #include "bem/hidden_surface.hpp"
 #include "bem/panel.hpp"
+#include "bem/round_shape.hpp"
 
 /// Surfaces of triangles as panels in groups (model/BOUNDARY_ELEMENTS.md, section 9).
 namespace fringe::detail {
@@ -31,8 +34,10 @@ struct PanelGroup {
 /// about the change from the coarse to the whole space.
 constexpr double grading_part = 1.0 / 3;
 
-/// A-priori grading takes at most one in so many of the allowed panels: the others are for refinement.
+/// A-priori grading takes at most one in so many of the allowed panels, and no more than so many: the others
+/// are for refinement, which knows the charges.
 constexpr std::size_t most_graded_part = 4;
+constexpr std::size_t most_graded_panels = 5000;
 
 /// Limits of the a-priori grading towards sharp edges.
 struct PanelGrading {
@@ -47,8 +52,10 @@ class PanelMesh {
   explicit PanelMesh(std::shared_ptr<const HiddenSurface> hidden = nullptr) : hidden_(std::move(hidden)) {}
 
   /// Adds a body's surface. A surface of many triangles begins with these as panels; one of few begins with
-  /// their quarters or, if graded towards sharp edges, with the quarters of their parts.
-  void add(std::size_t body, std::span<const Triangle> surface, const PanelGrading& grading = {});
+  /// their quarters or, if graded towards sharp edges, with the quarters of their parts. Panels that are
+  /// divided follow the round shape that the triangles stand for; null: they are the surface.
+  void add(std::size_t body, std::span<const Triangle> surface, const PanelGrading& grading = {},
+           const RoundShape* round = nullptr);
 
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }
@@ -66,21 +73,28 @@ class PanelMesh {
   const std::vector<Eigen::Index>& places_before() const { return places_before_; }
   static constexpr Eigen::Index no_place = -1;
 
-  /// Returns the number of panels that refining a group adds.
-  static std::size_t growth(const PanelGroup& group);
-
-  /// Refines marked groups: each of their triangles, or each half of a quartered triangle, becomes a group of
-  /// its own. Triangles are halved across the side along which the density changes most, by the charges of
-  /// all panels (rows) in all columns.
-  void refine(const std::vector<bool>& marked, const Eigen::MatrixXd& charges);
+  /// Refines groups, each of its triangles in so many steps; a group without a step stays. The first step
+  /// makes a group of each triangle of several, all others make two of each: triangles are halved across the
+  /// side along which the density changes most, by the charges of all panels (rows) in all columns. Returns
+  /// `carried`, further charges of all panels, on the new panels, with densities linear on each triangle.
+  Eigen::MatrixXd refine(const std::vector<int>& steps, const Eigen::MatrixXd& charges,
+                         const Eigen::MatrixXd& carried = {});
 
  private:
+  class Carried;
+  void add_group(const std::array<Triangle, 4>& quarters, std::size_t body);
   void add_quartered(const Triangle& triangle, std::size_t body);
+  void add_parts(const Triangle& triangle, const Eigen::Matrix3d& places, std::size_t body, int steps,
+                 Carried& carried);
+  void add_halves(const Triangle& triangle, const Eigen::Matrix3d& places, std::size_t side,
+                  const Eigen::Vector3d& middle, std::size_t body, int steps, Carried& carried);
+  std::array<Eigen::Vector3d, 3> middles(const Triangle& triangle, std::size_t body) const;
   bool is_hidden(const Triangle& triangle, std::size_t body) const {
     return hidden_ != nullptr && hidden_->contains(triangle, body);
   }
 
   std::shared_ptr<const HiddenSurface> hidden_;
+  std::vector<std::optional<RoundShape>> followed_;  ///< of each body
 
   std::vector<Panel> panels_;
   std::vector<PanelGroup> groups_;

@@ -28,6 +28,9 @@ class PanelOperator {
   /// Returns the interaction of a panel with itself.
   double self(std::size_t panel) const;
 
+  /// Multiplies the interactions of all panels with themselves.
+  void scale_diagonal(double factor) { matrix_.scale_diagonal(factor); }
+
   /// Returns the potentials on all panels of charges on all panels, in the order of the mesh.
   Eigen::MatrixXd apply(const Eigen::MatrixXd& charges) const;
 

@@ -95,6 +95,19 @@ CoarseSpace coarse_space_of(const HierarchicalMatrix& matrix, const VectorXd& ar
   return coarse_space(leaves, areas, bodies, together);
 }
 
+/// Returns the largest energy of each row, relative to that of the column.
+VectorXd largest_parts(const MatrixXd& energies, const VectorXd& own) {
+  return (energies.array().rowwise() / own.transpose().array()).rowwise().maxCoeff();
+}
+
+/// Returns the same for the changes of readings, by energies of the columns of ReadingCharges::all().
+VectorXd largest_parts_of_change(const MatrixXd& energies, const VectorXd& scales) {
+  VectorXd result(energies.rows());
+  for (Index row = 0; row < energies.rows(); ++row)
+    result[row] = largest_part_of_change(energies.row(row).cwiseSqrt(), scales);
+  return result;
+}
+
 }  // namespace
 
 PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading, std::size_t threads)
@@ -103,7 +116,7 @@ PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& gradin
       coupling_tolerance_(unknown_tolerance) {
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
     if (const auto* surface = std::get_if<TriangleSurface>(&bodies.bodies[body].surface))
-      mesh_.add(body, surface->triangles, grading);
+      mesh_.add(body, surface->triangles, grading, surface->round ? &*surface->round : nullptr);
   refine_by_proximity(grading.most_panels);
 }
 
@@ -125,35 +138,72 @@ void PanelSystem::refine_by_proximity(std::size_t most_panels) {
     return false;
   };
   while (mesh_.panels().size() < most_panels) {
-    std::vector<bool> marked;
+    std::vector<int> marked;
     for (const PanelGroup& group : mesh_.groups()) {
       check_interruption();
-      marked.push_back(is_too_large(group));
+      marked.push_back(is_too_large(group) ? 1 : 0);
     }
-    if (std::find(marked.begin(), marked.end(), true) == marked.end())
+    if (std::find(marked.begin(), marked.end(), 1) == marked.end())
       break;
     // With equal charges, triangles are halved across their longest sides.
     mesh_.refine(marked, MatrixXd::Ones(index_of(mesh_.panels().size()), 1));
   }
 }
 
-void PanelSystem::refine_groups(const std::vector<bool>& marked, const MatrixXd& charges) {
+void PanelSystem::refine_groups(const std::vector<int>& steps, const MatrixXd& charges) {
   // After two refinements without a matrix between them, the places are not those of the matrix.
   if (is_refined_)
     panel_tolerance_ = coupling_tolerance_ = unknown_tolerance;
-  mesh_.refine(marked, charges);
+  const Index panels = index_of(mesh_.panels().size()), columns = last_charges_.cols();
+  MatrixXd last(panels, columns + last_background_.cols());
+  if (columns > 0)
+    last.leftCols(columns) = last_charges_.bottomRows(panels);
+  if (last_background_.cols() > 0)
+    last.rightCols(last_background_.cols()) = last_background_.bottomRows(panels);
+  const MatrixXd carried = mesh_.refine(steps, charges, last);
+  const auto carry = [&](MatrixXd& all, const auto& of_panels) {
+    if (all.size() == 0)
+      return;
+    const Index functions = all.rows() - panels;
+    all.conservativeResize(functions + of_panels.rows(), Eigen::NoChange);
+    all.bottomRows(of_panels.rows()) = of_panels;
+  };
+  carry(last_charges_, carried.leftCols(columns));
+  carry(last_background_, carried.rightCols(last_background_.cols()));
   is_refined_ = true;
+}
+
+/// Returns the charges by which an iteration begins, from those of the last solution: functions of faces that
+/// are new have none.
+MatrixXd PanelSystem::begun(const MatrixXd& last, Index functions) const {
+  if (last.size() == 0)
+    return {};
+  const Index panels = index_of(mesh_.panels().size());
+  MatrixXd result = MatrixXd::Zero(functions + panels, last.cols());
+  result.bottomRows(panels) = last.bottomRows(panels);
+  Index to = 0, from = 0;
+  for (std::size_t face = 0; face < faces(); ++face) {
+    const FaceFunctions now = faces_.functions(face), before = last_functions_[face];
+    for (Index u = 0; u < std::min(now.u, before.u); ++u)
+      for (Index v = 0; v < std::min(now.v, before.v); ++v)
+        result.row(to + u * now.v + v) = last.row(from + u * before.v + v);
+    to += now.count();
+    from += before.count();
+  }
+  return result;
 }
 
 void PanelSystem::refine(const std::vector<FaceFunctions>& functions, double tolerance) {
   faces_.refine(functions, tolerance);
   if (mesh_.panels().empty())
     return;
-  if (panel_tolerance_ > panel_tolerances * tolerance) {
-    panel_tolerance_ = panel_tolerances * tolerance;
-    panels_ = std::make_unique<const PanelOperator>(mesh_, panel_tolerance_, nullptr, threads_);
-  } else if (is_refined_) {
-    panels_ = std::make_unique<const PanelOperator>(mesh_, panel_tolerance_, panels_.get(), threads_);
+  if (panel_tolerance_ > panel_tolerances * tolerance || is_refined_) {
+    const bool is_finer = panel_tolerance_ > panel_tolerances * tolerance;
+    panel_tolerance_ = std::min(panel_tolerance_, panel_tolerances * tolerance);
+    panels_ = std::make_unique<PanelOperator>(mesh_, panel_tolerance_, is_finer ? nullptr : panels_.get(),
+                                              threads_);
+    // Panels that coincide still do after a refinement.
+    set_ridge(is_finer ? 0 : std::exchange(ridge_, 0));
   }
   if (coupling_tolerance_ > tolerance || coupled_functions_ != functions) {
     coupling_tolerance_ = tolerance;
@@ -373,20 +423,61 @@ PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equ
   const PanelEquations present{equations.face_system, equations.mesh,   unknowns,
                                equations.faces,       equations.panels, equations.coupling};
   // What the targets change is a small part of the charges.
-  MatrixXd begun = with_targets;
-  begun.array().colwise() *= unknowns.present.array();
-  for (Index c = 0; c < begun.cols(); ++c)
+  MatrixXd start = begun(last_background_, unknowns.functions);
+  if (start.size() == 0)
+    start = with_targets;
+  start.array().colwise() *= unknowns.present.array();
+  for (Index c = 0; c < start.cols(); ++c)
     if (unknowns.net.col(c).isZero(0))
-      begun.col(c).setZero();
-  return solve_equations(present, accuracy, begun);
+      start.col(c).setZero();
+  return solve_equations(present, accuracy, start);
 }
 
-PanelSolution PanelSystem::solve(double accuracy) const {
+void PanelSystem::set_ridge(double ridge) {
+  panels_->scale_diagonal((1 + ridge) / (1 + ridge_));
+  ridge_ = ridge;
+}
+
+/// Returns the energy that the ridge takes from charges of the panels, all counted as positive. What it
+/// changes is that in first order.
+MatrixXd PanelSystem::ridge_effect(const MatrixXd& charges) const {
+  MatrixXd effect = MatrixXd::Zero(charges.cols(), charges.cols());
+  if (ridge_ == 0)
+    return effect;
+  VectorXd weights(charges.rows());
+  for (Index k = 0; k < weights.size(); ++k)
+    weights[k] = ridge_ / (1 + ridge_) * panels_->self(static_cast<std::size_t>(k));
+  return charges.cwiseAbs().transpose() * weights.asDiagonal() * charges.cwiseAbs();
+}
+
+PanelSolution PanelSystem::solve(double accuracy, double most_ridge) {
+  /// Ratios of the ridges that are tried.
+  constexpr double step = 10;
+  constexpr int steps = 4;
+  PanelSolution solution = solve_once(accuracy);
+  if (mesh_.panels().empty())
+    return solution;
+  double ridge = most_ridge * std::pow(step, -(steps - 1));
+  for (int k = 0; k < steps && !solution.positive_definite && most_ridge > 0; ++k, ridge *= step)
+    if (ridge > ridge_) {
+      set_ridge(ridge);
+      solution = solve_once(accuracy);
+    }
+  if (!solution.positive_definite)
+    set_ridge(0);
+  return solution;
+}
+
+PanelSolution PanelSystem::solve_once(double accuracy) {
   PanelSolution solution;
   if (mesh_.panels().empty()) {
     static_cast<GalerkinSolution&>(solution) = faces_.solve();
     const Index conductors = solution.all.fine.rows();
     solution.iteration_error = solution.background_iteration_error = MatrixXd::Zero(conductors, conductors);
+    const Index kept = conductors - index_of(count_of(bodies_, Role::floating));
+    solution.ridge_effect = MatrixXd::Zero(kept, kept);
+    const Index columns = 4 * index_of(bodies_.readings.size());
+    solution.reading_ridge_effect = MatrixXd::Zero(columns, columns);
     return solution;
   }
   const PanelUnknowns unknowns = number_unknowns(bodies_, faces_, mesh_);
@@ -399,7 +490,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
     if (!solution.positive_definite)
       return solution;
   }
-  const Solved solved = solve_equations(equations, accuracy, {});
+  const Solved solved = solve_equations(equations, accuracy, begun(last_charges_, unknowns.functions));
   solution.positive_definite = solved.positive_definite;
   if (!solution.positive_definite)
     return solution;
@@ -408,6 +499,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   solution.charges = solved.charges.bottomRows(index_of(mesh_.panels().size()));
   solution.coarse_charges = solved.coarse_charges;
   solution.body_charges = body_charges(unknowns, solved.charges);
+  solution.ridge_effect = ridge_effect(solution.charges * potentials(solution.all.fine, bodies_));
   const VectorXd own = asked_energies(solution.all.fine, bodies_);
   const VectorXd shares = area_shares(mesh_);
   std::vector<MatrixXd> blocks;
@@ -426,6 +518,7 @@ PanelSolution PanelSystem::solve(double accuracy) const {
                                               background.matrix.fine, bodies_)
                           .all();
     solution.reading_charges = reading_charges.bottomRows(index_of(mesh_.panels().size()));
+    solution.reading_ridge_effect = ridge_effect(solution.reading_charges);
     solution.face_reading_charges = charges_of_faces(unknowns, reading_charges);
     solution.reading_quadrature_effect = quadrature_effect(unknowns, reading_charges);
     solution.reading_details = detail_energies(mesh_, blocks, shares, solution.reading_charges);
@@ -436,10 +529,12 @@ PanelSolution PanelSystem::solve(double accuracy) const {
   }
   solution.highest = faces_.highest_energies(
       {charges_of_faces(unknowns, solved.charges), solution.face_reading_charges, own, scales});
-  solution.error_indicators = error_indicators(mesh_, blocks, shares, solution.charges, own);
+  solution.error_indicators = error_indicators(mesh_, blocks, shares, solution.charges, own) +
+                              largest_parts(facet_energies(mesh_, bodies_, solution.charges), own);
   if (scales.size() > 0)
     solution.error_indicators = solution.error_indicators.cwiseMax(
-        change_indicators(mesh_, blocks, shares, solution.reading_charges, scales));
+        change_indicators(mesh_, blocks, shares, solution.reading_charges, scales) +
+        largest_parts_of_change(facet_energies(mesh_, bodies_, solution.reading_charges), scales));
   std::vector<bool> is_target;
   for (const ChargedBody& body : bodies_.bodies)
     is_target.push_back(body.is_target);
@@ -452,6 +547,11 @@ PanelSolution PanelSystem::solve(double accuracy) const {
     solution.error_indicators += unrefined.groups;
   }
   solution.quadrature_effect = quadrature_effect(unknowns, solved.charges);
+  last_charges_ = solved.charges;
+  last_background_ = std::move(background_charges);
+  last_functions_.clear();
+  for (std::size_t face = 0; face < faces(); ++face)
+    last_functions_.push_back(faces_.functions(face));
   return solution;
 }
 

@@ -17,6 +17,9 @@
 /// section 9).
 namespace fringe::detail {
 
+/// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
+constexpr double finest_tolerance = 1e-13;
+
 /// The capacitances with the panels' charges and error indicators. `sensors` is empty if a sensor has
 /// panels.
 struct PanelSolution : GalerkinSolution {
@@ -26,6 +29,8 @@ struct PanelSolution : GalerkinSolution {
   Eigen::VectorXd error_indicators;  ///< error indicators of the groups of panels
   Eigen::MatrixXd iteration_error;   ///< error of `all` that the conjugate gradients may have left
   Eigen::MatrixXd background_iteration_error;  ///< the same of `background`
+  Eigen::MatrixXd ridge_effect;  ///< what a ridge may have taken, for each conductor that is not floating
+  Eigen::MatrixXd reading_ridge_effect;  ///< between the columns of ReadingCharges::all()
 };
 
 /// The Galerkin equations of faces and panels. They are solved by conjugate gradients, or by Cholesky
@@ -43,21 +48,26 @@ class PanelSystem {
   /// Returns the matrix of the panels as of the last refine().
   const PanelOperator& panel_operator() const { return *panels_; }
 
-  /// Refines marked groups of panels, by the charges of the last solution.
-  void refine_groups(const std::vector<bool>& marked, const Eigen::MatrixXd& charges);
+  /// Refines groups of panels in so many steps, by the charges of the last solution.
+  void refine_groups(const std::vector<int>& steps, const Eigen::MatrixXd& charges);
 
   /// Evaluates the single-layer blocks for so many functions on each face; keeps those that are known.
   void refine(const std::vector<FaceFunctions>& functions, double tolerance);
 
   /// Solves by conjugate gradients, which stop when a step changes a capacitance by less than `accuracy`
-  /// times its value.
-  PanelSolution solve(double accuracy) const;
+  /// times its value. Panels that coincide or nearly do make the matrix indefinite by errors of its elements:
+  /// then its diagonal is raised by a ridge, by a part of `most_ridge` at most, and by less where that is
+  /// enough. Such panels share their charge then.
+  PanelSolution solve(double accuracy, double most_ridge = 0);
 
   /// Solves for the sensors without the other conductors, with the same functions and panels as with them.
   PanelSolution solve_sensors(double accuracy) const;
 
  private:
   PanelSystem(const ChargedBodies& bodies, PanelMesh mesh, std::size_t threads);
+  PanelSolution solve_once(double accuracy);
+  void set_ridge(double ridge);
+  Eigen::MatrixXd ridge_effect(const Eigen::MatrixXd& charges) const;
   /// The solution of the equations, or of those without the targets.
   struct Solved {
     bool positive_definite = true;
@@ -70,6 +80,7 @@ class PanelSystem {
                          const Eigen::MatrixXd& begun) const;
   Solved solve_without_targets(const PanelEquations& equations, double accuracy,
                                const Eigen::MatrixXd& with_targets) const;
+  Eigen::MatrixXd begun(const Eigen::MatrixXd& last, Eigen::Index functions) const;
   std::vector<Eigen::MatrixXd> charges_of_faces(const PanelUnknowns& unknowns,
                                                 const Eigen::MatrixXd& charges) const;
   Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;
@@ -85,10 +96,16 @@ class PanelSystem {
   ChargedBodies bodies_of_faces_;
   GalerkinSystem faces_;
   PanelMesh mesh_;
-  std::unique_ptr<const PanelOperator> panels_;
+  std::unique_ptr<PanelOperator> panels_;
   Eigen::MatrixXd coupling_;  ///< of the faces' functions (rows), face after face, with the panels
   std::vector<FaceFunctions> coupled_functions_;
+  /// The charges of all unknowns with the last solution, as far as they go over to the refined mesh, by which
+  /// the next iteration begins; none before the first solution.
+  Eigen::MatrixXd last_charges_;
+  Eigen::MatrixXd last_background_;
+  std::vector<FaceFunctions> last_functions_;
   bool is_refined_ = false;  ///< true if panels_ belongs to the mesh before its last refinement
+  double ridge_ = 0;         ///< part that the panels' diagonal has in excess
   double panel_tolerance_;
   double coupling_tolerance_;
 };

@@ -121,16 +121,20 @@ ReadingEffects& ReadingEffects::operator+=(const ReadingEffects& other) {
   return *this;
 }
 
-ReadingEffects reading_effects(const MatrixXd& form) {
+ReadingEffects signed_reading_effects(const MatrixXd& form) {
   const Index readings = form.rows() / 4;
   const auto diagonal = [&](Index row, Index column) {
-    return form.block(row * readings, column * readings, readings, readings).diagonal().cwiseAbs().eval();
+    return form.block(row * readings, column * readings, readings, readings).diagonal().eval();
   };
   ReadingEffects result;
   result.background = diagonal(0, 2);
   result.change = diagonal(0, 3) + diagonal(1, 2) + diagonal(1, 3);
   result.value = result.background + result.change;
   return result;
+}
+
+ReadingEffects reading_effects(const MatrixXd& form) {
+  return signed_reading_effects(form.cwiseAbs());
 }
 
 ReadingEffects reading_effects(const MatrixXd& of_values, const MatrixXd& of_background,

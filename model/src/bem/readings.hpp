@@ -57,8 +57,10 @@ struct ReadingEffects {
   ReadingEffects& operator+=(const ReadingEffects& other);
 };
 
-/// Returns the effects for a form that is given for all columns of ReadingCharges::all(). All its elements
-/// are counted as positive.
+/// Returns the effects for a form that is given for all columns of ReadingCharges::all().
+ReadingEffects signed_reading_effects(const Eigen::MatrixXd& form);
+
+/// Returns the same with all elements of the form counted as positive.
 ReadingEffects reading_effects(const Eigen::MatrixXd& form);
 
 /// Returns the effects for a form that is given for the conductors that are not floating, such as an error

@@ -67,14 +67,46 @@ double depth_of_rim(const Disc& disc, const Vector3d& point) {
   return disc.radius - from_axis(point);
 }
 
-/// Tells if a point lies on the outline of the polygon that stands for a disc.
-bool is_on_outline(const Disc& disc, const Vector3d& point) {
+/// Tells if a point lies on the rim of a disc or on the outline of the polygon that stands for it.
+bool is_on_rim(const Disc& disc, const Vector3d& point) {
   constexpr double rounding = 1e-9;
   const double step = 2 * std::numbers::pi / disc.segments;
   const double angle = std::remainder(std::atan2(point.y(), point.x()) - step / 2, step);
-  return std::abs(from_axis(point) * std::cos(angle) - disc.radius * std::cos(step / 2)) <
-         rounding * disc.radius;
+  return depth_of_rim(disc, point) < rounding * disc.radius ||
+         std::abs(from_axis(point) * std::cos(angle) - disc.radius * std::cos(step / 2)) <
+             rounding * disc.radius;
 }
+
+/// Returns how far a point of the polyhedron has to move to lie on a shape's surface, in the shape's frame.
+struct Displacement {
+  const Vector3d& point;
+
+  Vector3d operator()(const Sphere& sphere) const { return of_swept(Vector3d::Zero(), sphere.radius); }
+  Vector3d operator()(const Ellipsoid& ellipsoid) const {
+    const Vector3d axes(ellipsoid.semi_axis_x, ellipsoid.semi_axis_y, ellipsoid.semi_axis_z);
+    return point * (1 / point.cwiseQuotient(axes).norm() - 1);
+  }
+  Vector3d operator()(const Capsule& capsule) const { return of_swept(core_of(capsule), capsule.radius); }
+  Vector3d operator()(const RoundedCuboid& cuboid) const {
+    return of_swept(core_of(cuboid), cuboid.rounding);
+  }
+  Vector3d operator()(const Disc& disc) const {
+    if (!is_on_rim(disc, point))
+      return Vector3d::Zero();
+    return Vector3d(point.x(), point.y(), 0) * (disc.radius / from_axis(point) - 1);
+  }
+  template <typename Other>
+  Vector3d operator()(const Other&) const {
+    return Vector3d::Zero();
+  }
+
+ private:
+  /// On what a ball sweeps whose centre moves in a box.
+  Vector3d of_swept(const Vector3d& core, double radius) const {
+    const Vector3d outwards = point - point.cwiseMax(-core).cwiseMin(core);
+    return outwards.isZero(0) ? outwards : Vector3d(outwards * (radius / outwards.norm() - 1));
+  }
+};
 
 }  // namespace
 
@@ -96,6 +128,31 @@ RoundShape RoundShape::in_unit(const Vector3d& origin, double unit) const {
   result.to_shape_ = to_shape_ * Eigen::Translation3d(origin) * Eigen::Scaling(unit);
   result.unit_ = unit_ * unit;
   return result;
+}
+
+bool RoundShape::is_followed() const {
+  return !std::holds_alternative<Cylinder>(shape_) && !std::holds_alternative<Cone>(shape_) &&
+         !std::holds_alternative<Arc>(shape_);
+}
+
+Vector3d RoundShape::on_shape(const Vector3d& point) const {
+  /// Displacement over the distance from the shape's centre up to which a point is on the shape already.
+  constexpr double rounding = 1e-12;
+  const Vector3d place = to_shape_ * point, way = std::visit(Displacement{place}, shape_);
+  return way.norm() > rounding * place.norm() ? Vector3d(point + to_shape_.linear().inverse() * way) : point;
+}
+
+Vector3d RoundShape::middle(const Vector3d& from, const Vector3d& to) const {
+  Vector3d middle = (from + to) / 2;
+  if (const auto* const disc = std::get_if<Disc>(&shape_)) {
+    if (!is_on_rim(*disc, to_shape_ * from) || !is_on_rim(*disc, to_shape_ * to))
+      return middle;
+    // Beyond the polygon's sides the middle of a side along the rim is on no outline.
+    const Vector3d place = to_shape_ * middle;
+    return middle + to_shape_.linear().inverse() *
+                        (Vector3d(place.x(), place.y(), 0) * (disc->radius / from_axis(place) - 1));
+  }
+  return on_shape(middle);
 }
 
 double RoundShape::depth(const Triangle& part) const {
@@ -122,7 +179,7 @@ double RoundShape::lack_per_squared_charge(const Panel& panel) const {
   for (std::size_t side = 0; side < 3; ++side) {
     const Vector3d from = to_shape_ * panel.corners[side], to = to_shape_ * panel.corners[(side + 1) % 3];
     const Vector3d middle = (from + to) / 2;
-    if (is_on_outline(*disc, from) && is_on_outline(*disc, middle) && is_on_outline(*disc, to))
+    if (is_on_rim(*disc, from) && is_on_rim(*disc, to))
       sum += (depth_of_rim(*disc, from) + 4 * depth_of_rim(*disc, middle) + depth_of_rim(*disc, to)) / 6;
   }
   return 9 * pi * pi / 16 * sum / unit_ / panel.area;

@@ -7,11 +7,16 @@
 #include "bem/panel.hpp"
 #include "fringe/shape.hpp"
 
-/// How far round shapes are from the polyhedra that stand for them (model/BOUNDARY_ELEMENTS.md, section 9).
+/// Round shapes, and how far the polyhedra are from them that stand for them (model/BOUNDARY_ELEMENTS.md,
+/// section 9).
 namespace fringe::detail {
 
-/// Error per effect of the facets in first order: the next order, and charges that panels do not resolve.
+/// Error per effect of the facets in first order, where this is not added to the answer: the next order, and
+/// charges that panels do not resolve.
 constexpr double error_per_facet_effect = 1.25;
+
+/// The same where the effect is added.
+constexpr double error_per_added_facet_effect = 0.2;
 
 /// A round shape in the frame of a body.
 class RoundShape {
@@ -27,6 +32,16 @@ class RoundShape {
   bool contains_polyhedron() const { return !std::holds_alternative<Arc>(shape_); }
 
   bool is_thin() const { return std::holds_alternative<Disc>(shape_); }
+
+  /// Tells whether panels follow the shape when they are divided: their new corners lie on it. Cylinders,
+  /// cones and arcs stay polyhedra: their charge is singular at the rims, where Hadamard's formula fails.
+  bool is_followed() const;
+
+  /// Returns the point of a followed shape's surface that is near a point of its polyhedron.
+  Eigen::Vector3d on_shape(const Eigen::Vector3d& point) const;
+
+  /// Returns the same near the middle of a side of a panel. On a disc only sides along the rim move.
+  Eigen::Vector3d middle(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
 
   /// Returns the mean distance from a part of the polyhedron's surface to the shape's surface, along the
   /// part's normal.

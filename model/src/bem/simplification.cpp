@@ -210,24 +210,32 @@ double Simplification::deviation(std::size_t body, const Vector3d& point) const 
   return surface == surfaces_.end() ? 0 : surface->deviations[surface->zones.zone(point)];
 }
 
-MatrixXd effect_on_capacitances(const Simplification& simplification, const PanelMesh& mesh,
-                                const MatrixXd& charges) {
-  MatrixXd effect = MatrixXd::Zero(charges.cols(), charges.cols());
+SurfaceEffects surface_effects(const Simplification& simplification, const PanelMesh& mesh,
+                               const MatrixXd& charges) {
+  const MatrixXd none = MatrixXd::Zero(charges.cols(), charges.cols());
+  SurfaceEffects effects{none, none, none};
   for (const PanelGroup& group : mesh.groups())
     for (std::size_t k = group.first; k < group.first + group.count; ++k) {
       const Panel& panel = mesh.panels()[k];
+      const Eigen::RowVectorXd own = charges.row(index_of(k)), absolute = own.cwiseAbs();
       // A simplified surface that stands for a round shape is as far from this as its panels are.
-      const RoundShape* const round = round_shape_of(simplification.bodies().bodies[group.body].surface);
-      const double weight =
-          round != nullptr
-              ? error_per_facet_effect * round->lack_per_squared_charge(panel)
-              : 4 * std::numbers::pi * simplification.deviation(group.body, panel.centre) / panel.area;
-      if (weight == 0)
-        continue;
-      const Eigen::RowVectorXd own = charges.row(static_cast<Eigen::Index>(k)).cwiseAbs();
-      effect += weight * own.transpose() * own;
+      if (const RoundShape* const round =
+              round_shape_of(simplification.bodies().bodies[group.body].surface)) {
+        const double lack = round->lack_per_squared_charge(panel);
+        if (lack == 0)
+          continue;
+        if (!round->is_followed()) {
+          effects.lasting_errors += error_per_facet_effect * lack * absolute.transpose() * absolute;
+          continue;
+        }
+        effects.facets += lack * own.transpose() * own;
+        effects.facet_errors += error_per_added_facet_effect * lack * absolute.transpose() * absolute;
+      } else if (const double deviation = simplification.deviation(group.body, panel.centre); deviation > 0) {
+        effects.lasting_errors +=
+            4 * std::numbers::pi * deviation / panel.area * absolute.transpose() * absolute;
+      }
     }
-  return effect;
+  return effects;
 }
 
 }  // namespace fringe::detail

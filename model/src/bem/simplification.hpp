@@ -68,11 +68,16 @@ class Simplification {
   std::vector<Surface> surfaces_;
 };
 
-/// Returns the possible change of the capacitances between the columns of `charges` (a row for every panel)
-/// for the deviations of the simplified surfaces and for the facets of round shapes: that of a conductor
-/// whose surface moves by a small distance along its normal (Hadamard's formula), in metres, with the same
-/// sign everywhere.
-Eigen::MatrixXd effect_on_capacitances(const Simplification& simplification, const PanelMesh& mesh,
-                                       const Eigen::MatrixXd& charges);
+/// Effects of simplified surfaces and of facets on the capacitances between columns of charges (m). They
+/// follow from Hadamard's formula for a conductor whose surface moves by a small distance along its normal.
+struct SurfaceEffects {
+  Eigen::MatrixXd facets;          ///< of round shapes that panels follow, to be added
+  Eigen::MatrixXd facet_errors;    ///< what that may be wrong by; it falls with refinement
+  Eigen::MatrixXd lasting_errors;  ///< by simplified surfaces and other round shapes
+};
+
+/// `charges` has a row for every panel. Errors have the same sign everywhere.
+SurfaceEffects surface_effects(const Simplification& simplification, const PanelMesh& mesh,
+                               const Eigen::MatrixXd& charges);
 
 }  // namespace fringe::detail

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "bem/error_indicators.hpp"
+#include "bem/adaptive.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/insulated_system.hpp"
 #include "fringe/error.hpp"
@@ -137,48 +137,72 @@ MatrixXd facet_effects(const InsulatedBodies& bodies, const InsulatedSystem& sys
   return result;
 }
 
+/// The charges that potentials of degree 0 and 1 induce on conductors and the insulators fixed to them.
+class InsulatedBodyProblem : public AdaptiveProblem {
+ public:
+  InsulatedBodyProblem(InsulatedSystem& system, bool has_conductors, double accuracy, std::size_t most_panels)
+      : system_(system), has_conductors_(has_conductors), accuracy_(accuracy), most_panels_(most_panels) {}
+
+  const std::vector<PanelGroup>& groups() const override { return system_.groups(); }
+
+  Assessment solve() override {
+    /// Ratio of the matrix elements' quadrature tolerance to the accuracy of the energies.
+    constexpr double tolerance_per_accuracy = 0.02;
+    /// Least response that counts, relative to the largest one to a linear potential: a flat body has almost
+    /// none across it.
+    constexpr double least_response = 0.1;
+    system_.evaluate(tolerance_per_accuracy * accuracy_);
+    outermost = outermost_of(system_);
+    const MatrixXd plain = plain_potentials(system_.mesh(), has_conductors_);
+    const InsulatedResponse response = system_.respond(plain, VectorXd::Ones(plain.cols()));
+    answer(response, outermost, plain, body);
+    values_ = response.potentials + response.charges;
+    VectorXd own = body.energies.diagonal();
+    own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
+    // A body of almost the medium's permittivity may respond by rounding errors alone.
+    if (!(own.maxCoeff() > 0))
+      return {true, {}, 0, 0};
+    const VectorXd change = body.energies.diagonal() - body.coarse_energies.diagonal();
+    const double error = (change.array().abs() / own.array()).maxCoeff();
+    const VectorXd indicators = response.energies / own.maxCoeff();
+    return {error <= accuracy_ || system_.panels() >= most_panels_, indicators,
+            indicators.sum() * accuracy_ / error, most_panels_ - std::min(most_panels_, system_.panels())};
+  }
+
+  bool refine(const std::vector<int>& steps) override {
+    if (steps.empty())
+      return false;
+    system_.refine(steps, values_);
+    return true;
+  }
+
+  InsulatedBody body;
+  Outermost outermost;
+
+ private:
+  InsulatedSystem& system_;
+  bool has_conductors_;
+  double accuracy_;
+  std::size_t most_panels_;
+  MatrixXd values_;  ///< potentials and charges of the panels
+};
+
 }  // namespace
 
 InsulatedBody solve_insulated_body(const InsulatedBodies& bodies, double accuracy, std::size_t most_panels,
                                    const OuterPotentials& potentials) {
-  /// Ratio of the matrix elements' quadrature tolerance to the accuracy of the energies.
-  constexpr double tolerance_per_accuracy = 0.02;
   /// A-priori grading takes at most one in so many panels: the others are for refinement.
   constexpr std::size_t most_graded = 2;
-  /// Least response that counts, relative to the largest one to a linear potential: a flat body has almost
-  /// none across it.
-  constexpr double least_response = 0.1;
   const bool has_conductors = !bodies.conductors.bodies.empty();
   InsulatedSystem system(bodies, {}, {grading_part * accuracy, most_panels / most_graded}, 0);
   if (system.panels() > most_panels)
     throw InputError("it has too many triangles with its insulators for the reduced method");
   if (system.panels() == 0)
     return without_response(bodies, potentials);
-  InsulatedBody body;
-  Outermost outermost;
-  while (true) {
-    system.evaluate(tolerance_per_accuracy * accuracy);
-    outermost = outermost_of(system);
-    const MatrixXd plain = plain_potentials(system.mesh(), has_conductors);
-    InsulatedResponse response = system.respond(plain, VectorXd::Ones(plain.cols()));
-    answer(response, outermost, plain, body);
-    VectorXd own = body.energies.diagonal();
-    own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
-    // Of almost the medium's permittivity, it may answer nothing but rounding.
-    if (!(own.maxCoeff() > 0))
-      break;
-    const VectorXd change = body.energies.diagonal() - body.coarse_energies.diagonal();
-    const double error = (change.array().abs() / own.array()).maxCoeff();
-    if (error <= accuracy || system.panels() >= most_panels)
-      break;
-    const VectorXd indicators = response.energies / own.maxCoeff();
-    const std::vector<bool> marked =
-        doerfler_marking(system.mesh().groups(), indicators, indicators.sum() * accuracy / error,
-                         most_panels - system.panels());
-    if (marked.empty())
-      break;
-    system.refine(marked, response.potentials + response.charges);
-  }
+  InsulatedBodyProblem problem(system, has_conductors, accuracy, most_panels);
+  solve_adaptively(problem);
+  InsulatedBody& body = problem.body;
+  const Outermost& outermost = problem.outermost;
   const std::vector<Panel>& all = system.mesh().panels();
   const MatrixXd others = potentials(all);
   MatrixXd outer(others.rows(), others.cols() + 1);
@@ -201,7 +225,7 @@ InsulatedBody solve_insulated_body(const InsulatedBodies& bodies, double accurac
     if (group.body < bodies.conductors.bodies.size())
       body.free_charges.row(index_of(group.body)) -=
           response.charges.middleRows(index_of(group.first), index_of(group.count)).colwise().sum();
-  return body;
+  return std::move(body);
 }
 
 }  // namespace fringe::detail

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "bem/adaptive.hpp"
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/single_layer_panels.hpp"
@@ -83,6 +84,60 @@ void factorise(SingleBodySystem& panels, double ridge) {
   }
 }
 
+/// The charges that potentials of degree 0 and 1 induce on a body.
+class SingleBodyProblem : public AdaptiveProblem {
+ public:
+  SingleBodyProblem(std::span<const TriangleSurface> surfaces, double accuracy, std::size_t most_panels)
+      : accuracy_(accuracy), most_panels_(most_panels) {
+    panels_.tolerance = tolerance_per_accuracy * accuracy;
+    panels_.mesh = panels_of(surfaces);
+    panels_.matrix = single_layer_matrix(panels_.mesh.panels(), panels_.tolerance);
+  }
+
+  const std::vector<PanelGroup>& groups() const override { return panels_.mesh.groups(); }
+
+  Assessment solve() override {
+    factorise(panels_, accuracy_);
+    const MatrixXd potentials = plain_potentials(panels_.mesh);
+    responses_ = panels_.factor.solve(potentials);
+    VectorXd own = potentials.cwiseProduct(responses_).colwise().sum();
+    const VectorXd shares = area_shares(panels_.mesh);
+    const VectorXd change = own - coarse_energies(panels_, shares, potentials).diagonal();
+    // Least response that counts, relative to the largest one to a linear potential. A flat body has almost
+    // no response across it, and what is missing of it does not matter.
+    constexpr double least_response = 0.1;
+    own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
+    const double error = error_per_panel_change * (change.array() / own.array()).maxCoeff();
+    const std::size_t count = panels_.mesh.panels().size();
+    Assessment found{error <= accuracy_, {}, 0, most_panels_ - std::min(most_panels_, count)};
+    if (found.is_last)
+      return found;
+    found.indicators =
+        error_indicators(panels_.mesh, group_blocks(panels_.mesh, panels_.matrix), shares, responses_, own);
+    found.allowed = found.indicators.sum() * accuracy_ / error;
+    return found;
+  }
+
+  bool refine(const std::vector<int>& steps) override {
+    if (steps.empty())
+      return false;
+    MatrixXd before = std::move(panels_.matrix);
+    before.diagonal() /= 1 + std::exchange(panels_.ridge, 0);
+    panels_.mesh.refine(steps, responses_);
+    panels_.matrix =
+        single_layer_matrix(panels_.mesh.panels(), panels_.tolerance, {before, panels_.mesh.places_before()});
+    return true;
+  }
+
+  SingleBodySystem take_system() { return std::move(panels_); }
+
+ private:
+  double accuracy_;
+  std::size_t most_panels_;
+  SingleBodySystem panels_;
+  MatrixXd responses_;
+};
+
 }  // namespace
 
 PanelMesh panels_of(std::span<const TriangleSurface> surfaces) {
@@ -97,38 +152,9 @@ PanelMesh panels_of(std::span<const TriangleSurface> surfaces) {
 
 SingleBodySystem solve_single_body(std::span<const TriangleSurface> surfaces, double accuracy,
                                    std::size_t most_panels) {
-  SingleBodySystem panels;
-  panels.tolerance = tolerance_per_accuracy * accuracy;
-  panels.mesh = panels_of(surfaces);
-  panels.matrix = single_layer_matrix(panels.mesh.panels(), panels.tolerance);
-  while (true) {
-    factorise(panels, accuracy);
-    const MatrixXd potentials = plain_potentials(panels.mesh);
-    const MatrixXd responses = panels.factor.solve(potentials);
-    VectorXd own = potentials.cwiseProduct(responses).colwise().sum();
-    const VectorXd shares = area_shares(panels.mesh);
-    const VectorXd change = own - coarse_energies(panels, shares, potentials).diagonal();
-    // Least response that counts, relative to the largest one to a linear potential. A flat body has almost
-    // no response across it, and what is missing of it does not matter.
-    constexpr double least_response = 0.1;
-    own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
-    const double error = error_per_panel_change * (change.array() / own.array()).maxCoeff();
-    if (error <= accuracy)
-      return panels;
-    const VectorXd energies =
-        error_indicators(panels.mesh, group_blocks(panels.mesh, panels.matrix), shares, responses, own);
-    const std::size_t count = panels.mesh.panels().size();
-    const std::vector<bool> marked =
-        doerfler_marking(panels.mesh.groups(), energies, energies.sum() * accuracy / error,
-                         most_panels - std::min(most_panels, count));
-    if (marked.empty())
-      return panels;
-    MatrixXd before = std::move(panels.matrix);
-    before.diagonal() /= 1 + std::exchange(panels.ridge, 0);
-    panels.mesh.refine(marked, responses);
-    panels.matrix =
-        single_layer_matrix(panels.mesh.panels(), panels.tolerance, {before, panels.mesh.places_before()});
-  }
+  SingleBodyProblem problem(surfaces, accuracy, most_panels);
+  solve_adaptively(problem);
+  return problem.take_system();
 }
 
 MatrixXd missing_energies(const SingleBodySystem& panels, const MatrixXd& potentials,

@@ -88,7 +88,10 @@ def test_a_refusal_fails_the_run_only_without_another_answer(
     documents = {number: boundary_document(2, 1) for number in range(3)}
     failures = refused_by_field(tmp_path, documents if answered else None)
     monkeypatch.setattr(workflow, "run", lambda *_: failures)
-    monkeypatch.setattr(study, "load", lambda _: study.loads(FILE))
+    load = study.load
+    monkeypatch.setattr(
+        study, "load", lambda name: study.loads(FILE) if Path(name).stem == "smoke" else load(name)
+    )
     assert command_line.main(["run", "smoke", "--results", str(tmp_path)]) == status
     told = capsys.readouterr().err.splitlines()
     assert len(told) == 1 and REASON in told[0] and "3 cases" in told[0]

@@ -216,7 +216,7 @@ TEST(BoundaryPanels, ConvergeFromBelow) {
     }
     gain_before = gain;
     before = solution.all.fine.diagonal();
-    system.refine_groups(std::vector<bool>(system.mesh().groups().size(), true), solution.charges);
+    system.refine_groups(std::vector<int>(system.mesh().groups().size(), 1), solution.charges);
   }
 }
 
@@ -231,7 +231,7 @@ TEST(BoundaryPanels, TheStatedErrorCoversWhatFinerPanelsFind) {
   const detail::ChargedBodies bodies = detail::charged_bodies(scene);
   detail::PanelSystem system(bodies);
   system.refine({{9, 9}}, 1e-4);
-  system.refine_groups(std::vector<bool>(system.mesh().groups().size(), true), system.solve(1e-4).charges);
+  system.refine_groups(std::vector<int>(system.mesh().groups().size(), 1), system.solve(1e-4).charges);
   system.refine({{9, 9}}, 1e-4);
   const MatrixXd finer = 4 * std::numbers::pi * vacuum_permittivity * system.solve(1e-6).all.fine;
   EXPECT_TRUE(((given.values - finer).array().abs() <= given.errors.array()).all());

@@ -1,27 +1,22 @@
-/// Tests what one density on each group of panels can hold, and which groups are marked for refinement first.
+/// Tests what one density on each group of panels can hold.
 
 #include "bem/group_densities.hpp"
 
 #include <vector>
 
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bem/error_indicators.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "fringe/triangulation.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-using detail::doerfler_marking;
 using detail::PanelGroup;
 using detail::PanelMesh;
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using testing::ElementsAre;
-using testing::IsEmpty;
 
 /// Returns a mesh of a ball of panels in groups of about four, and a box of quartered triangles.
 PanelMesh ball_and_box() {
@@ -66,48 +61,6 @@ TEST(GroupDensities, InteractAsTheirPanelsDoTogether) {
   const MatrixXd wanted = charges.transpose() * (panels.selfadjointView<Eigen::Upper>() * charges);
   const MatrixXd found = detail::group_matrix(mesh, detail::area_shares(mesh), panels);
   EXPECT_LT((found - wanted).triangularView<Eigen::Lower>().toDenseMatrix().norm(), 1e-13 * wanted.norm());
-}
-
-/// Returns groups of quartered triangles. Refining one adds four panels.
-std::vector<PanelGroup> quartered_groups(std::size_t count) {
-  std::vector<PanelGroup> groups;
-  for (std::size_t k = 0; k < count; ++k)
-    groups.push_back({4 * k, 4, 0, true});
-  return groups;
-}
-
-constexpr std::size_t plenty = 1000;
-
-TEST(DoerflerMarking, TakesTheGroupsWithTheGreaterPartOfTheEnergy) {
-  EXPECT_THAT(doerfler_marking(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 0, plenty),
-              ElementsAre(false, true, true, false));
-}
-
-TEST(DoerflerMarking, TakesNoMoreGroupsThanTheErrorRequires) {
-  // Refinement leaves 3.2 of the 8, hence 7.2 of 12 in all. The others are not worth it.
-  const VectorXd energies = (VectorXd(4) << 1e-3, 8, 4, 1e-3).finished();
-  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 7.3, plenty),
-              ElementsAre(false, true, true, false));
-  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 0, plenty),
-              ElementsAre(false, true, true, false));
-}
-
-TEST(DoerflerMarking, AddsFourTenthsOfThePanelsWhereThatIsWorthIt) {
-  const Eigen::Vector4d energies(2, 8, 1, 1);
-  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 7.3, plenty),
-              ElementsAre(true, true, false, false))
-      << "though the second alone would do";
-}
-
-TEST(DoerflerMarking, MarksGroupsOfEqualEnergyTogether) {
-  EXPECT_THAT(doerfler_marking(quartered_groups(4), Eigen::Vector4d(3, 1, 2.999, 3), 8, plenty),
-              ElementsAre(true, false, true, true));
-}
-
-TEST(DoerflerMarking, AddsNoMorePanelsThanAllowed) {
-  const Eigen::Vector4d energies(1, 8, 2, 1);
-  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 0, 7), ElementsAre(false, true, false, false));
-  EXPECT_THAT(doerfler_marking(quartered_groups(4), energies, 0, 3), IsEmpty());
 }
 
 }  // namespace

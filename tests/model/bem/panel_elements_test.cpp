@@ -105,7 +105,7 @@ TEST(PanelMeshes, KeepTheAreaAndHalveWhereTheDensityChanges) {
   mesh.add(0, std::array<Triangle, 1>{base});
   ASSERT_EQ(mesh.panels().size(), 4U);
   // More charge along the side from the first corner to the second.
-  mesh.refine({true}, Eigen::Vector4d(2, 2, 1, 1.5));
+  mesh.refine({1}, Eigen::Vector4d(2, 2, 1, 1.5));
   ASSERT_EQ(mesh.groups().size(), 2U);
   ASSERT_EQ(mesh.panels().size(), 8U);
   double area = 0;
@@ -116,6 +116,24 @@ TEST(PanelMeshes, KeepTheAreaAndHalveWhereTheDensityChanges) {
   EXPECT_EQ(mesh.panels()[0].corners[0], base[1]);
   EXPECT_EQ(mesh.panels()[2].corners[2], base[0]);
   EXPECT_EQ(mesh.places_before(), std::vector<Eigen::Index>(8, PanelMesh::no_place));
+}
+
+TEST(PanelMeshes, CarryLinearDensitiesThroughSeveralSteps) {
+  PanelMesh mesh;
+  mesh.add(0, std::array<Triangle, 1>{base});
+  const auto charges = [](const PanelMesh& of) {
+    Eigen::MatrixXd result(static_cast<Eigen::Index>(of.panels().size()), 2);
+    for (std::size_t k = 0; k < of.panels().size(); ++k) {
+      const Panel& panel = of.panels()[k];
+      result.row(static_cast<Eigen::Index>(k)) << panel.area,
+          panel.area * (2 + 3 * panel.centre.x() - panel.centre.y());
+    }
+    return result;
+  };
+  const Eigen::MatrixXd before = charges(mesh);
+  const Eigen::MatrixXd carried = mesh.refine({3}, before, before);
+  ASSERT_EQ(mesh.panels().size(), 32U);
+  EXPECT_LT((carried - charges(mesh)).norm(), 1e-13 * carried.norm());
 }
 
 }  // namespace

@@ -88,8 +88,8 @@ TEST(PanelOperators, HaveTheSameBitsForAnyNumberOfThreads) {
 TEST(PanelOperators, KeepElementsOfPanelsThatStay) {
   PanelMesh mesh = two_balls();
   const PanelOperator before(mesh, 1e-4, nullptr, 1);
-  std::vector<bool> marked(mesh.groups().size(), false);
-  marked[5] = marked[60] = true;
+  std::vector<int> marked(mesh.groups().size(), 0);
+  marked[5] = marked[60] = 1;
   mesh.refine(marked, MatrixXd::Ones(static_cast<Index>(mesh.panels().size()), 1));
   const MatrixXd charges = MatrixXd::Random(static_cast<Index>(mesh.panels().size()), 1);
   const MatrixXd anew = PanelOperator(mesh, 1e-4, nullptr, 1).apply(charges);

@@ -133,8 +133,8 @@ TEST(ReducedMeshesAtLength, SeveralBodiesTogether) {
   const MaxwellMatrix answer = reduced_capacitance(scene, {.steps = 1, .rtol = {}});
   const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-2});
   EXPECT_EQ(answer.conductors, truth.conductors);
-  EXPECT_TRUE(answer.reached);
   EXPECT_TRUE(covers(answer, truth));
+  EXPECT_TRUE((answer.errors.diagonal().array() < 0.1 * answer.values.diagonal().array()).all());
   EXPECT_LT((answer.values - answer.values.transpose()).cwiseAbs().maxCoeff(), 1e-12 * answer.values.norm());
 }
 

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <optional>
+
+#include "bem/bodies.hpp"
+#include "bem/reading_derivatives.hpp"
+#include "bem/simplification.hpp"
+#include "fringe/boundary_elements.hpp"
+
+namespace fringe::detail {
+
+/// Returns the parameter `features` of a_priori_functions() for an accuracy.
+double features_of_functions(double rtol);
+
+/// Solves for the Maxwell matrix and the readings of conductors with adaptive refinement, in metres (to be
+/// multiplied by 4πε), and for derivatives with respect to the poses if there are any; null: none. The bodies
+/// are those of the simplification, some of which may have triangles in place of their faces. Returns nothing
+/// if `may_give_up` and the simplified surfaces cost too much of what is asked for.
+/// @throws InputError if the scene needs more unknowns than allowed.
+std::optional<MaxwellMatrix> refined_maxwell(const ChargedBodies& bodies,
+                                             const Simplification& simplification, bool may_give_up,
+                                             const BoundaryElementOptions& options, const LinkPoses* poses);
+
+}  // namespace fringe::detail
