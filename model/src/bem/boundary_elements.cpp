@@ -44,17 +44,6 @@ constexpr int most_attempts = 3;
 /// refinement.
 constexpr std::size_t most_triangles_part = 2;
 
-/// Solves as refined_maxwell() does, for bodies some of which have triangles in place of their faces.
-std::optional<MaxwellMatrix> solve_in_triangles(const ChargedBodies& bodies,
-                                                const Simplification& simplification, bool may_give_up,
-                                                BoundaryElementOptions options,
-                                                const detail::LinkPoses* poses) {
-  /// Relative accuracy that triangles reach in seconds; a smaller value would take minutes.
-  constexpr double reached_by_triangles = 1e-3;
-  options.rtol = std::max(options.rtol, reached_by_triangles);
-  return refined_maxwell(bodies, simplification, may_give_up, options, poses);
-}
-
 /// Solves with functions on faces, or with triangles in place of faces whose functions would miss another
 /// body close by: two spaces that both miss a feature agree. Retries with triangles if the error of the
 /// faces' functions stays large. Gives up as refined_maxwell() does.
@@ -63,7 +52,7 @@ std::optional<MaxwellMatrix> solve_as_needed(const Simplification& simplificatio
                                              const detail::LinkPoses* poses) {
   const ChargedBodies& bodies = simplification.bodies();
   if (const auto others = detail::with_triangles_by_proximity(bodies))
-    return solve_in_triangles(*others, simplification, may_give_up, options, poses);
+    return refined_maxwell(*others, simplification, may_give_up, options, poses);
   std::optional<MaxwellMatrix> answer = refined_maxwell(bodies, simplification, may_give_up, options, poses);
   /// Relative error above which a second solution with triangles is worth its seconds.
   constexpr double useless = 1e-2;
@@ -73,7 +62,7 @@ std::optional<MaxwellMatrix> solve_as_needed(const Simplification& simplificatio
     if (const auto others = detail::with_triangles_beyond(bodies, detail::features_of_functions(options.rtol),
                                                           detail::most_functions))
       if (std::optional<MaxwellMatrix> other =
-              solve_in_triangles(*others, simplification, false, options, poses);
+              refined_maxwell(*others, simplification, false, options, poses);
           detail::largest_error(*other, bodies) < detail::largest_error(*answer, bodies))
         return other;
   } catch (const Interrupted&) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <tuple>
 
 #include "bem/panel_quadrature.hpp"
 
@@ -21,6 +22,54 @@ constexpr std::size_t ordered_groups = 2;
 
 /// Largest ratio of the smaller cluster's diameter to the distance of both at which their block has low rank.
 constexpr double admissible_ratio = 1.2;
+
+/// Ratio of a cluster's largest panel to the cluster above which that panel decides what is far from it, and
+/// of panels that are parted from it then: their own interactions reach less far.
+constexpr double decisive = 0.2, smaller = 0.5;
+
+AlignedBox3d box_of(std::span<const PlacedGroup> groups) {
+  AlignedBox3d box;
+  for (const PlacedGroup& group : groups)
+    box.extend(group.centre);
+  return box;
+}
+
+/// Bisects groups at the median along the longest side. Returns the size of the first part.
+std::size_t bisect(std::span<PlacedGroup> groups) {
+  Index axis = 0;
+  box_of(groups).sizes().maxCoeff(&axis);
+  const std::size_t half = groups.size() / 2;
+  std::nth_element(groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(half), groups.end(),
+                   [axis](const PlacedGroup& a, const PlacedGroup& b) {
+                     return std::tuple(a.centre[axis], a.group) < std::tuple(b.centre[axis], b.group);
+                   });
+  return half;
+}
+
+/// Parts the groups of a cluster by size if the largest ones are decisive, else by place. Returns the size of
+/// the first part; 0 if the groups make a leaf.
+std::size_t divide(std::span<PlacedGroup> groups) {
+  double largest = 0;
+  for (const PlacedGroup& group : groups)
+    largest = std::max(largest, group.radius);
+  if (largest > decisive * box_of(groups).diagonal().norm()) {
+    const auto small = std::stable_partition(groups.begin(), groups.end(), [&](const PlacedGroup& group) {
+      return group.radius > smaller * largest;
+    });
+    if (small != groups.end())
+      return static_cast<std::size_t>(small - groups.begin());
+  }
+  return static_cast<Index>(groups.size()) <= leaf_groups ? 0 : bisect(groups);
+}
+
+/// Orders the groups of a leaf such that those that follow each other are close.
+void order(std::span<PlacedGroup> groups) {
+  if (groups.size() <= ordered_groups)
+    return;
+  const std::size_t half = bisect(groups);
+  order(groups.first(half));
+  order(groups.subspan(half));
+}
 
 class PairSearch {
  public:
@@ -44,8 +93,8 @@ class PairSearch {
       visit(one.left + 1, one.left + 1);
       return;
     }
-    if (const int degree = far_degree(one, other); degree > 0) {
-      pairs.far.push_back({a, b, degree});
+    if (are_separated(one, other)) {
+      pairs.far.push_back({a, b, far_degree(one, other)});
       return;
     }
     if (one.is_leaf() && other.is_leaf()) {
@@ -61,10 +110,12 @@ class PairSearch {
  private:
   static double diameter(const TreeCluster& cluster) { return cluster.box.diagonal().norm(); }
 
-  int far_degree(const TreeCluster& a, const TreeCluster& b) const {
+  static bool are_separated(const TreeCluster& a, const TreeCluster& b) {
     const double distance = std::sqrt(a.box.squaredExteriorDistance(b.box));
-    if (!(std::min(diameter(a), diameter(b)) <= admissible_ratio * distance))
-      return 0;
+    return std::min(diameter(a), diameter(b)) <= admissible_ratio * distance;
+  }
+
+  int far_degree(const TreeCluster& a, const TreeCluster& b) const {
     const double between = std::sqrt(a.centres.squaredExteriorDistance(b.centres));
     for (std::size_t k = 0; k < far_degrees.size(); ++k)
       if (a.largest_radius + b.largest_radius <= ratios_[k] * between)
@@ -78,59 +129,55 @@ class PairSearch {
 
 }  // namespace
 
-ClusterTree::ClusterTree(const PanelMesh& mesh) {
-  std::vector<AlignedBox3d> boxes;
-  std::vector<Eigen::Vector3d> centres;
-  for (const PanelGroup& group : mesh.groups()) {
-    AlignedBox3d& box = boxes.emplace_back();
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
-      const Panel& panel = mesh.panels()[k];
-      for (const Eigen::Vector3d& corner : panel.corners)
-        box.extend(corner);
-      sum += panel.centre;
+ClusterTree::ClusterTree(const PanelMesh& mesh)
+    : places_(mesh.panels().size()), leaf_of_(mesh.panels().size()) {
+  std::vector<PlacedGroup> groups;
+  for (std::size_t k = 0; k < mesh.groups().size(); ++k) {
+    const PanelGroup& group = mesh.groups()[k];
+    PlacedGroup placed{k, Eigen::Vector3d::Zero(), 0};
+    for (std::size_t member = group.first; member < group.first + group.count; ++member) {
+      placed.centre += mesh.panels()[member].centre / static_cast<double>(group.count);
+      placed.radius = std::max(placed.radius, mesh.panels()[member].radius);
     }
-    centres.emplace_back(sum / static_cast<double>(group.count));
-  }
-  const BoxTree tree(boxes, centres, ordered_groups);
-  places_.resize(mesh.panels().size());
-  leaf_of_.resize(mesh.panels().size());
-  first_panel_.push_back(0);
-  for (const std::uint32_t item : tree.items()) {
-    const PanelGroup& group = mesh.groups()[item];
-    groups_.push_back(static_cast<Index>(item));
-    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
-      places_[k] = static_cast<Index>(panels_.size());
-      panels_.push_back(static_cast<Index>(k));
-    }
-    first_panel_.push_back(static_cast<Index>(panels_.size()));
+    groups.push_back(placed);
   }
   clusters_.emplace_back();
-  add(0, tree, tree.root(), {0, static_cast<Index>(groups_.size())}, mesh);
+  add(0, groups, mesh);
 }
 
-void ClusterTree::add(std::size_t cluster, const BoxTree& tree, const BoxTree::Node& node,
-                      ClusterRange groups, const PanelMesh& mesh) {
-  TreeCluster own{.groups = groups, .panels = {}, .box = node.box, .centres = {}};
-  own.panels.first = first_panel_[static_cast<std::size_t>(groups.first)];
-  own.panels.count = first_panel_[static_cast<std::size_t>(groups.first + groups.count)] - own.panels.first;
-  if (node.is_leaf() || groups.count <= leaf_groups) {
-    for (Index place = own.panels.first; place < own.panels.first + own.panels.count; ++place) {
-      const Panel& panel = mesh.panels()[static_cast<std::size_t>(panels_[static_cast<std::size_t>(place)])];
-      own.centres.extend(panel.centre);
-      own.largest_radius = std::max(own.largest_radius, panel.radius);
-      leaf_of_[static_cast<std::size_t>(place)] = leaves_.size();
+void ClusterTree::add(std::size_t cluster, std::span<PlacedGroup> groups, const PanelMesh& mesh) {
+  TreeCluster own;
+  own.groups = {index_of(groups_.size()), index_of(groups.size())};
+  own.panels.first = index_of(panels_.size());
+  const std::size_t first = divide(groups);
+  if (first == 0) {
+    order(groups);
+    for (const PlacedGroup& placed : groups) {
+      const PanelGroup& group = mesh.groups()[placed.group];
+      groups_.push_back(index_of(placed.group));
+      for (std::size_t member = group.first; member < group.first + group.count; ++member) {
+        const Panel& panel = mesh.panels()[member];
+        for (const Eigen::Vector3d& corner : panel.corners)
+          own.box.extend(corner);
+        own.centres.extend(panel.centre);
+        own.largest_radius = std::max(own.largest_radius, panel.radius);
+        places_[member] = index_of(panels_.size());
+        leaf_of_[panels_.size()] = leaves_.size();
+        panels_.push_back(index_of(member));
+      }
     }
+    own.panels.count = index_of(panels_.size()) - own.panels.first;
     leaves_.push_back(cluster);
     clusters_[cluster] = own;
     return;
   }
   own.left = clusters_.size();
   clusters_.resize(clusters_.size() + 2);
-  const Index half = groups.count / 2;
-  add(own.left, tree, tree.left(node), {groups.first, half}, mesh);
-  add(own.left + 1, tree, tree.right(node), {groups.first + half, groups.count - half}, mesh);
+  add(own.left, groups.first(first), mesh);
+  add(own.left + 1, groups.subspan(first), mesh);
   const TreeCluster &left = clusters_[own.left], &right = clusters_[own.left + 1];
+  own.panels.count = left.panels.count + right.panels.count;
+  own.box = left.box.merged(right.box);
   own.centres = left.centres.merged(right.centres);
   own.largest_radius = std::max(left.largest_radius, right.largest_radius);
   clusters_[cluster] = own;

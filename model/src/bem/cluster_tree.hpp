@@ -2,12 +2,12 @@
 
 #include <array>
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include <Eigen/Geometry>
 
 #include "bem/panel_mesh.hpp"
-#include "geometry/box_tree.hpp"
 
 namespace fringe::detail {
 
@@ -29,8 +29,16 @@ struct TreeCluster {
   bool is_leaf() const { return left == 0; }
 };
 
-/// A binary tree of clusters, bisected at the median along the longest side. Panels and groups are numbered
-/// anew such that those of a cluster follow each other.
+/// A group of panels of the mesh, by its place and size.
+struct PlacedGroup {
+  std::size_t group;
+  Eigen::Vector3d centre;
+  double radius;  ///< of its largest panel
+};
+
+/// A binary tree of clusters, bisected at the median along the longest side, or by the panels' sizes where
+/// the largest ones would keep a cluster near to others. Panels and groups are numbered anew such that those
+/// of a cluster follow each other.
 class ClusterTree {
  public:
   explicit ClusterTree(const PanelMesh& mesh);
@@ -46,15 +54,13 @@ class ClusterTree {
   std::size_t leaf_of(Eigen::Index place) const { return leaf_of_[static_cast<std::size_t>(place)]; }
 
  private:
-  /// Writes the cluster of a node of the tree of groups, and those below it.
-  void add(std::size_t cluster, const BoxTree& tree, const BoxTree::Node& node, ClusterRange groups,
-           const PanelMesh& mesh);
+  /// Writes the cluster of groups, which it orders, and those below it.
+  void add(std::size_t cluster, std::span<PlacedGroup> groups, const PanelMesh& mesh);
 
   std::vector<TreeCluster> clusters_;
   std::vector<std::size_t> leaves_;
   std::vector<Eigen::Index> panels_;
   std::vector<Eigen::Index> groups_;
-  std::vector<Eigen::Index> first_panel_;  ///< of each group in the order of the tree, and the end
   std::vector<Eigen::Index> places_;
   std::vector<std::size_t> leaf_of_;
 };

@@ -52,8 +52,9 @@ constexpr double error_per_unresolved_change = 15;
 /// 0.001 or less.
 constexpr double quadrature_caution = 0.01;
 
-/// Fraction of rtol that the quadrature errors may take.
-constexpr double quadrature_part = 0.05;
+/// Fraction of rtol that the quadrature errors may take, and of the other errors up to which they leave a
+/// lower bound one.
+constexpr double quadrature_part = 0.1, negligible_part = 0.05;
 
 /// Factor by which one refinement reduces the error at most. While the error exceeds what is allowed by more,
 /// quadratures as fine as those of the last step would be in vain.
@@ -70,6 +71,10 @@ constexpr double iteration_share = 0.005;
 /// Largest ridge on the panels' diagonal, relative to rtol, and at all. Its effect, which is stated, is far
 /// smaller: panels by themselves have a small part of the energy.
 constexpr double ridge_per_rtol = 10, most_ridge = 0.1;
+
+/// Factor by which a refinement may use up more of the estimated errors than the one before, and the least
+/// part of them that is stated whatever that used.
+constexpr double used_caution = 2, least_used = 0.25;
 
 /// Assumed change of a reading, as a part of its value, before it is known.
 constexpr double first_change_part = 1e-2;
@@ -140,7 +145,7 @@ void write_solution(const PanelSolution& solution, const ChargedBodies& bodies, 
   for (Index i = 0; i < conductors; ++i)
     answer.lower_bounds[static_cast<std::size_t>(i)] = surfaces.is_within &&
                                                        surfaces.entries.facets(i, i) == 0 &&
-                                                       quadrature(i, i) <= quadrature_part * own(i, i);
+                                                       quadrature(i, i) <= negligible_part * own(i, i);
 }
 
 /// Writes the readings, in metres.
@@ -153,7 +158,7 @@ void write_readings(const PanelSolution& solution, const ChargedBodies& bodies, 
   others += reading_effects(solution.iteration_error, solution.background_iteration_error, bodies);
   answer.readings = reading_answers(solution.all, solution.background, per_change,
                                     reading_effects(solution.reading_details), others,
-                                    surfaces.is_within ? quadrature_part : 0, bodies);
+                                    surfaces.is_within ? negligible_part : 0, bodies);
   const ReadingEffects added = signed_reading_effects(surfaces.readings.facets);
   ReadingEffects errors = reading_effects(solution.reading_ridge_effect);
   errors += reading_effects(surfaces.readings.facet_errors);
@@ -211,6 +216,46 @@ void write_delta_self(const PanelSystem& system, const PanelSolution& solution, 
   const VectorXd relative = 1 - coarse.array() / fine.array();
   answer.delta_self_errors =
       per_change * change.cwiseAbs().cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) + others;
+}
+
+/// Values that refinement improves, with their estimated errors.
+struct Improved {
+  std::vector<double> values;
+  std::vector<double> errors;
+};
+
+/// Returns the asked diagonal entries, and the values and changes of the readings, with the errors that
+/// refinement makes smaller.
+Improved improved(const MaxwellMatrix& answer, const EffectsOfSurfaces& surfaces,
+                  const ChargedBodies& bodies) {
+  Improved result;
+  const auto add = [&](double value, double error) {
+    result.values.push_back(value);
+    result.errors.push_back(error);
+  };
+  for (Index k = 0; k < answer.values.rows(); ++k)
+    if (bodies.conductors[static_cast<std::size_t>(k)].is_asked)
+      add(answer.values(k, k), answer.errors(k, k) - surfaces.entries.lasting_errors(k, k));
+  const ReadingEffects lasting = reading_effects(surfaces.readings.lasting_errors);
+  for (std::size_t k = 0; k < answer.readings.size(); ++k) {
+    const ReadingAnswer& reading = answer.readings[k];
+    const auto at = static_cast<Index>(k);
+    add(*reading.value.value, *reading.value.error - lasting.value[at]);
+    add(*reading.change.value, *reading.change.error - lasting.change[at]);
+  }
+  return result;
+}
+
+/// Returns the largest part of an error that turned out to be there: how much a value has changed by a
+/// refinement over how much less its estimated error is; 1 if that is not less. Values whose errors cancel by
+/// chance do not decide: diagonal entries only grow.
+double used_part(const Improved& before, const Improved& after) {
+  double used = 0;
+  for (std::size_t k = 0; k < before.values.size(); ++k) {
+    const double less = before.errors[k] - after.errors[k];
+    used = std::max(used, less > 0 ? std::abs(after.values[k] - before.values[k]) / less : 1);
+  }
+  return used;
 }
 
 /// Returns the missing energy that is allowed after a refinement. The energy that is missing now is estimated
@@ -328,8 +373,12 @@ class ConductorProblem : public AdaptiveProblem {
       return last();
     }
     surfaces_ = effects_of_surfaces(simplification_, system_, solution_, bodies_);
-    write_solution(solution_, bodies_, begun_.error_per_change, tolerance_, surfaces_, answer_);
-    write_readings(solution_, bodies_, begun_.error_per_change, tolerance_, surfaces_, answer_);
+    write(begun_.error_per_change);
+    // The estimates stay as cautious as the last ones turned out to be.
+    Improved found = improved(answer_, surfaces_, bodies_);
+    if (panels() > 0 && !before_.values.empty())
+      write(begun_.error_per_change * std::clamp(used_caution * used_part(before_, found), least_used, 1.0));
+    before_ = std::move(found);
     answer_.unknowns = count_unknowns(begun_.functions) + panels();
     if (!bodies_.readings.empty())
       change_part_ = smallest_part(answer_.readings);
@@ -369,8 +418,8 @@ class ConductorProblem : public AdaptiveProblem {
     if (poses != nullptr && !is_interrupted_)
       write_derivatives(charge_nodes(system_, solution_, bodies_), bodies_, *poses, options_.threads,
                         answer_.readings);
-    write_delta_self(system_, solution_, bodies_, begun_.error_per_change, tolerance_,
-                     iteration_share * options_.rtol, surfaces_, answer_);
+    write_delta_self(system_, solution_, bodies_, per_change_, tolerance_, iteration_share * options_.rtol,
+                     surfaces_, answer_);
     if (bodies_.readings.empty())
       answer_.readings = readings_of_sensors(answer_);
     return std::move(answer_);
@@ -380,6 +429,12 @@ class ConductorProblem : public AdaptiveProblem {
   static Assessment last() { return {true, {}, 0, 0}; }
 
   std::size_t panels() const { return system_.mesh().panels().size(); }
+
+  void write(double per_change) {
+    per_change_ = per_change;
+    write_solution(solution_, bodies_, per_change, tolerance_, surfaces_, answer_);
+    write_readings(solution_, bodies_, per_change, tolerance_, surfaces_, answer_);
+  }
 
   /// Solves with quadratures that are fine enough for a positive definite matrix. An interruption leaves the
   /// solution before.
@@ -446,6 +501,8 @@ class ConductorProblem : public AdaptiveProblem {
   MaxwellMatrix answer_;
   PanelSolution solution_;
   EffectsOfSurfaces surfaces_;
+  Improved before_;        ///< by the solution before, with errors by `begun_.error_per_change`
+  double per_change_ = 0;  ///< the estimated error per change between the two spaces
   Progress progress_;
   double change_part_;  ///< the smallest change of a reading, as a part of its value
   double excess_ = 0;   ///< the error over what is allowed

@@ -49,11 +49,11 @@ double largest_error(const PanelSolution& solution, const ChargedBodies& bodies)
 /// if importance is not known.
 std::vector<int> most_important(const PanelMesh& mesh,
                                 const std::function<double(const AlignedBox3d&)>& importance) {
-  std::vector<int> marked(mesh.groups().size(), 1);
+  std::vector<int> times(mesh.groups().size(), 1);
   if (!importance)
-    return marked;
+    return times;
   std::vector<double> values;
-  values.reserve(marked.size());
+  values.reserve(times.size());
   for (const PanelGroup& group : mesh.groups()) {
     AlignedBox3d box;
     for (std::size_t k = group.first; k < group.first + group.count; ++k)
@@ -63,8 +63,8 @@ std::vector<int> most_important(const PanelMesh& mesh,
   }
   const double limit = *std::max_element(values.begin(), values.end()) / 2;
   for (std::size_t k = 0; k < values.size(); ++k)
-    marked[k] = values[k] >= limit ? 1 : 0;
-  return marked;
+    times[k] = values[k] >= limit ? 1 : 0;
+  return times;
 }
 
 }  // namespace

@@ -11,6 +11,8 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
+#include "collision/convex_pieces.hpp"
+#include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "geometry/box_tree.hpp"
@@ -77,6 +79,33 @@ bool hulls_meet(std::span<const ConvexHull> a, std::span<const ConvexHull> b, do
   return is_any_met;
 }
 
+/// Returns the hulls that have a point in common with a box.
+std::vector<ConvexPiece> pieces_in(const AlignedBox3d& box, std::span<const ConvexHull> hulls) {
+  std::vector<ConvexPiece> pieces;
+  for (const ConvexHull& hull : hulls)
+    if (box_of_hull(hull).intersects(box))
+      pieces.push_back({ConvexShape::hull(hull)});
+  return pieces;
+}
+
+/// Returns true if two bodies meet of which one at least is round: as shapes, not as the polyhedra that stand
+/// for them and lie within.
+bool round_shapes_meet(const ChargedBody& a, std::span<const ConvexHull> hulls_a, const ChargedBody& b,
+                       std::span<const ConvexHull> hulls_b) {
+  const RoundShape *const round_a = round_shape_of(a.surface), *const round_b = round_shape_of(b.surface);
+  if (round_a == nullptr)
+    return round_b != nullptr && round_shapes_meet(b, hulls_b, a, hulls_a);
+  const std::vector<ConvexPiece> others =
+      round_b != nullptr ? round_b->pieces() : pieces_in(round_a->box(), hulls_b);
+  if (others.empty())
+    return false;
+  for (const ConvexPiece& piece : round_a->pieces())
+    for (const ConvexPiece& other : others)
+      if (intersect(piece.shape, piece.pose, other.shape, other.pose))
+        return true;
+  return false;
+}
+
 /// Returns true if a closed surface of triangles contains a body that does not cross it.
 bool contains(const ChargedBody& outside, std::span<const ConvexHull> inside) {
   const auto surface = triangles_of(outside.surface);
@@ -134,12 +163,17 @@ TriangleSurface oriented_triangles(const BodySurface& surface) {
 
 void refuse_contact(const ChargedBody& a, const ChargedBody& b, std::string_view reason) {
   const std::vector<ConvexHull> hulls_a = hulls_of(a.surface), hulls_b = hulls_of(b.surface);
-  if (hulls_meet(hulls_a, hulls_b, 0))
+  const auto refuse = [&] {
     throw InputError(
         fmt::format("{} and {} touch or cross: {}{}", a.name, b.name, reason, way_off(a, hulls_b)));
+  };
+  if (hulls_meet(hulls_a, hulls_b, 0))
+    refuse();
   for (const auto& [outside, inside, points] : {std::tuple(&a, &b, &hulls_b), std::tuple(&b, &a, &hulls_a)})
     if (contains(*outside, *points))
       throw InputError(fmt::format("{} is inside {}: {}", inside->name, outside->name, reason));
+  if (round_shapes_meet(a, hulls_a, b, hulls_b))
+    refuse();
 }
 
 bool have_one_potential(const ChargedBodies& bodies, std::size_t a, std::size_t b) {

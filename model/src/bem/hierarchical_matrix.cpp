@@ -12,12 +12,13 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::MatrixXf;
 
-MatrixView columns_of(const MatrixXd& matrix, Index first, Index count) {
+MatrixView columns_of(const MatrixXf& matrix, Index first, Index count) {
   return {matrix.data() + first * matrix.rows(), matrix.rows(), count};
 }
 
-MatrixView view_of(const MatrixXd& matrix) {
+MatrixView view_of(const MatrixXf& matrix) {
   return columns_of(matrix, 0, matrix.cols());
 }
 
@@ -137,7 +138,7 @@ MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
     }
     for (const Use& use : far_uses_[leaf]) {
       const LowRankBlock& block = far_[use.block];
-      const MatrixXd& own = use.as_rows ? block.rows : block.columns;
+      const MatrixXf& own = use.as_rows ? block.rows : block.columns;
       const Index offset = range.first - clusters_[use.as_rows ? block.a : block.b].first;
       const MatrixXd& product = use.as_rows ? products[use.block].of_columns : products[use.block].of_rows;
       kernels.add_transposed_product(columns_of(own, offset, range.count), rows_of(product, 0), sums_in(sum),
@@ -152,40 +153,53 @@ HierarchicalMatrix HierarchicalMatrix::restricted(const Restriction& restriction
                                                   std::vector<ClusterRange> clusters) const {
   std::vector<LowRankBlock> far(far_.size());
   std::vector<DenseBlock> near(near_.size());
-  const auto columns = [&](const MatrixXd& factor, std::size_t cluster) {
+  const auto columns = [&](const MatrixXd& factor, std::size_t cluster) -> MatrixXd {
     return restricted_columns(factor, clusters_[cluster], restriction, clusters[cluster].first,
                               clusters[cluster].count);
   };
   parallel_for(far_.size(), threads_, [&](std::size_t k) {
     const LowRankBlock& block = far_[k];
-    far[k] = {block.a, block.b, columns(block.rows, block.a), columns(block.columns, block.b)};
+    far[k] = {block.a, block.b, columns(block.rows.cast<double>(), block.a).cast<float>(),
+              columns(block.columns.cast<double>(), block.b).cast<float>()};
   });
   parallel_for(near_.size(), threads_, [&](std::size_t k) {
     const DenseBlock& block = near_[k];
-    near[k] = {block.a, block.b, columns(columns(block.values, block.b).transpose(), block.a).transpose()};
+    const MatrixXd values = block.values.cast<double>();
+    near[k] = {block.a, block.b,
+               columns(columns(values, block.b).transpose(), block.a).transpose().cast<float>()};
   });
   return {std::move(clusters), leaves_, std::move(far), std::move(near), threads_};
 }
 
 MatrixXd HierarchicalMatrix::dense_restricted(const Restriction& restriction, Index rows) const {
-  MatrixXd result = MatrixXd::Zero(rows, rows);
-  const auto add = [&](const MatrixXd& values, const Targets& a, const Targets& b, bool is_diagonal) {
-    for (std::size_t column = 0; column < b.indices.size(); ++column)
-      for (std::size_t row = 0; row < a.indices.size(); ++row) {
-        const double value = values(static_cast<Index>(row), static_cast<Index>(column));
-        result(a.indices[row], b.indices[column]) += value;
-        if (!is_diagonal)
-          result(b.indices[column], a.indices[row]) += value;
-      }
+  struct Part {
+    std::vector<Index> rows;
+    std::vector<Index> columns;
+    MatrixXd values;
+    bool is_diagonal;
   };
-  for (const DenseBlock& block : near_) {
-    const Targets a(clusters_[block.a], restriction), b(clusters_[block.b], restriction);
-    add(a.columns(b.columns(block.values).transpose()).transpose(), a, b, block.a == block.b);
-  }
-  for (const LowRankBlock& block : far_) {
-    const Targets a(clusters_[block.a], restriction), b(clusters_[block.b], restriction);
-    add(a.columns(block.rows).transpose() * b.columns(block.columns), a, b, false);
-  }
+  std::vector<Part> parts(near_.size() + far_.size());
+  parallel_for(parts.size(), threads_, [&](std::size_t k) {
+    const bool is_near = k < near_.size();
+    const LowRankBlock* const far = is_near ? nullptr : &far_[k - near_.size()];
+    Targets a(clusters_[is_near ? near_[k].a : far->a], restriction);
+    Targets b(clusters_[is_near ? near_[k].b : far->b], restriction);
+    MatrixXd values =
+        is_near ? MatrixXd(a.columns(b.columns(near_[k].values.cast<double>()).transpose()).transpose())
+                : MatrixXd(a.columns(far->rows.cast<double>()).transpose() *
+                           b.columns(far->columns.cast<double>()));
+    parts[k] = {std::move(a.indices), std::move(b.indices), std::move(values),
+                is_near && near_[k].a == near_[k].b};
+  });
+  MatrixXd result = MatrixXd::Zero(rows, rows);
+  for (const Part& part : parts)
+    for (std::size_t column = 0; column < part.columns.size(); ++column)
+      for (std::size_t row = 0; row < part.rows.size(); ++row) {
+        const double value = part.values(static_cast<Index>(row), static_cast<Index>(column));
+        result(part.rows[row], part.columns[column]) += value;
+        if (!part.is_diagonal)
+          result(part.columns[column], part.rows[row]) += value;
+      }
   return result;
 }
 
@@ -195,7 +209,7 @@ std::size_t HierarchicalMatrix::bytes() const {
     values += block.rows.size() + block.columns.size();
   for (const DenseBlock& block : near_)
     values += block.values.size();
-  return static_cast<std::size_t>(values) * sizeof(double);
+  return static_cast<std::size_t>(values) * sizeof(float);
 }
 
 }  // namespace fringe::detail

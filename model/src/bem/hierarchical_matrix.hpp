@@ -13,15 +13,15 @@ namespace fringe::detail {
 struct LowRankBlock {
   std::size_t a;            ///< cluster of the rows
   std::size_t b;            ///< cluster of the columns
-  Eigen::MatrixXd rows;     ///< a column for each row of the block
-  Eigen::MatrixXd columns;  ///< a column for each column of the block
+  Eigen::MatrixXf rows;     ///< a column for each row of the block
+  Eigen::MatrixXf columns;  ///< a column for each column of the block
 };
 
 /// A block of which all elements are stored.
 struct DenseBlock {
   std::size_t a;
   std::size_t b;
-  Eigen::MatrixXd values;
+  Eigen::MatrixXf values;
 };
 
 /// A linear combination of the unknowns for each of fewer ones: those of a cluster give such of the same
@@ -32,8 +32,8 @@ struct Restriction {
 };
 
 /// A symmetric matrix in blocks between clusters, of low rank where these are well separated (a hierarchical
-/// matrix; Hackbusch 1999). Of the blocks (a, b) and (b, a) one is stored. Unknowns are in the order of the
-/// tree.
+/// matrix; Hackbusch 1999). Of the blocks (a, b) and (b, a) one is stored, in single precision: the elements'
+/// quadratures are less accurate. Unknowns are in the order of the tree.
 class HierarchicalMatrix {
  public:
   HierarchicalMatrix() = default;
@@ -56,12 +56,18 @@ class HierarchicalMatrix {
   const std::vector<std::size_t>& leaves() const { return leaves_; }
   ClusterRange range(std::size_t cluster) const { return clusters_[cluster]; }
   /// Returns the block of a leaf's unknowns with each other, the leaf given by its position.
-  const Eigen::MatrixXd& diagonal_block(std::size_t leaf) const { return near_[own_[leaf]].values; }
+  Eigen::MatrixXd diagonal_block(std::size_t leaf) const {
+    return diagonal_block(leaf, {0, near_[own_[leaf]].values.rows()});
+  }
+  /// Returns the block of a part of them, numbered from the leaf's first.
+  Eigen::MatrixXd diagonal_block(std::size_t leaf, ClusterRange part) const {
+    return near_[own_[leaf]].values.block(part.first, part.first, part.count, part.count).cast<double>();
+  }
   const std::vector<DenseBlock>& near() const { return near_; }
 
   void scale_diagonal(double factor) {
     for (const std::size_t block : own_)
-      near_[block].values.diagonal() *= factor;
+      near_[block].values.diagonal() *= static_cast<float>(factor);
   }
 
   /// Returns the memory of all blocks in bytes.

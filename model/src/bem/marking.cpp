@@ -57,7 +57,7 @@ std::vector<int> mark_for_refinement(const std::vector<PanelGroup>& groups, cons
   const double total = energies.sum(), largest = groups.empty() ? 0 : energies.maxCoeff();
   double taken = 0, gained = 0, last = 0;
   std::size_t added = 0;
-  std::vector<int> marked(groups.size(), 0);
+  std::vector<int> times(groups.size(), 0);
   while (!steps.empty()) {
     const auto [energy, k, step, energy_of_all] = steps.top();
     steps.pop();
@@ -67,7 +67,7 @@ std::vector<int> mark_for_refinement(const std::vector<PanelGroup>& groups, cons
                           static_cast<double>(added) >= least_growth * static_cast<double>(panels);
     if ((enough && is_small && energy < alike * last) || added + added_by(group, step) > most)
       break;
-    marked[k] = step + 1;
+    times[k] = step + 1;
     last = energy;
     added += added_by(group, step);
     const double rest = left_after(group, step);
@@ -78,7 +78,7 @@ std::vector<int> mark_for_refinement(const std::vector<PanelGroup>& groups, cons
       steps.push({rest / parts * energy, k, step + 1, rest * energy_of_all});
     }
   }
-  return added > 0 ? marked : std::vector<int>{};
+  return added > 0 ? times : std::vector<int>{};
 }
 
 }  // namespace fringe::detail

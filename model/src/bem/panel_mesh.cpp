@@ -9,6 +9,7 @@
 
 #include "bem/graded_triangles.hpp"
 #include "geometry/surface_mesh.hpp"
+#include "numeric/parallel.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -242,13 +243,18 @@ void PanelMesh::add_halves(const Triangle& triangle, const Matrix3d& places, std
 }
 
 void PanelMesh::add(std::size_t body, std::span<const Triangle> surface, const PanelGrading& grading,
-                    const RoundShape* round) {
+                    const RoundShape* round, std::size_t threads) {
   if (round != nullptr && round->is_followed()) {
     followed_.resize(std::max(followed_.size(), body + 1));
     followed_[body] = *round;
   }
-  std::vector<Triangle> triangles(surface.begin(), surface.end());
-  std::erase_if(triangles, [&](const Triangle& triangle) { return is_hidden(triangle, body); });
+  std::vector<char> are_bare(surface.size());
+  parallel_for(surface.size(), threads,
+               [&](std::size_t k) { are_bare[k] = is_hidden(surface[k], body) ? 0 : 1; });
+  std::vector<Triangle> triangles;
+  for (std::size_t k = 0; k < surface.size(); ++k)
+    if (are_bare[k] != 0)
+      triangles.push_back(surface[k]);
   if (triangles.size() <= few_triangles) {
     for (Triangle& triangle :
          graded_triangles(triangles, grading.missing, grading.most_panels / group_size)) {

@@ -55,7 +55,7 @@ class PanelMesh {
   /// their quarters or, if graded towards sharp edges, with the quarters of their parts. Panels that are
   /// divided follow the round shape that the triangles stand for; null: they are the surface.
   void add(std::size_t body, std::span<const Triangle> surface, const PanelGrading& grading = {},
-           const RoundShape* round = nullptr);
+           const RoundShape* round = nullptr, std::size_t threads = 1);
 
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 
 #include "bem/cross_approximation.hpp"
@@ -25,17 +26,25 @@ std::vector<ClusterRange> panel_ranges(const ClusterTree& tree) {
 }
 
 LowRankBlock low_rank_block(const ClusterPair& pair, const std::vector<TreeCluster>& clusters,
-                            const std::vector<Panel>& panels, const PointCharges& points, double tolerance) {
+                            const std::vector<Panel>& panels, const PanelElements& elements,
+                            const PointCharges* points, double tolerance) {
   const ClusterRange a = clusters[pair.a].panels, b = clusters[pair.b].panels;
-  const auto fill = [&](Index panel, ClusterRange others, double* values) {
-    points.fill(panels[static_cast<std::size_t>(panel)], static_cast<std::size_t>(others.first),
-                static_cast<std::size_t>(others.count), values);
+  PotentialSums sums;
+  const auto fill = [&](Index place, ClusterRange others, double* values) {
+    const Panel& panel = panels[static_cast<std::size_t>(place)];
+    const auto first = static_cast<std::size_t>(others.first), count = static_cast<std::size_t>(others.count);
+    if (points != nullptr) {
+      points->fill(panel, first, count, values);
+      return;
+    }
+    elements.fill(panel, first, count, sums, nullptr, values);
+    sums.flush();
   };
   const MatrixSource source{a.count, b.count,
                             [&](Index row, double* values) { fill(a.first + row, b, values); },
                             [&](Index column, double* values) { fill(b.first + column, a, values); }};
   LowRankFactors factors = cross_approximation(source, tolerance);
-  return {pair.a, pair.b, std::move(factors.rows), std::move(factors.columns)};
+  return {pair.a, pair.b, factors.rows.cast<float>(), factors.columns.cast<float>()};
 }
 
 }  // namespace
@@ -65,9 +74,10 @@ PanelOperator::PanelOperator(const PanelMesh& mesh, double tolerance, const Pane
       const Index old = before == nullptr ? -1 : place_before(rows.first + row);
       PanelElements::Known known;
       if (old >= 0)
-        known = [&, old](std::size_t column) -> const double* {
+        known = [&, old](std::size_t column) -> std::optional<double> {
           const Index old_column = place_before(static_cast<Index>(column));
-          return old_column < 0 ? nullptr : before->near_element(old, old_column);
+          const float* const element = old_column < 0 ? nullptr : before->near_element(old, old_column);
+          return element == nullptr ? std::nullopt : std::optional<double>(*element);
         };
       elements.fill(
           panels[static_cast<std::size_t>(rows.first + row)], static_cast<std::size_t>(columns.first),
@@ -77,9 +87,9 @@ PanelOperator::PanelOperator(const PanelMesh& mesh, double tolerance, const Pane
     }
     sums.flush();
     if (a == b)
-      near[block] = {a, b, values.selfadjointView<Eigen::Upper>()};
+      near[block] = {a, b, MatrixXd(values.selfadjointView<Eigen::Upper>()).cast<float>()};
     else
-      near[block] = {a, b, values.transpose()};
+      near[block] = {a, b, values.transpose().cast<float>()};
   });
 
   const std::array<PointCharges, 2> points{PointCharges(panels, far_degrees[0]),
@@ -87,8 +97,9 @@ PanelOperator::PanelOperator(const PanelMesh& mesh, double tolerance, const Pane
   std::vector<LowRankBlock> far(pairs.far.size());
   parallel_for(far.size(), threads, [&](std::size_t block) {
     const ClusterPair& pair = pairs.far[block];
-    far[block] = low_rank_block(pair, clusters, panels, points[pair.degree == far_degrees[0] ? 0 : 1],
-                                compression_part * tolerance);
+    const PointCharges* const of_degree =
+        pair.degree == 0 ? nullptr : &points[pair.degree == far_degrees[0] ? 0 : 1];
+    far[block] = low_rank_block(pair, clusters, panels, elements, of_degree, compression_part * tolerance);
   });
 
   near_of_leaf_.resize(tree_->leaves().size());
@@ -105,7 +116,7 @@ PanelOperator::PanelOperator(const PanelMesh& mesh, double tolerance, const Pane
       HierarchicalMatrix(panel_ranges(*tree_), tree_->leaves(), std::move(far), std::move(near), threads);
 }
 
-const double* PanelOperator::near_element(Index a, Index b) const {
+const float* PanelOperator::near_element(Index a, Index b) const {
   const auto& blocks = near_of_leaf_[tree_->leaf_of(a)];
   const std::size_t other = tree_->leaf_of(b);
   const auto found = std::lower_bound(blocks.begin(), blocks.end(), std::pair(other, std::size_t{0}));
@@ -123,8 +134,7 @@ MatrixXd PanelOperator::block_of_group(const PanelGroup& group) const {
   const Index first = tree_->places()[group.first];
   const std::size_t leaf = tree_->leaf_of(first);
   const Index offset = first - matrix_.range(tree_->leaves()[leaf]).first;
-  const auto count = static_cast<Index>(group.count);
-  return matrix_.diagonal_block(leaf).block(offset, offset, count, count);
+  return matrix_.diagonal_block(leaf, {offset, static_cast<Index>(group.count)});
 }
 
 double PanelOperator::self(std::size_t panel) const {

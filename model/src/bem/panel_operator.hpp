@@ -36,7 +36,7 @@ class PanelOperator {
 
  private:
   /// Returns the address of the element of two places whose leaves are near each other; else null.
-  const double* near_element(Eigen::Index a, Eigen::Index b) const;
+  const float* near_element(Eigen::Index a, Eigen::Index b) const;
 
   std::shared_ptr<const ClusterTree> tree_;
   HierarchicalMatrix matrix_;

@@ -165,7 +165,9 @@ void add_touching(const Panel& a, const Panel& b, const Vector3d& common, double
 
 void add_near(const Panel& a, const Panel& b, double tolerance, PotentialSums& sums, double& sum) {
   const Panel &outer = a.radius < b.radius ? a : b, &inner = a.radius < b.radius ? b : a;
-  const double safe = 2 * inner.radius;
+  /// Distance over the radius beyond which a lower bound of it does: the rule of fewest points suffices.
+  constexpr double far_enough = 3;
+  const double safe = inner.radius + std::min(inner.radius, far_enough * outer.radius);
   const auto distance = [&](const Vector3d& point) {
     const double centres = (point - inner.centre).norm();
     return centres > safe ? centres - inner.radius : outline_distance(inner.corners, point);

@@ -25,15 +25,17 @@ constexpr int most_triangle_halvings = 24;
 
 /// Returns the rule of lowest degree that suffices for a ratio of size to distance; null if there is none.
 const TriangleRule* rule_for(double ratio, double allowed) {
+  const double base = std::min(ratio, 1.0);
+  double missed = 1;
+  int power = 0;
   for (const TriangleRule& rule : triangle_rules()) {
     if (rule.degree > highest_rule_degree)
       break;
     // The rule of one point sees no slope, and what it misses counts twice.
     if (rule.degree < 2 || (ratio > near_ratio && rule.degree < lowest_near_degree))
       continue;
-    double missed = 1;
-    for (int k = 0; k <= rule.degree; ++k)
-      missed *= std::min(ratio, 1.0);
+    for (; power <= rule.degree; ++power)
+      missed *= base;
     if (missed <= allowed)
       return &rule;
   }

@@ -29,8 +29,8 @@ using Eigen::VectorXd;
 
 /// Ratio of the panels' quadrature tolerance to the faces'. The panels' quadratures are much better than
 /// their tolerance: between a plate and a cube at a fifth of its size, at any of four levels, they changed no
-/// capacitance by more than a fiftieth of it.
-constexpr double panel_tolerances = 10;
+/// capacitance by more than a fiftieth of it; of nine robot arms none by more than a twentieth.
+constexpr double panel_tolerances = 25;
 
 /// Stands for a matrix that has to be evaluated.
 constexpr double unknown_tolerance = std::numeric_limits<double>::infinity();
@@ -41,7 +41,7 @@ constexpr Index coarse_functions_wanted = 1000;
 
 /// Ratio of the accuracies of the iterations for the conductors that are not asked for and for those that
 /// are. The entries between both miss the geometric mean.
-constexpr double accuracy_of_others = 100;
+constexpr double accuracy_of_others = 1e4;
 
 /// Fewest unknowns for each function of the coarse space.
 constexpr Index least_together = 4;
@@ -88,11 +88,8 @@ Restriction restriction_to_groups(const PanelMesh& mesh, const ClusterTree& tree
 
 CoarseSpace coarse_space_of(const HierarchicalMatrix& matrix, const VectorXd& areas,
                             const std::vector<std::size_t>& bodies) {
-  std::vector<ClusterRange> leaves;
-  for (const std::size_t leaf : matrix.leaves())
-    leaves.push_back(matrix.range(leaf));
   const Index together = std::max(least_together, (matrix.size() - 1) / coarse_functions_wanted + 1);
-  return coarse_space(leaves, areas, bodies, together);
+  return coarse_space(matrix, areas, bodies, together);
 }
 
 /// Returns the largest energy of each row, relative to that of the column.
@@ -116,7 +113,7 @@ PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& gradin
       coupling_tolerance_(unknown_tolerance) {
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
     if (const auto* surface = std::get_if<TriangleSurface>(&bodies.bodies[body].surface))
-      mesh_.add(body, surface->triangles, grading, surface->round ? &*surface->round : nullptr);
+      mesh_.add(body, surface->triangles, grading, surface->round ? &*surface->round : nullptr, threads);
   refine_by_proximity(grading.most_panels);
 }
 
@@ -302,11 +299,43 @@ MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const Mat
   return faces() == 0 ? of_panels : faces_.quadrature_effect(norms) + of_panels;
 }
 
-/// Solves in the whole space and in the coarse one. Both have the unknowns of the faces first, then those of
-/// the panels or the groups in the order of the tree.
-/// The iteration begins with the charges `begun`; with none if these are empty.
-PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations, double accuracy,
-                                                 const MatrixXd& begun) const {
+/// What the equations with and without the targets have in common: the panels in the order of the tree, and
+/// the spaces of fewer functions.
+struct PanelSystem::Spaces {
+  Restriction to_groups;
+  HierarchicalMatrix groups;  ///< the matrix of one density on each group
+  CoarseSpace of_panels;
+  CoarseSpace of_groups;
+};
+
+PanelSystem::Spaces PanelSystem::spaces() const {
+  const ClusterTree& tree = panels_->tree();
+  const std::vector<std::size_t> bodies = bodies_of_panels(mesh_, tree);
+  VectorXd areas(index_of(bodies.size()));
+  for (Index place = 0; place < areas.size(); ++place)
+    areas[place] =
+        mesh_.panels()[static_cast<std::size_t>(tree.panels()[static_cast<std::size_t>(place)])].area;
+  std::vector<ClusterRange> ranges;
+  for (const TreeCluster& cluster : tree.clusters())
+    ranges.push_back(cluster.groups);
+  Restriction to_groups = restriction_to_groups(mesh_, tree, area_shares(mesh_));
+  HierarchicalMatrix groups = panels_->matrix().restricted(to_groups, std::move(ranges));
+  VectorXd group_areas = VectorXd::Zero(groups.size());
+  std::vector<std::size_t> group_bodies(static_cast<std::size_t>(groups.size()));
+  for (std::size_t k = 0; k < bodies.size(); ++k) {
+    group_areas[to_groups.target[k]] += areas[index_of(k)];
+    group_bodies[static_cast<std::size_t>(to_groups.target[k])] = bodies[k];
+  }
+  CoarseSpace of_panels = coarse_space_of(panels_->matrix(), areas, bodies);
+  CoarseSpace of_groups = coarse_space_of(groups, group_areas, group_bodies);
+  return {std::move(to_groups), std::move(groups), std::move(of_panels), std::move(of_groups)};
+}
+
+/// Solves in the whole space and in the coarse one. Both have the unknowns
+/// of the faces first, then those of the panels or the groups in the order of the tree. The iteration begins
+/// with the charges `begun`; with none if these are empty.
+PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations, const Spaces& spaces,
+                                                 double accuracy, const MatrixXd& begun) const {
   const ClusterTree& tree = panels_->tree();
   const PanelUnknowns& unknowns = equations.unknowns;
   const Index functions = unknowns.functions, panels = index_of(mesh_.panels().size());
@@ -315,11 +344,6 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
   for (Index place = 0; place < panels; ++place)
     order[static_cast<std::size_t>(functions + place)] =
         functions + tree.panels()[static_cast<std::size_t>(place)];
-  VectorXd areas(panels);
-  for (Index place = 0; place < panels; ++place)
-    areas[place] =
-        mesh_.panels()[static_cast<std::size_t>(tree.panels()[static_cast<std::size_t>(place)])].area;
-  const std::vector<std::size_t> bodies = bodies_of_panels(mesh_, tree);
   VectorXd accuracies(unknowns.net.cols());
   for (Index c = 0; c < accuracies.size(); ++c)
     accuracies[c] =
@@ -329,9 +353,7 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
   const BorderedMatrix matrix{equations.faces, equations.coupling(Eigen::all, tree.panels()),
                               panels_->matrix(),
                               unknowns.present.size() > 0 ? VectorXd(unknowns.present(order)) : VectorXd()};
-  CoarseSpace coarse = coarse_space_of(matrix.unknowns, areas, bodies);
-  const TwoLevelPreconditioner preconditioner(matrix, std::move(coarse.restriction), coarse.size,
-                                              panel_tolerance_, threads_);
+  const TwoLevelPreconditioner preconditioner(matrix, spaces.of_panels, panel_tolerance_, threads_);
   result.positive_definite = preconditioner.is_positive_definite();
   if (!result.positive_definite)
     return result;
@@ -347,14 +369,9 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
   result.charges(order, Eigen::all) = fine.charges;
   result.iteration_error = fine.iteration_error();
 
-  const Restriction to_groups = restriction_to_groups(mesh_, tree, area_shares(mesh_));
-  std::vector<ClusterRange> ranges;
-  for (const TreeCluster& cluster : tree.clusters())
-    ranges.push_back(cluster.groups);
-  const HierarchicalMatrix groups = matrix.unknowns.restricted(to_groups, std::move(ranges));
+  const Restriction& to_groups = spaces.to_groups;
+  const HierarchicalMatrix& groups = spaces.groups;
   const auto coarse_functions = index_of(unknowns.coarse.size());
-  VectorXd group_areas = VectorXd::Zero(groups.size());
-  std::vector<std::size_t> group_bodies(static_cast<std::size_t>(groups.size()));
   MatrixXd coupling = MatrixXd::Zero(coarse_functions, groups.size());
   MatrixXd net = MatrixXd::Zero(coarse_functions + groups.size(), right_sides.cols()), start = net;
   VectorXd present = matrix.present.size() > 0 ? VectorXd(net.rows()) : VectorXd();
@@ -367,8 +384,6 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
   }
   for (Index k = 0; k < panels; ++k) {
     const Index group = to_groups.target[static_cast<std::size_t>(k)];
-    group_areas[group] += areas[k];
-    group_bodies[static_cast<std::size_t>(group)] = bodies[static_cast<std::size_t>(k)];
     for (Index row = 0; row < coarse_functions; ++row)
       coupling(row, group) +=
           to_groups.weights[k] * matrix.coupling(unknowns.coarse[static_cast<std::size_t>(row)], k);
@@ -379,9 +394,8 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
   }
   const BorderedMatrix coarse_matrix{equations.faces(unknowns.coarse, unknowns.coarse), std::move(coupling),
                                      groups, std::move(present)};
-  CoarseSpace coarse_of_groups = coarse_space_of(groups, group_areas, group_bodies);
-  const TwoLevelPreconditioner coarse_preconditioner(coarse_matrix, std::move(coarse_of_groups.restriction),
-                                                     coarse_of_groups.size, panel_tolerance_, threads_);
+  const TwoLevelPreconditioner coarse_preconditioner(coarse_matrix, spaces.of_groups, panel_tolerance_,
+                                                     threads_);
   result.positive_definite = coarse_preconditioner.is_positive_definite();
   if (!result.positive_definite)
     return result;
@@ -397,8 +411,8 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
   return result;
 }
 
-PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equations, double accuracy,
-                                                       const MatrixXd& with_targets) const {
+PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equations, const Spaces& spaces,
+                                                       double accuracy, const MatrixXd& with_targets) const {
   Solved result;
   const auto is_machine = [&](const ChargedBody& body) {
     return !body.is_target && bodies_.role(body) != Role::sensor;
@@ -430,7 +444,7 @@ PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equ
   for (Index c = 0; c < start.cols(); ++c)
     if (unknowns.net.col(c).isZero(0))
       start.col(c).setZero();
-  return solve_equations(present, accuracy, start);
+  return solve_equations(present, spaces, accuracy, start);
 }
 
 void PanelSystem::set_ridge(double ridge) {
@@ -490,7 +504,9 @@ PanelSolution PanelSystem::solve_once(double accuracy) {
     if (!solution.positive_definite)
       return solution;
   }
-  const Solved solved = solve_equations(equations, accuracy, begun(last_charges_, unknowns.functions));
+  const Spaces spaces = this->spaces();
+  const Solved solved =
+      solve_equations(equations, spaces, accuracy, begun(last_charges_, unknowns.functions));
   solution.positive_definite = solved.positive_definite;
   if (!solution.positive_definite)
     return solution;
@@ -508,7 +524,7 @@ PanelSolution PanelSystem::solve_once(double accuracy) {
   MatrixXd reading_charges, background_charges;
   VectorXd scales;
   if (!bodies_.readings.empty()) {
-    Solved background = solve_without_targets(equations, accuracy, solved.charges);
+    Solved background = solve_without_targets(equations, spaces, accuracy, solved.charges);
     solution.positive_definite = background.positive_definite;
     if (!solution.positive_definite)
       return solution;

@@ -76,9 +76,11 @@ class PanelSystem {
     Eigen::MatrixXd coarse_charges;  ///< of all panels, with one density on each group
     Eigen::MatrixXd iteration_error;
   };
-  Solved solve_equations(const PanelEquations& equations, double accuracy,
+  struct Spaces;
+  Spaces spaces() const;
+  Solved solve_equations(const PanelEquations& equations, const Spaces& spaces, double accuracy,
                          const Eigen::MatrixXd& begun) const;
-  Solved solve_without_targets(const PanelEquations& equations, double accuracy,
+  Solved solve_without_targets(const PanelEquations& equations, const Spaces& spaces, double accuracy,
                                const Eigen::MatrixXd& with_targets) const;
   Eigen::MatrixXd begun(const Eigen::MatrixXd& last, Eigen::Index functions) const;
   std::vector<Eigen::MatrixXd> charges_of_faces(const PanelUnknowns& unknowns,

@@ -8,9 +8,10 @@
 /// Compiled once for every instruction set: what is declared here obeys the rule in simd/dispatch.hpp.
 namespace fringe::detail {
 
-/// A matrix whose columns follow each other.
+/// A matrix in single precision, whose columns follow each other. What is multiplied and added is in double
+/// precision.
 struct MatrixView {
-  const double* values;
+  const float* values;
   std::ptrdiff_t rows;
   std::ptrdiff_t columns;
 };

@@ -60,8 +60,8 @@ class ProductKernelsFor {
       for (Count n = 0; n < count; ++n)
         for (Count row = 0; row < matrix.rows; ++row) {
           const Count in = is_transposed ? row : k, out = is_transposed ? k : row;
-          sums.values[n * sums.stride + out] +=
-              matrix.values[k * matrix.rows + row] * vectors.values[n * vectors.stride + in];
+          sums.values[n * sums.stride + out] += static_cast<double>(matrix.values[k * matrix.rows + row]) *
+                                                vectors.values[n * vectors.stride + in];
         }
   }
 
@@ -95,7 +95,7 @@ class ProductKernelsFor {
   template <Count count>
   static void add_rows(const MatrixView& matrix, Count row, const Factors& vectors, Vector (&found)[count]) {
     for (Count k = 0; k < matrix.columns; ++k) {
-      const Vector column = Vector::load_unaligned(matrix.values + k * matrix.rows + row);
+      const Vector column = Lanes::load_singles(matrix.values + k * matrix.rows + row);
       for (Count n = 0; n < count; ++n)
         found[n] = fma(Vector(vectors.values[n * vectors.stride + k]), column, found[n]);
     }
@@ -113,13 +113,13 @@ class ProductKernelsFor {
       last[n] = Vector::load_unaligned(values);
     }
     for (Count k = 0; k < matrix.columns; ++k) {
-      const double* const column = matrix.values + k * matrix.rows;
-      const Vector rest = Vector::load_unaligned(column + first);
+      const float* const column = matrix.values + k * matrix.rows;
+      const Vector rest = Lanes::load_singles(column + first);
       Vector found[count];
       for (Count n = 0; n < count; ++n)
         found[n] = rest * last[n];
       for (Count row = 0; row < whole; row += width) {
-        const Vector values = Vector::load_unaligned(column + row);
+        const Vector values = Lanes::load_singles(column + row);
         for (Count n = 0; n < count; ++n)
           found[n] = fma(values, Vector::load_unaligned(vectors.values + n * vectors.stride + row), found[n]);
       }

@@ -155,6 +155,22 @@ Vector3d RoundShape::middle(const Vector3d& from, const Vector3d& to) const {
   return on_shape(middle);
 }
 
+std::vector<ConvexPiece> RoundShape::pieces() const {
+  const Eigen::Isometry3d from_shape(to_shape_.inverse().matrix());
+  std::vector<ConvexPiece> pieces = convex_pieces(shape_).pieces;
+  for (ConvexPiece& piece : pieces)
+    piece.pose = from_shape * piece.pose;
+  return pieces;
+}
+
+Eigen::AlignedBox3d RoundShape::box() const {
+  const OrientedBox own = enclosing_box(shape_);
+  const Eigen::Isometry3d from_shape(to_shape_.inverse().matrix());
+  const Vector3d reach = (from_shape.linear() * own.axes.transpose()).cwiseAbs() * own.half_widths;
+  const Vector3d centre = from_shape * own.centre;
+  return {centre - reach, centre + reach};
+}
+
 double RoundShape::depth(const Triangle& part) const {
   double sum = 0;
   // The depth of a facet is of the second degree, but for cones: the middles of the sides have its mean.

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include <Eigen/Geometry>
 
 #include "bem/panel.hpp"
+#include "collision/convex_pieces.hpp"
 #include "fringe/shape.hpp"
 
 /// Round shapes, and how far the polyhedra are from them that stand for them (model/BOUNDARY_ELEMENTS.md,
@@ -42,6 +44,10 @@ class RoundShape {
 
   /// Returns the same near the middle of a side of a panel. On a disc only sides along the rim move.
   Eigen::Vector3d middle(const Eigen::Vector3d& from, const Eigen::Vector3d& to) const;
+
+  /// Returns the shape's convex pieces, and a box around it, in the frame of the body, which has to be in m.
+  std::vector<ConvexPiece> pieces() const;
+  Eigen::AlignedBox3d box() const;
 
   /// Returns the mean distance from a part of the polyhedron's surface to the shape's surface, along the
   /// part's normal.

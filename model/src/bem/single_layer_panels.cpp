@@ -96,7 +96,7 @@ void PanelElements::fill(const Panel& panel, std::size_t first, std::size_t coun
     if (is_far(panel, other))
       continue;
     if (known)
-      if (const double* value = known(first + k)) {
+      if (const std::optional<double> value = known(first + k)) {
         row[k] = *value;
         continue;
       }
@@ -117,11 +117,11 @@ MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance, co
     const Index old_i = place(i);
     elements.fill(
         panels[i], 0, i, sums,
-        [&](std::size_t j) -> const double* {
+        [&](std::size_t j) -> std::optional<double> {
           const Index old_j = place(j);
           if (old_i < 0 || old_j < 0)
-            return nullptr;
-          return known.matrix.data() + std::min(old_i, old_j) + std::max(old_i, old_j) * known.matrix.rows();
+            return std::nullopt;
+          return known.matrix(std::min(old_i, old_j), std::max(old_i, old_j));
         },
         column);
     column[i] = panel_self(panels[i]);

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -37,8 +38,8 @@ class PanelElements {
  public:
   PanelElements(std::span<const Panel> panels, double tolerance);
 
-  /// Returns the address of the element for a panel of a column if it is known, else null.
-  using Known = std::function<const double*(std::size_t)>;
+  /// Returns the element for a panel of a column if it is known.
+  using Known = std::function<std::optional<double>(std::size_t)>;
 
   /// Computes the interactions of a panel with `count` of the panels from `first` on, none of which is the
   /// panel itself. They are complete after sums.flush().

@@ -69,16 +69,15 @@ void leave_out(MatrixXd& matrix, const VectorXd& present) {
 
 }  // namespace
 
-TwoLevelPreconditioner::TwoLevelPreconditioner(const BorderedMatrix& matrix, Restriction coarse,
-                                               Index coarse_size, double tolerance, std::size_t threads)
-    : matrix_(matrix), restriction_(std::move(coarse)), leaves_(matrix.unknowns.leaves().size()),
+TwoLevelPreconditioner::TwoLevelPreconditioner(const BorderedMatrix& matrix, const CoarseSpace& coarse,
+                                               double tolerance, std::size_t threads)
+    : matrix_(matrix), restriction_(coarse.restriction), leaves_(matrix.unknowns.leaves().size()),
       threads_(threads) {
-  const Index functions = matrix.functions.rows();
+  const Index functions = matrix.functions.rows(), coarse_size = coarse.matrix.rows();
   const VectorXd& present = matrix.present;
   MatrixXd whole = MatrixXd::Zero(functions + coarse_size, functions + coarse_size);
   whole.topLeftCorner(functions, functions) = matrix.functions;
-  whole.bottomRightCorner(coarse_size, coarse_size) =
-      matrix.unknowns.dense_restricted(restriction_, coarse_size);
+  whole.bottomRightCorner(coarse_size, coarse_size) = coarse.matrix;
   for (Index k = 0; k < matrix.coupling.cols(); ++k)
     whole.row(functions + restriction_.target[static_cast<std::size_t>(k)]).head(functions) +=
         restriction_.weights[k] * matrix.coupling.col(k).transpose();
@@ -126,23 +125,26 @@ MatrixXd TwoLevelPreconditioner::apply(const MatrixXd& residuals) const {
   return result;
 }
 
-CoarseSpace coarse_space(const std::vector<ClusterRange>& leaves, const VectorXd& areas,
+CoarseSpace coarse_space(const HierarchicalMatrix& matrix, const VectorXd& areas,
                          const std::vector<std::size_t>& bodies, Index together) {
-  CoarseSpace space{{std::vector<Index>(bodies.size()), areas}, 0};
+  CoarseSpace space{{std::vector<Index>(bodies.size()), areas}, {}};
   VectorXd totals = VectorXd::Zero(areas.size());
-  for (const ClusterRange& leaf : leaves)
+  Index size = 0;
+  for (const std::size_t cluster : matrix.leaves()) {
+    const ClusterRange leaf = matrix.range(cluster);
     for (Index first = leaf.first; first < leaf.first + leaf.count; first += together) {
       std::map<std::size_t, Index> functions;
       for (Index k = first; k < std::min(first + together, leaf.first + leaf.count); ++k) {
-        const auto [function, is_new] =
-            functions.try_emplace(bodies[static_cast<std::size_t>(k)], space.size);
-        space.size += is_new ? 1 : 0;
+        const auto [function, is_new] = functions.try_emplace(bodies[static_cast<std::size_t>(k)], size);
+        size += is_new ? 1 : 0;
         space.restriction.target[static_cast<std::size_t>(k)] = function->second;
         totals[function->second] += areas[k];
       }
     }
+  }
   for (Index k = 0; k < areas.size(); ++k)
     space.restriction.weights[k] /= totals[space.restriction.target[static_cast<std::size_t>(k)]];
+  space.matrix = matrix.dense_restricted(space.restriction, size);
   return space;
 }
 

@@ -28,6 +28,8 @@ struct LanesAvx2 {
     y = _mm256_permute4x64_pd(_mm256_blend_pd(_mm256_blend_pd(second, first, 0b0010), third, 0b0100), 0xB1);
     z = _mm256_permute4x64_pd(_mm256_blend_pd(_mm256_blend_pd(third, second, 0b0010), first, 0b0100), 0xC6);
   }
+  /// Loads numbers of single precision.
+  static Vector load_singles(const float* from) { return _mm256_cvtps_pd(_mm_loadu_ps(from)); }
   static Vector log(const Vector& x) { return Sleef_logd4_u10avx2(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d4_u10avx2(y, x); }
   /// Replaces the last five bits of each lane by `first` (at most 31) plus the lane's number.

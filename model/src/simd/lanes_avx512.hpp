@@ -60,6 +60,8 @@ struct LanesAvx512 {
     z = chosen(chosen(first, second, _mm512_setr_epi64(2, 5, 8, 11, 14, 0, 0, 0)), third,
                _mm512_setr_epi64(0, 1, 2, 3, 4, 9, 12, 15));
   }
+  /// Loads numbers of single precision.
+  static Vector load_singles(const float* from) { return _mm512_cvtps_pd(_mm256_loadu_ps(from)); }
   static Vector log(const Vector& x) { return Sleef_logd8_u10avx512f(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d8_u10avx512f(y, x); }
 

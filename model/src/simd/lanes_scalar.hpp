@@ -68,6 +68,8 @@ struct LanesScalar {
   static void deinterleave(const double* points, Vector& x, Vector& y, Vector& z) {
     x = points[0], y = points[1], z = points[2];
   }
+  /// Loads numbers of single precision.
+  static Vector load_singles(const float* from) { return static_cast<double>(*from); }
   static Vector log(Vector x) { return std::log(x.value); }
   static Vector atan2(Vector y, Vector x) { return std::atan2(y.value, x.value); }
   /// Replaces the last five bits by the number, at most 31.

@@ -23,6 +23,10 @@ struct LanesSse2 {
     y = _mm_shuffle_pd(first, third, 0b01);
     z = _mm_shuffle_pd(second, third, 0b10);
   }
+  /// Loads numbers of single precision.
+  static Vector load_singles(const float* from) {
+    return _mm_cvtps_pd(_mm_castsi128_ps(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(from))));
+  }
   static Vector log(const Vector& x) { return Sleef_logd2_u10sse2(x); }
   static Vector atan2(const Vector& y, const Vector& x) { return Sleef_atan2d2_u10sse2(y, x); }
   /// Replaces the last five bits of each lane by `first` (at most 31) plus the lane's number.
