@@ -19,8 +19,15 @@ namespace {
 /// from each other are far smaller, and no reading's change depends on their digits.
 constexpr double least_part = 1e-3;
 
-/// Returns what the errors of the readings' values are relative to; infinity if entries are asked for, whose
-/// errors tell more.
+VectorXd errors_of_values(const std::vector<ReadingAnswer>& readings) {
+  VectorXd errors(static_cast<Index>(readings.size()));
+  for (std::size_t k = 0; k < readings.size(); ++k)
+    errors[static_cast<Index>(k)] = readings[k].value.error.value_or(0);
+  return errors;
+}
+
+}  // namespace
+
 VectorXd value_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
   VectorXd scales = VectorXd::Constant(static_cast<Index>(bodies.readings.size()), infinity);
   if (bodies.are_entries_asked)
@@ -36,15 +43,6 @@ VectorXd value_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies) 
   }
   return scales;
 }
-
-VectorXd errors_of_values(const std::vector<ReadingAnswer>& readings) {
-  VectorXd errors(static_cast<Index>(readings.size()));
-  for (std::size_t k = 0; k < readings.size(); ++k)
-    errors[static_cast<Index>(k)] = readings[k].value.error.value_or(0);
-  return errors;
-}
-
-}  // namespace
 
 Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
   if (!bodies.are_entries_asked) {
@@ -122,14 +120,12 @@ double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, co
 bool Progress::is_in_vain(double excess, std::size_t unknowns) {
   /// Unknowns from which a refinement takes half a minute or more.
   constexpr std::size_t many = 8000;
-  /// Excess beyond which many more refinements, each of which takes longer, would be needed.
-  constexpr double far = 2;
   /// Factor that a refinement has to gain, and how many of them in succession may not.
   constexpr double least_gain = 0.9;
   constexpr int most_vain_steps = 2;
   vain_steps_ = excess > least_gain * best_ ? vain_steps_ + 1 : 0;
   best_ = std::min(best_, excess);
-  return unknowns >= many && excess > far && vain_steps_ >= most_vain_steps;
+  return unknowns >= many && vain_steps_ >= most_vain_steps;
 }
 
 }  // namespace fringe::detail

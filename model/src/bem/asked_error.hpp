@@ -12,6 +12,10 @@
 /// The errors of an answer beside those that were asked for.
 namespace fringe::detail {
 
+/// Returns what the errors of the readings' values are relative to; infinity if entries are asked for, whose
+/// errors tell more.
+Eigen::VectorXd value_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies);
+
 /// Returns what errors are relative to: the entries, or a small part of the geometric mean of the row's and
 /// the column's diagonal entries where that is larger; infinity for entries that need not be accurate. Errors
 /// of delta_self are left out: delta_self of a distant object vanishes, so that its relative error has no

@@ -155,7 +155,8 @@ void write_readings(const PanelSolution& solution, const ChargedBodies& bodies, 
     return;
   ReadingEffects others =
       reading_effects(quadrature_caution * tolerance * solution.reading_quadrature_effect);
-  others += reading_effects(solution.iteration_error, solution.background_iteration_error, bodies);
+  others += reading_effects(solution.iteration_error, solution.background_iteration_error,
+                            solution.change_iteration_error, bodies);
   answer.readings = reading_answers(solution.all, solution.background, per_change,
                                     reading_effects(solution.reading_details), others,
                                     surfaces.is_within ? negligible_part : 0, bodies);
@@ -340,11 +341,12 @@ double quadrature_excess(const PanelSolution& solution, const ChargedBodies& bod
       (solution.quadrature_effect.topLeftCorner(answer.values.rows(), answer.values.cols()).array() /
        error_scales(answer, bodies))
           .maxCoeff();
-  if (!bodies.readings.empty())
-    excess = std::max(excess, (reading_effects(solution.reading_quadrature_effect).change.array() /
-                               change_scales(solution.all, solution.background, bodies).array())
-                                  .maxCoeff());
-  return excess;
+  if (bodies.readings.empty())
+    return excess;
+  const ReadingEffects effects = reading_effects(solution.reading_quadrature_effect);
+  return std::max(
+      {excess, effects.value.cwiseQuotient(value_scales(answer, bodies)).maxCoeff(),
+       effects.change.cwiseQuotient(change_scales(solution.all, solution.background, bodies)).maxCoeff()});
 }
 
 /// The Maxwell matrix and the readings of conductors, in metres (to be multiplied by 4πε).
@@ -441,8 +443,8 @@ class ConductorProblem : public AdaptiveProblem {
   void solve_definite() {
     while (true) {
       system_.refine(begun_.functions, tolerance_);
-      PanelSolution found = system_.solve(iteration_share * options_.rtol * change_part_,
-                                          std::min(ridge_per_rtol * options_.rtol, most_ridge));
+      PanelSolution found = system_.solve(iteration_share * options_.rtol,
+                                          std::min(ridge_per_rtol * options_.rtol, most_ridge), change_part_);
       if (found.positive_definite) {
         solution_ = std::move(found);
         return;

@@ -1,5 +1,6 @@
 #include "bem/conjugate_gradients.hpp"
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -20,19 +21,10 @@ constexpr double almost_done = 30;
 
 }  // namespace
 
-MatrixXd ConjugateGradientSolution::energies(const MatrixXd& right_sides) const {
-  const MatrixXd energies = right_sides.transpose() * charges + charges.transpose() * residuals;
-  return (energies + energies.transpose()) / 2;
-}
-
-MatrixXd ConjugateGradientSolution::iteration_error() const {
-  return (decrements * decrements.transpose()).cwiseSqrt();
-}
-
 ConjugateGradientSolution conjugate_gradients(const BorderedMatrix& matrix,
                                               const TwoLevelPreconditioner& preconditioner,
                                               const MatrixXd& right_sides, const VectorXd& accuracy,
-                                              MatrixXd start) {
+                                              const VectorXd& least, MatrixXd start) {
   ConjugateGradientSolution result;
   result.charges = std::move(start);
   result.residuals = right_sides - matrix.apply(result.charges);
@@ -53,7 +45,7 @@ ConjugateGradientSolution conjugate_gradients(const BorderedMatrix& matrix,
       const double energy = steps.col(at).dot(potentials.col(at)), product = products[at];
       if (!(product > 0))
         continue;
-      const double own = result.charges.col(c).dot(right_sides.col(c));
+      const double own = std::max(result.charges.col(c).dot(right_sides.col(c)), least[c]);
       if (!(energy > 0)) {
         // Coincident panels make the matrix singular, and rounding and quadrature errors decide about the
         // sign of what is left. The charges are known if little was left to gain.
@@ -65,7 +57,8 @@ ConjugateGradientSolution conjugate_gradients(const BorderedMatrix& matrix,
       result.charges.col(c) += length * steps.col(at);
       result.residuals.col(c) -= length * potentials.col(at);
       result.decrements[c] = length * product;
-      if (result.decrements[c] > accuracy[c] * result.charges.col(c).dot(right_sides.col(c))) {
+      const double reached = std::max(result.charges.col(c).dot(right_sides.col(c)), least[c]);
+      if (result.decrements[c] > accuracy[c] * reached) {
         left.push_back(c);
         kept.push_back(at);
       }

@@ -14,19 +14,15 @@ struct ConjugateGradientSolution {
   Eigen::MatrixXd residuals;
   Eigen::VectorXd decrements;  ///< the energy-norm decrement of the last step, for each column
   int iterations = 0;
-
-  /// Returns the energies of all pairs of columns, whose errors are of second order in the residuals.
-  Eigen::MatrixXd energies(const Eigen::MatrixXd& right_sides) const;
-  /// Returns the error of the energies that the iterations may have left.
-  Eigen::MatrixXd iteration_error() const;
 };
 
 /// Solves matrix·charges = right_sides by preconditioned conjugate gradients, all columns beside each other.
 /// Begins with `start`, charges of any accuracy, and stops each column when a step changes its energy by less
-/// than its part of `accuracy`.
+/// than its part of `accuracy` of that energy, or of `least` where that is larger.
 ConjugateGradientSolution conjugate_gradients(const BorderedMatrix& matrix,
                                               const TwoLevelPreconditioner& preconditioner,
                                               const Eigen::MatrixXd& right_sides,
-                                              const Eigen::VectorXd& accuracy, Eigen::MatrixXd start);
+                                              const Eigen::VectorXd& accuracy, const Eigen::VectorXd& least,
+                                              Eigen::MatrixXd start);
 
 }  // namespace fringe::detail

@@ -191,8 +191,8 @@ std::vector<std::size_t> GalerkinSystem::machine_faces() const {
 GalerkinSystem::Alone GalerkinSystem::solve_sensors() const {
   const Solved alone = solve(sensor_faces(), static_cast<Index>(bodies_.conductors.size()));
   if (!alone.positive_definite)
-    return {false, {}, {}};
-  return {true, alone.matrix, charges_of_faces(alone)};
+    return {false, {}};
+  return {true, alone.matrix};
 }
 
 MatrixXd GalerkinSystem::quadrature_effect(const MatrixXd& norms) const {

@@ -75,7 +75,6 @@ class GalerkinSystem {
   struct Alone {
     bool positive_definite;  ///< false if the quadratures are too coarse; then nothing else is set
     NestedMatrix matrix;     ///< of all conductors; zero in rows that are not a sensor's
-    std::vector<Eigen::MatrixXd> charges;  ///< of every face's functions (rows) for every conductor
   };
   Alone solve_sensors() const;
 

@@ -43,6 +43,8 @@ class HierarchicalMatrix {
                      std::vector<LowRankBlock> far, std::vector<DenseBlock> near, std::size_t threads);
 
   Eigen::Index size() const { return size_; }
+  /// Returns the number of threads for a product; 0: all.
+  std::size_t threads() const { return threads_; }
 
   /// Returns the product with vectors, the columns of `factors`.
   Eigen::MatrixXd apply(const Eigen::MatrixXd& factors) const;

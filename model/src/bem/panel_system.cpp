@@ -8,7 +8,6 @@
 #include <numeric>
 #include <utility>
 
-#include "bem/conjugate_gradients.hpp"
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/maxwell_matrix.hpp"
@@ -41,7 +40,7 @@ constexpr Index coarse_functions_wanted = 1000;
 
 /// Ratio of the accuracies of the iterations for the conductors that are not asked for and for those that
 /// are. The entries between both miss the geometric mean.
-constexpr double accuracy_of_others = 1e4;
+constexpr double accuracy_of_others = 100;
 
 /// Fewest unknowns for each function of the coarse space.
 constexpr Index least_together = 4;
@@ -331,11 +330,12 @@ PanelSystem::Spaces PanelSystem::spaces() const {
   return {std::move(to_groups), std::move(groups), std::move(of_panels), std::move(of_groups)};
 }
 
-/// Solves in the whole space and in the coarse one. Both have the unknowns
-/// of the faces first, then those of the panels or the groups in the order of the tree. The iteration begins
-/// with the charges `begun`; with none if these are empty.
+/// Solves in the whole space and in the coarse one. Both have the unknowns of the faces first, then those of
+/// the panels or the groups in the order of the tree. The iteration begins with the charges `begun`; with
+/// none if these are empty. With a background, the charges are what the targets add to it.
 PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations, const Spaces& spaces,
-                                                 double accuracy, const MatrixXd& begun) const {
+                                                 double accuracy, const MatrixXd& begun,
+                                                 const Solved* background) const {
   const ClusterTree& tree = panels_->tree();
   const PanelUnknowns& unknowns = equations.unknowns;
   const Index functions = unknowns.functions, panels = index_of(mesh_.panels().size());
@@ -350,35 +350,45 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
         accuracy * (bodies_.conductors[static_cast<std::size_t>(c)].is_asked ? 1 : accuracy_of_others);
 
   Solved result;
+  const auto solve = [&](const BorderedMatrix& matrix, const CoarseSpace& coarse, const MatrixXd& net,
+                         MatrixXd start, const SpaceSolution* without) {
+    if (matrix.present.size() > 0 && matrix.present.tail(matrix.unknowns.size()).isZero(0))
+      return solve_functions(matrix, net);
+    const TwoLevelPreconditioner preconditioner(matrix, coarse, panel_tolerance_, threads_);
+    if (!preconditioner.is_positive_definite())
+      return SpaceSolution{.positive_definite = false};
+    if (without == nullptr)
+      return solve_space(matrix, preconditioner, net, accuracies, std::move(start));
+    const VectorXd& is_machine =
+        &matrix.unknowns == &spaces.groups ? background->is_machine_in_coarse : background->is_machine;
+    return solve_with_targets(matrix, preconditioner, net, accuracies, std::move(start), *without,
+                              is_machine);
+  };
   const BorderedMatrix matrix{equations.faces, equations.coupling(Eigen::all, tree.panels()),
                               panels_->matrix(),
                               unknowns.present.size() > 0 ? VectorXd(unknowns.present(order)) : VectorXd()};
-  const TwoLevelPreconditioner preconditioner(matrix, spaces.of_panels, panel_tolerance_, threads_);
-  result.positive_definite = preconditioner.is_positive_definite();
-  if (!result.positive_definite)
-    return result;
   const MatrixXd right_sides = unknowns.net(order, Eigen::all);
-  const ConjugateGradientSolution fine = conjugate_gradients(
-      matrix, preconditioner, right_sides, accuracies,
-      begun.size() > 0 ? MatrixXd(begun(order, Eigen::all))
-                       : MatrixXd(MatrixXd::Zero(right_sides.rows(), right_sides.cols())));
-  result.positive_definite = fine.positive_definite;
-  if (!result.positive_definite)
+  result.fine = solve(matrix, spaces.of_panels, right_sides,
+                      begun.size() > 0 ? MatrixXd(begun(order, Eigen::all))
+                                       : MatrixXd(MatrixXd::Zero(right_sides.rows(), right_sides.cols())),
+                      background != nullptr ? &background->fine : nullptr);
+  if (!result.positive_definite())
     return result;
   result.charges.resize(right_sides.rows(), right_sides.cols());
-  result.charges(order, Eigen::all) = fine.charges;
-  result.iteration_error = fine.iteration_error();
+  result.charges(order, Eigen::all) = result.fine.charges;
+  result.is_machine = matrix.present;
 
   const Restriction& to_groups = spaces.to_groups;
-  const HierarchicalMatrix& groups = spaces.groups;
   const auto coarse_functions = index_of(unknowns.coarse.size());
-  MatrixXd coupling = MatrixXd::Zero(coarse_functions, groups.size());
-  MatrixXd net = MatrixXd::Zero(coarse_functions + groups.size(), right_sides.cols()), start = net;
+  MatrixXd coupling = MatrixXd::Zero(coarse_functions, spaces.groups.size());
+  MatrixXd net = MatrixXd::Zero(coarse_functions + spaces.groups.size(), right_sides.cols()), start = net;
   VectorXd present = matrix.present.size() > 0 ? VectorXd(net.rows()) : VectorXd();
+  const MatrixXd begun_by =
+      background != nullptr ? MatrixXd(result.fine.charges - background->fine.charges) : result.fine.charges;
   for (Index k = 0; k < coarse_functions; ++k) {
     const Index function = unknowns.coarse[static_cast<std::size_t>(k)];
     net.row(k) = right_sides.row(function);
-    start.row(k) = fine.charges.row(function);
+    start.row(k) = begun_by.row(function);
     if (present.size() > 0)
       present[k] = matrix.present[function];
   }
@@ -388,63 +398,31 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
       coupling(row, group) +=
           to_groups.weights[k] * matrix.coupling(unknowns.coarse[static_cast<std::size_t>(row)], k);
     net.row(coarse_functions + group) += to_groups.weights[k] * right_sides.row(functions + k);
-    start.row(coarse_functions + group) += fine.charges.row(functions + k);
+    start.row(coarse_functions + group) += begun_by.row(functions + k);
     if (present.size() > 0)
       present[coarse_functions + group] = matrix.present[functions + k];
   }
   const BorderedMatrix coarse_matrix{equations.faces(unknowns.coarse, unknowns.coarse), std::move(coupling),
-                                     groups, std::move(present)};
-  const TwoLevelPreconditioner coarse_preconditioner(coarse_matrix, spaces.of_groups, panel_tolerance_,
-                                                     threads_);
-  result.positive_definite = coarse_preconditioner.is_positive_definite();
-  if (!result.positive_definite)
+                                     spaces.groups, std::move(present)};
+  result.coarse = solve(coarse_matrix, spaces.of_groups, net, std::move(start),
+                        background != nullptr ? &background->coarse : nullptr);
+  if (!result.positive_definite())
     return result;
-  const ConjugateGradientSolution of_groups =
-      conjugate_gradients(coarse_matrix, coarse_preconditioner, net, accuracies, std::move(start));
-  result.positive_definite = of_groups.positive_definite;
-  result.matrix = {fine.energies(right_sides), of_groups.energies(net)};
+  result.is_machine_in_coarse = coarse_matrix.present;
   result.coarse_charges.resize(panels, right_sides.cols());
   for (Index k = 0; k < panels; ++k)
     result.coarse_charges.row(tree.panels()[static_cast<std::size_t>(k)]) =
         to_groups.weights[k] *
-        of_groups.charges.row(coarse_functions + to_groups.target[static_cast<std::size_t>(k)]);
+        result.coarse.charges.row(coarse_functions + to_groups.target[static_cast<std::size_t>(k)]);
   return result;
 }
 
 PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equations, const Spaces& spaces,
-                                                       double accuracy, const MatrixXd& with_targets) const {
-  Solved result;
-  const auto is_machine = [&](const ChargedBody& body) {
-    return !body.is_target && bodies_.role(body) != Role::sensor;
-  };
-  const Index conductors = index_of(bodies_.conductors.size());
-  const bool has_sensors = count_of(bodies_, Role::sensor) > 0;
-  if (std::none_of(bodies_.bodies.begin(), bodies_.bodies.end(), is_machine) && has_sensors &&
-      !sensors_have_panels(bodies_)) {
-    const GalerkinSystem::Alone alone = faces_.solve_sensors();
-    result.positive_definite = alone.positive_definite;
-    if (!alone.positive_definite)
-      return result;
-    result.matrix = alone.matrix;
-    result.charges = MatrixXd::Zero(equations.unknowns.net.rows(), conductors);
-    for (std::size_t face = 0; face < faces(); ++face)
-      result.charges.middleRows(equations.unknowns.first[face], faces_.functions(face).count()) =
-          alone.charges[face];
-    result.iteration_error = MatrixXd::Zero(conductors, conductors);
-    return result;
-  }
+                                                       double accuracy) const {
   const PanelUnknowns unknowns = without_targets(equations.unknowns, bodies_, faces_, mesh_);
   const PanelEquations present{equations.face_system, equations.mesh,   unknowns,
                                equations.faces,       equations.panels, equations.coupling};
-  // What the targets change is a small part of the charges.
-  MatrixXd start = begun(last_background_, unknowns.functions);
-  if (start.size() == 0)
-    start = with_targets;
-  start.array().colwise() *= unknowns.present.array();
-  for (Index c = 0; c < start.cols(); ++c)
-    if (unknowns.net.col(c).isZero(0))
-      start.col(c).setZero();
-  return solve_equations(present, spaces, accuracy, start);
+  return solve_equations(present, spaces, accuracy, begun(last_background_, unknowns.functions), nullptr);
 }
 
 void PanelSystem::set_ridge(double ridge) {
@@ -464,30 +442,31 @@ MatrixXd PanelSystem::ridge_effect(const MatrixXd& charges) const {
   return charges.cwiseAbs().transpose() * weights.asDiagonal() * charges.cwiseAbs();
 }
 
-PanelSolution PanelSystem::solve(double accuracy, double most_ridge) {
+PanelSolution PanelSystem::solve(double accuracy, double most_ridge, double change_part) {
   /// Ratios of the ridges that are tried.
   constexpr double step = 10;
   constexpr int steps = 4;
-  PanelSolution solution = solve_once(accuracy);
+  PanelSolution solution = solve_once(accuracy, change_part);
   if (mesh_.panels().empty())
     return solution;
   double ridge = most_ridge * std::pow(step, -(steps - 1));
   for (int k = 0; k < steps && !solution.positive_definite && most_ridge > 0; ++k, ridge *= step)
     if (ridge > ridge_) {
       set_ridge(ridge);
-      solution = solve_once(accuracy);
+      solution = solve_once(accuracy, change_part);
     }
   if (!solution.positive_definite)
     set_ridge(0);
   return solution;
 }
 
-PanelSolution PanelSystem::solve_once(double accuracy) {
+PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   PanelSolution solution;
   if (mesh_.panels().empty()) {
     static_cast<GalerkinSolution&>(solution) = faces_.solve();
     const Index conductors = solution.all.fine.rows();
-    solution.iteration_error = solution.background_iteration_error = MatrixXd::Zero(conductors, conductors);
+    solution.iteration_error = solution.background_iteration_error = solution.change_iteration_error =
+        MatrixXd::Zero(conductors, conductors);
     const Index kept = conductors - index_of(count_of(bodies_, Role::floating));
     solution.ridge_effect = MatrixXd::Zero(kept, kept);
     const Index columns = 4 * index_of(bodies_.readings.size());
@@ -505,13 +484,23 @@ PanelSolution PanelSystem::solve_once(double accuracy) {
       return solution;
   }
   const Spaces spaces = this->spaces();
+  Solved background;
+  MatrixXd start = begun(last_charges_, unknowns.functions);
+  if (!bodies_.readings.empty()) {
+    background = solve_without_targets(equations, spaces, accuracy * change_part);
+    solution.positive_definite = background.positive_definite();
+    if (!solution.positive_definite)
+      return solution;
+    if (start.size() > 0)
+      start -= begun(last_background_, unknowns.functions);
+  }
   const Solved solved =
-      solve_equations(equations, spaces, accuracy, begun(last_charges_, unknowns.functions));
-  solution.positive_definite = solved.positive_definite;
+      solve_equations(equations, spaces, accuracy, start, bodies_.readings.empty() ? nullptr : &background);
+  solution.positive_definite = solved.positive_definite();
   if (!solution.positive_definite)
     return solution;
-  solution.all = solved.matrix;
-  solution.iteration_error = solved.iteration_error;
+  solution.all = {solved.fine.matrix, solved.coarse.matrix};
+  solution.iteration_error = solved.fine.iteration_error();
   solution.charges = solved.charges.bottomRows(index_of(mesh_.panels().size()));
   solution.coarse_charges = solved.coarse_charges;
   solution.body_charges = body_charges(unknowns, solved.charges);
@@ -524,14 +513,11 @@ PanelSolution PanelSystem::solve_once(double accuracy) {
   MatrixXd reading_charges, background_charges;
   VectorXd scales;
   if (!bodies_.readings.empty()) {
-    Solved background = solve_without_targets(equations, spaces, accuracy, solved.charges);
-    solution.positive_definite = background.positive_definite;
-    if (!solution.positive_definite)
-      return solution;
-    solution.background = background.matrix;
-    solution.background_iteration_error = background.iteration_error;
+    solution.background = {background.fine.matrix, background.coarse.matrix};
+    solution.background_iteration_error = background.fine.iteration_error();
+    solution.change_iteration_error = solved.fine.iteration_error_of_change();
     reading_charges = detail::reading_charges(solved.charges, solution.all.fine, background.charges,
-                                              background.matrix.fine, bodies_)
+                                              solution.background.fine, bodies_)
                           .all();
     solution.reading_charges = reading_charges.bottomRows(index_of(mesh_.panels().size()));
     solution.reading_ridge_effect = ridge_effect(solution.reading_charges);

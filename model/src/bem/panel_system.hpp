@@ -12,6 +12,7 @@
 #include "bem/panel_equations.hpp"
 #include "bem/panel_mesh.hpp"
 #include "bem/panel_operator.hpp"
+#include "bem/space_solution.hpp"
 
 /// The Galerkin equations of bodies some of which have faces and some panels (model/BOUNDARY_ELEMENTS.md,
 /// section 9).
@@ -29,6 +30,7 @@ struct PanelSolution : GalerkinSolution {
   Eigen::VectorXd error_indicators;  ///< error indicators of the groups of panels
   Eigen::MatrixXd iteration_error;   ///< error of `all` that the conjugate gradients may have left
   Eigen::MatrixXd background_iteration_error;  ///< the same of `background`
+  Eigen::MatrixXd change_iteration_error;      ///< the same of their difference, which is found by itself
   Eigen::MatrixXd ridge_effect;  ///< what a ridge may have taken, for each conductor that is not floating
   Eigen::MatrixXd reading_ridge_effect;  ///< between the columns of ReadingCharges::all()
 };
@@ -54,34 +56,39 @@ class PanelSystem {
   /// Evaluates the single-layer blocks for so many functions on each face; keeps those that are known.
   void refine(const std::vector<FaceFunctions>& functions, double tolerance);
 
-  /// Solves by conjugate gradients, which stop when a step changes a capacitance by less than `accuracy`
-  /// times its value. Panels that coincide or nearly do make the matrix indefinite by errors of its elements:
-  /// then its diagonal is raised by a ridge, by a part of `most_ridge` at most, and by less where that is
-  /// enough. Such panels share their charge then.
-  PanelSolution solve(double accuracy, double most_ridge = 0);
+  /// Solves by conjugate gradients, which stop when a step changes a capacitance, or what the targets change
+  /// in it if there are readings, by less than `accuracy` times its value; without the targets, by
+  /// `change_part` times as much: their answer to what is missing there has to be as small. Panels that
+  /// coincide or nearly do make the matrix indefinite by errors of its elements: then its diagonal is raised
+  /// by a ridge, by a part of `most_ridge` at most, and by less where that is enough. Such panels share their
+  /// charge then.
+  PanelSolution solve(double accuracy, double most_ridge = 0, double change_part = 1);
 
   /// Solves for the sensors without the other conductors, with the same functions and panels as with them.
   PanelSolution solve_sensors(double accuracy) const;
 
  private:
   PanelSystem(const ChargedBodies& bodies, PanelMesh mesh, std::size_t threads);
-  PanelSolution solve_once(double accuracy);
+  PanelSolution solve_once(double accuracy, double change_part);
   void set_ridge(double ridge);
   Eigen::MatrixXd ridge_effect(const Eigen::MatrixXd& charges) const;
   /// The solution of the equations, or of those without the targets.
   struct Solved {
-    bool positive_definite = true;
-    NestedMatrix matrix;
-    Eigen::MatrixXd charges;         ///< of all unknowns
+    SpaceSolution fine;
+    SpaceSolution coarse;
+    Eigen::MatrixXd charges;         ///< of all unknowns, in the order of the mesh
     Eigen::MatrixXd coarse_charges;  ///< of all panels, with one density on each group
-    Eigen::MatrixXd iteration_error;
+    /// Without the targets: one for the unknowns that are there, zero for those of the targets.
+    Eigen::VectorXd is_machine;
+    Eigen::VectorXd is_machine_in_coarse;
+
+    bool positive_definite() const { return fine.positive_definite && coarse.positive_definite; }
   };
   struct Spaces;
   Spaces spaces() const;
   Solved solve_equations(const PanelEquations& equations, const Spaces& spaces, double accuracy,
-                         const Eigen::MatrixXd& begun) const;
-  Solved solve_without_targets(const PanelEquations& equations, const Spaces& spaces, double accuracy,
-                               const Eigen::MatrixXd& with_targets) const;
+                         const Eigen::MatrixXd& begun, const Solved* background) const;
+  Solved solve_without_targets(const PanelEquations& equations, const Spaces& spaces, double accuracy) const;
   Eigen::MatrixXd begun(const Eigen::MatrixXd& last, Eigen::Index functions) const;
   std::vector<Eigen::MatrixXd> charges_of_faces(const PanelUnknowns& unknowns,
                                                 const Eigen::MatrixXd& charges) const;

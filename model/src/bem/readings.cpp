@@ -138,14 +138,14 @@ ReadingEffects reading_effects(const MatrixXd& form) {
 }
 
 ReadingEffects reading_effects(const MatrixXd& of_values, const MatrixXd& of_background,
-                               const ChargedBodies& bodies) {
+                               const MatrixXd& of_changes, const ChargedBodies& bodies) {
   const auto count = static_cast<Index>(bodies.readings.size());
   ReadingEffects result{VectorXd(count), VectorXd(count), VectorXd(count)};
   for (Index k = 0; k < count; ++k) {
     const auto& [name, sense, drive] = bodies.readings[static_cast<std::size_t>(k)];
     result.value[k] = form(sense.cwiseAbs(), of_values, drive);
     result.background[k] = form(sense.cwiseAbs(), of_background, drive);
-    result.change[k] = result.value[k] + result.background[k];
+    result.change[k] = form(sense.cwiseAbs(), of_changes, drive);
   }
   return result;
 }

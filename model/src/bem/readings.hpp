@@ -63,10 +63,10 @@ ReadingEffects signed_reading_effects(const Eigen::MatrixXd& form);
 /// Returns the same with all elements of the form counted as positive.
 ReadingEffects reading_effects(const Eigen::MatrixXd& form);
 
-/// Returns the effects for a form that is given for the conductors that are not floating, such as an error
-/// that value and background have independently of each other.
+/// Returns the effects for forms that are given for the conductors that are not floating, such as errors that
+/// values, backgrounds and changes have independently of each other.
 ReadingEffects reading_effects(const Eigen::MatrixXd& of_values, const Eigen::MatrixXd& of_background,
-                               const ChargedBodies& bodies);
+                               const Eigen::MatrixXd& of_changes, const ChargedBodies& bodies);
 
 /// Returns what the error of a change is relative to: the change, or a small part of the value where that is
 /// larger.

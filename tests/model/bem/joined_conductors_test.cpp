@@ -185,8 +185,9 @@ TEST(JoinedConductors, OfElectrodesHaveARowAsGroundedOnesHave) {
   const MaxwellMatrix driven = maxwell(scene, {.rtol = 1e-2});
   EXPECT_THAT(driven.conductors, ElementsAre("front", "angle", "hand"));
   EXPECT_EQ(driven.sensors, 1U);
-  EXPECT_TRUE(driven.values.isApprox(grounded.values, 1e-6));
-  EXPECT_TRUE(driven.delta_self.isApprox(grounded.delta_self, 1e-6));
+  // Each solution has what its iteration leaves, a hundredth of rtol at most.
+  EXPECT_TRUE(driven.values.isApprox(grounded.values, 1e-4));
+  EXPECT_TRUE(driven.delta_self.isApprox(grounded.delta_self, 1e-4));
 }
 
 TEST(JoinedConductors, OfASensorsPlatesAreOnePlate) {

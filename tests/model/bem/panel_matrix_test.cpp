@@ -86,6 +86,25 @@ TEST_F(PanelMatrix, ClustersHoldTheirPanelsAndEveryPairIsInOneBlock) {
   EXPECT_EQ(std::set<int>(times.begin(), times.end()), std::set<int>{1});
 }
 
+TEST(ClusterTrees, PartLargePanelsFromSmallOnesBesideThem) {
+  PanelMesh beside;
+  beside.add(0, triangulate(Cuboid{1, 1, 1}));
+  std::vector<Triangle> ball = triangulate(Sphere{0.02, 16});
+  for (Triangle& triangle : ball)
+    for (Eigen::Vector3d& corner : triangle)
+      corner.x() += 0.55;
+  beside.add(1, ball);
+  const ClusterTree tree(beside);
+  for (const std::size_t leaf : tree.leaves()) {
+    const ClusterRange groups = tree.clusters()[leaf].groups;
+    std::set<std::size_t> bodies;
+    for (Index place = groups.first; place < groups.first + groups.count; ++place)
+      bodies.insert(
+          beside.groups()[static_cast<std::size_t>(tree.groups()[static_cast<std::size_t>(place)])].body);
+    EXPECT_EQ(bodies.size(), 1U);
+  }
+}
+
 TEST_F(PanelMatrix, IsSymmetricAndPositiveDefinite) {
   EXPECT_LT((whole - whole.transpose()).norm(), 1e-12 * whole.norm());
   EXPECT_GT(Eigen::SelfAdjointEigenSolver<MatrixXd>(whole, Eigen::EigenvaluesOnly).eigenvalues().minCoeff(),

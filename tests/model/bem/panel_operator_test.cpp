@@ -136,7 +136,7 @@ int iterations(int boxes, double gap) {
   EXPECT_TRUE(preconditioner.is_positive_definite());
   const detail::ConjugateGradientSolution solution =
       detail::conjugate_gradients(matrix, preconditioner, potentials, VectorXd::Constant(boxes, 1e-6),
-                                  MatrixXd::Zero(areas.size(), boxes));
+                                  VectorXd::Zero(boxes), MatrixXd::Zero(areas.size(), boxes));
   EXPECT_TRUE(solution.positive_definite);
   const double residual = (potentials - matrix.apply(solution.charges)).norm();
   EXPECT_LT(residual, 0.05 * potentials.norm());
