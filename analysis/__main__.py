@@ -337,7 +337,7 @@ def _add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
 
 def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     nightly = commands.add_parser(
-        "nightly", help="run a study by Snakemake, compare it with the night before, and report all nights"
+        "nightly", help="run a study by Snakemake, add it to the trends, and tell what has changed"
     )
     nightly.add_argument("study", metavar="STUDY", nargs="?", default="nightly", help="default: nightly")
     nightly.add_argument("--results", type=Path, metavar="DIR", help="default: results/<study>")
@@ -362,6 +362,22 @@ def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     difference.add_argument("old", type=Path, metavar="OLD", help="a folder of results, or a table.csv")
     difference.add_argument("new", type=Path, metavar="NEW", help="likewise")
     difference.add_argument("--output", type=Path, metavar="JSON", help="also write all of it to this file")
+    trends = commands.add_parser(
+        "trends",
+        help="tell what has changed over the nights, make their page, or find the commit of a change",
+    )
+    trends.add_argument(
+        "results",
+        type=Path,
+        metavar="RESULTS",
+        nargs="?",
+        help="a folder of results (default: results/nightly)",
+    )
+    trends.add_argument(
+        "--bisect",
+        metavar="VALUE",
+        help="find the commit of the last change of this value, as `trends` names it, by building commits in a working tree of their own",
+    )
 
 
 def _add_topic(command: argparse.ArgumentParser, name: str) -> None:

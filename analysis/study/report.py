@@ -23,9 +23,9 @@ from analysis.topics.all import TOPICS
 from analysis.topics.cross_check import agreement, section as cross_check_section
 from analysis.topics.errors import records as error_records
 from analysis.topics.errors.topic import ERRORS
-from analysis.topics.history import nights as history, page as history_page
 from analysis.topics.topic import Topic
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
+from analysis.topics.trends import page as trends_page
 
 PAGES = "report"
 """The folder of the pages and of plotly.js, which they share."""
@@ -58,7 +58,10 @@ def make(folder: Path) -> Report:
     answers = _answers(folder, found)
     in_field = [topic.checked() for topic in TOPICS]
     inputs = keys.page_inputs(answers, of_topics, faults, in_field)
-    nights = history.load(folder)
+    trends = folder / trends_page.PAGE
+    nights = (
+        index_page.first_finding(Markup(trends.read_text(encoding="utf-8"))) if trends.is_file() else None
+    )
     scenes = scene_pages.all_beside(folder)
     whole = keys.page_inputs(inputs, nights, [file for _, file in scenes])
     if not (
@@ -106,19 +109,18 @@ def _is_complete(folder: Path) -> bool:
 
 def _write(
     material: Material,
-    nights: list[Document],
+    nights: Markup | None,
     scenes: list[tuple[ScenePage, str]],
     inputs: str,
     whole: str,
 ) -> None:
-    """Writes the table, the pages, and last the report itself, which marks all of them as complete. `scenes` are the pages of scenes, with their files."""
+    """Writes the table, the pages, and last the report itself, which marks all of them as complete. `nights` is the finding of the
+    trends, if there are any, and `scenes` are the pages of scenes, with their files."""
     folder = material.found.folder
     write_text(folder / table.TABLE, table.to_csv(material.rows, material.found.methods))
     cards = _pages(material, inputs)
-    if nights and (folder / history_page.HISTORY).is_file():
-        cards.append(
-            Card(history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights))
-        )
+    if nights is not None:
+        cards.append(Card(trends_page.PAGE, "What has changed from commit to commit?", nights))
     cards += [Card(file, each.title, each.says) for each, file in scenes]
     warning = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
     headline = sections.refused(material.found)

@@ -135,8 +135,9 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     ("analysis", "job"): {"--help": SAID},
     ("analysis", "diff"): {
         "--help": SAID,
-        "--output": ("analysis/topics/history/test_difference.py", "test_drift_ends_with_code_1_a_table_and_a_document"),
+        "--output": ("analysis/topics/trends/test_trends.py", "test_drift_ends_with_code_1_a_table_and_a_document"),
     },
+    ("analysis", "trends"): {"--help": SAID, "--bisect": ("analysis/topics/trends/test_trends.py", "test_the_command_bisects")},
     ("analysis", "report"): {"--help": SAID},
     ("analysis", "verify"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
     ("analysis", "errors"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
