@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.report import faults_section, index_page, page, plot_of_changes, scene_pages, sections
-from analysis.report.index_page import Card
+from analysis.report.index_page import Answer, Card, Picture
 from analysis.report.scene_pages import ScenePage
 from analysis.results import refusals, statistics, study_results as results, table
 from analysis.results.refusals import Refusal
@@ -129,11 +129,29 @@ def _write(
         headline += page.plot_section(plot_of_changes.error_of_changes(material.rows), "cases")
     headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
-    shown = index_page.kinds(material.found, "cases")
+    answers = index_page.how_wrong(material.found, material.rows, "cases")
+    answers += _answers_of(cards, material)
     page.write(
         folder / page.REPORT,
-        index_page.document(material.found.title, whole, warning, headline, shown, cards, rest),
+        index_page.document(material.found.title, whole, warning, headline, answers, cards, rest),
     )
+
+
+def _answers_of(cards: list[Card], material: Material) -> list[Answer]:
+    """Returns which method to use and what speaks for the reference, with the pictures of the pages that tell more."""
+    said = {
+        "run_time": (
+            "Which method?",
+            trade_off_section.advice(trade_off.load(material.found.folder), material.found),
+        ),
+        CROSS_CHECK: ("Can the reference be believed?", cross_check_section.in_short(material.found)),
+    }
+    shown = {card.target: card for card in cards}
+    return [
+        Answer(question, says, [Picture(file, shown[file].picture)])
+        for name, (question, says) in said.items()
+        if says and (file := f"{PAGES}/{name}.html") in shown
+    ]
 
 
 def _pages(material: Material, inputs: str) -> list[Card]:

@@ -57,8 +57,8 @@ def test_every_plot_has_a_figure_and_a_finding(folder: Path, title: str) -> None
 
 def test_the_headline_has_a_line_for_each_quantity_and_family(folder: Path) -> None:
     text = report_text(folder)
-    assert "mutual: the model is 10 % off (rms over 5 cases), median 10 %, worst −10 %" in text
-    assert "delta_self: the model is 80 % off (rms over 5 cases), median 80 %, worst +80 %" in text
+    assert "mutual: the model is 10 % off (rms over 5 cases), median 10 %, worst 10 % too low" in text
+    assert "delta_self: the model is 80 % off (rms over 5 cases), median 80 %, worst 80 % too high" in text
     assert "sure to 0.5 % or better" in text
 
 
