@@ -1,35 +1,21 @@
-"""Machines whose links move before a target: the formula in company to an accuracy, beside stored truths on panels (panel_truths.py).
+"""Machines whose links move before a target. `moving_truths.json` has true changes of their readings (F) with errors, by machine, pose and reading.
 
-`python3 -m analysis measure moving` prints a row for each machine, or for one with `--machine NAME`; with `--solve COUNT` it first solves so many poses of each, spread
-over its motion, that have no truth in `moving_truths.json`, one or two minutes each. Delete the file to solve all anew.
+`python3 -m analysis measure moving FOLDER` writes the machines as scenes with motions, for other programs.
 """
 
 from __future__ import annotations
 
 import argparse
 import math
-import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation, Slerp
 
-from analysis.pipeline import model_stage
-from analysis.results.store import read_json, write_json
 from analysis.topics.machines import hand_before_arm
-from analysis.topics.machines.panel_truths import (
-    COARSE,
-    ERROR_PER_ENERGY,
-    FINE,
-    FINEST,
-    Machine,
-    Targets,
-)
-from geometries.common.arguments import positive_integer, positive_number
 from geometries.scene import motion, reader
 from geometries.scene.poses import AxisRotation, Pose, Vector3
 from geometries.scene.scene import Link, Object, Plate, Scene, Sensor
@@ -175,88 +161,6 @@ MACHINES: dict[str, Callable[[], Moving]] = {
 }
 
 
-def chosen(count: int, poses: int) -> list[int]:
-    """Returns so many of the poses, spread over the motion."""
-    return [round((k + 0.5) * poses / count) for k in range(count)]
-
-
-def solve(machine: Moving, poses: list[int], file: Path = FILE) -> None:
-    """Solves the poses that have no stored truth on finer and on coarser panels. Each is stored at once: its values on the finer ones, and as their errors the differences and what the machine's
-    charges may be off."""
-    records = read_json(file) or {}
-    known = records.setdefault(machine.name, {})
-    missing = [pose for pose in poses if str(pose) not in known]
-    if not missing:
-        return
-    rests = machine.name == HAND
-    resolutions = (FINEST, FINE) if rests else (FINE, COARSE)
-    live = model_stage.model_module().Scene.loads(canonical(machine.scene))
-    targets = Targets(machine.scene)
-    solved: list[Machine] = []
-    for pose in missing:
-        for link, matrix in zip(machine.scene.links, machine.poses[pose], strict=True):
-            live.set_pose(link.name, matrix)
-        if not (rests and solved):
-            solved = [Machine(live, targets, resolution) for resolution in resolutions]
-        there = _in_world(machine, pose, targets.link)
-        fine, coarse = (one.changes(targets, there) for one in solved)
-        share = ERROR_PER_ENERGY * solved[0].error
-        known[str(pose)] = {
-            name: [value, abs(value - coarse[name]) + share * abs(value)] for name, value in fine.items()
-        }
-        write_json(file, records)
-        print(f"{machine.name}, pose {pose}: solved", flush=True)
-
-
-def _in_world(machine: Moving, pose: int, link: str | None) -> Array:
-    """Returns the pose (4, 4) of a link in the world; the identity for None."""
-    found = np.eye(4)
-    places = {each.name: number for number, each in enumerate(machine.scene.links)}
-    while link is not None:
-        found = machine.poses[pose, places[link]] @ found
-        link = machine.scene.links[places[link]].parent
-    return found
-
-
-def row(machine: Moving, rtol: float, poses: int = POSES_OF_HAND, file: Path = FILE) -> str:
-    """Answers the first `poses` of the motion, and prints each reading that has a truth; returns a row of the table in model/CORRECTIONS.md: processor time
-    of a pose in ms and of the preparation in s, the number of truths, rms and worst error, the median of the errors stated and of the truths', in % of the true change,
-    and the parts of the errors within what is stated, by itself and with that of the truth.
-    """
-    scene = model_stage.model_module().Scene.loads(canonical(machine.scene))
-
-    poses = min(poses, len(machine.poses))
-
-    def answered() -> tuple[dict[str, Any], float]:
-        before = time.process_time()
-        found = scene.readings_of(machine.poses[:poses], correction="formula", rtol=rtol, threads=1)
-        return found, time.process_time() - before
-
-    _, first_seconds = answered()
-    found, seconds = answered()
-    names = list(found["readings"])
-    errors, stated, sure = [], [], []
-    for pose, known in (read_json(file) or {}).get(machine.name, {}).items():
-        if int(pose) >= poses:
-            continue
-        for name, (change, error) in known.items():
-            at = int(pose), names.index(name)
-            errors.append(abs(found["change"][at] / change - 1))
-            stated.append(found["error"][at] / abs(change))
-            sure.append(error / abs(change))
-            print(
-                f"  {pose:>4} {name:20} {1e15 * change:10.3f} fF: error {100 * errors[-1]:.2f} %, stated {100 * stated[-1]:.2f} %, truth ± {100 * sure[-1]:.2f} %"
-            )
-    speed = f"| {machine.name} | {1e3 * seconds / poses:.2g} | {first_seconds - seconds:.0f} |"
-    if not errors:
-        return speed
-    of = np.array(errors)
-    return (
-        f"{speed} {len(of)} | {100 * np.sqrt(np.mean(of**2)):.2f} | {100 * of.max():.1f} | {100 * np.median(stated):.1f} | {100 * np.median(sure):.1f} | "
-        f"{np.mean(of <= stated):.2f} | {np.mean(of <= np.add(stated, sure)):.2f} |"
-    )
-
-
 def write(machine: Moving, folder: Path) -> Path:
     """Writes a scene file and its motion for other programs, which find the machine as this module does; returns the former."""
     file = folder / f"{machine.name.replace(' ', '_').replace('-', '_').lower()}.toml"
@@ -277,28 +181,13 @@ def write(machine: Moving, folder: Path) -> Path:
 
 def arguments(parser: argparse.ArgumentParser) -> None:
     """Adds what may be asked for."""
-    parser.add_argument("--rtol", type=positive_number, default=1e-2)
     parser.add_argument(
-        "--solve", type=positive_integer, default=0, help="poses of each machine that get a truth"
-    )
-    parser.add_argument(
-        "--poses", type=positive_integer, default=POSES_OF_HAND, help="only the first poses of the motions"
-    )
-    parser.add_argument("--machine", choices=MACHINES, help="only this one")
-    parser.add_argument(
-        "--write", type=Path, metavar="FOLDER", help="only write the scenes and their motions to files"
+        "folder", type=Path, metavar="FOLDER", help="where to write the scenes and their motions"
     )
 
 
 def measure(asked: argparse.Namespace) -> int:
-    """Prints the table."""
-    machines = [make() for name, make in MACHINES.items() if asked.machine in (None, name)]
-    if asked.write:
-        for machine in machines:
-            print(write(machine, asked.write))
-        return 0
-    for machine in machines:
-        solve(machine, chosen(asked.solve, len(machine.poses)))
-    for machine in machines:
-        print(row(machine, asked.rtol, asked.poses), flush=True)
+    """Writes all machines."""
+    for make in MACHINES.values():
+        print(write(make(), asked.folder))
     return 0
