@@ -48,7 +48,6 @@ SMALL = {
     "python3 -m analysis coverage guarded_sensor": "python3 -m analysis coverage guarded_sensor --probe sphere:0.02 --grid 0.06 --method none --output {out}/coverage.html",
     "python3 -m analysis honesty": "python3 -m analysis honesty --only 0 --methods reduced:1 --results {out}/honesty",
     "python3 -m analysis golden FILE": "python3 -m analysis golden {out}/golden.json --only 'corrections/parallel-000/reduced*'",
-    "python3 -m analysis measure moving FOLDER": "python3 -m analysis measure moving {out}/moving",
     "python3 -m geometries person OUT": "python3 -m geometries person {out}/person.obj",
     "python3 -m geometries convert IN OUT": "python3 -m geometries convert {out}/in.vtu {out}/out.stl",
     "python3 -m tests.bad_input.corpus FOLDER": "python3 -m tests.bad_input.corpus {out}/corpus",
