@@ -31,7 +31,6 @@ MEASURES = {
     "corrections": Measure(
         "tables of errors in model/CORRECTIONS.md, section 5", "analysis.topics.corrections.notes"
     ),
-    "figures": Measure("figures of the notes", "analysis.documentation.figures"),
     "benchmarks": Measure("measured tables of model/MEASUREMENTS.md", "analysis.documentation.measurements"),
 }
 

@@ -117,7 +117,6 @@ ELSEWHERE = {
     "python3 -m analysis trends": ("analysis/topics/trends/test_trends.py", "test_the_command_tells_all_alarms_and_makes_the_page", "trends"),
     "python3 -m analysis trends --bisect VALUE": ("analysis/topics/trends/test_trends.py", "test_the_command_bisects", "--bisect"),
     "python3 -m analysis run STUDY --measure-model": (OPTIONS, "test_an_option_reaches_what_it_is_for", "--measure-model"),
-    "python3 -m analysis measure figures": ("analysis/documentation/test_figures.py", "test_the_figures_are_those_that_the_script_draws", "figures"),
     "python3 -m analysis measure benchmarks": ("analysis/documentation/test_measurements.py", "test_tables_are_replaced_and_nothing_else", "benchmarks"),
     "python3 -m fem_reference SCENE": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m analysis run STUDY": ("end_to_end/test_run.py", "", "run"),
