@@ -351,7 +351,13 @@ def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
         nargs="?",
         help="a folder of results (default: results/nightly)",
     )
-    trends.add_argument(
+    back = trends.add_mutually_exclusive_group()
+    back.add_argument(
+        "--count",
+        metavar="COMMITS",
+        help="first add the instruction counts of these commits, as HEAD~10..HEAD, each built in a working tree of its own (minutes each)",
+    )
+    back.add_argument(
         "--bisect",
         metavar="VALUE",
         help="find the commit of the last change of this value, as `trends` names it, by building commits in a working tree of their own",

@@ -30,7 +30,7 @@ from analysis.topics.published import (
     table as published_table,
 )
 from analysis.topics.topic import Topic
-from analysis.topics.trends import bisect, changes, counts, page as trends_page, records
+from analysis.topics.trends import changes, commits, counts, page as trends_page, records
 from analysis.topics.trends.changes import Mark
 from analysis.topics.verification.topic import VERIFICATION
 from geometries.common import installation
@@ -96,7 +96,7 @@ def _nightly(options: argparse.Namespace) -> int:
         failures += _verified(options, target)
         _tell(failures)
         made = _own_report(target)
-        new = records.add(target, counts.of_build())
+        new = records.add(target, [*records.of_night(target), *counts.of_build()])
         tonight = new[0].time if new else None
         marks = _trends(target, lambda mark: mark.after.time == tonight)
         # The report links to the trends, which now include this night.
@@ -112,12 +112,15 @@ def _trends(folder: Path, told: Callable[[Mark], bool]) -> list[Mark]:
     return found
 
 
-def _look_back(folder: Path | None, changed: str | None) -> int:
-    target = folder or installation.results_folder() / "nightly"
-    if changed is not None:
-        print(bisect.find(target, changed), end="")
-    else:
-        _trends(target, lambda _: True)
+def _look_back(options: argparse.Namespace) -> int:
+    target = options.results or installation.results_folder() / "nightly"
+    if options.bisect is not None:
+        print(commits.find(target, options.bisect), end="")
+        return ANSWERED
+    if options.count is not None:
+        for commit, new in commits.count(target, options.count):
+            print(f"{commit}: {len(new)} counts are new", flush=True)
+    _trends(target, lambda _: True)
     return ANSWERED
 
 
@@ -337,7 +340,7 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "nightly": _nightly,
     "job": lambda options: _job(options.file),
     "diff": lambda options: _diff(options.old, options.new, options.output),
-    "trends": lambda options: _look_back(options.results, options.bisect),
+    "trends": _look_back,
     **{topic.verb: partial(_topic, topic) for topic in TOPICS},
     # It writes the table itself, beside the folder of the answers.
     "table": lambda options: _table(options.answers, options.output, options.jobs),

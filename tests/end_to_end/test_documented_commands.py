@@ -116,6 +116,7 @@ ELSEWHERE = {
     "python3 -m analysis nightly STUDY": ("analysis/nightly/test_night.py", "test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new", "nightly"),
     "python3 -m analysis trends": ("analysis/topics/trends/test_trends.py", "test_the_command_tells_all_alarms_and_makes_the_page", "trends"),
     "python3 -m analysis trends --bisect VALUE": ("analysis/topics/trends/test_trends.py", "test_the_command_bisects", "--bisect"),
+    "python3 -m analysis trends --count HEAD~10..": ("analysis/topics/trends/test_trends.py", "test_the_command_counts_before_it_tells", "--count"),
     "python3 -m analysis run STUDY --measure-model": (OPTIONS, "test_an_option_reaches_what_it_is_for", "--measure-model"),
     "python3 -m analysis measure benchmarks": ("analysis/documentation/test_measurements.py", "test_tables_are_replaced_and_nothing_else", "benchmarks"),
     "python3 -m fem_reference SCENE": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),

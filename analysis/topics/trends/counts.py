@@ -29,18 +29,16 @@ class CountingFailed(Exception):
     """The program or callgrind did not do what it should; the message says what it printed."""
 
 
-def of_build() -> list[Record]:
-    """Returns the counts of the program of this build; none without the program or without valgrind. CountingFailed if one of them
-    cannot be counted."""
-    if not (PROGRAM.is_file() and shutil.which("valgrind")):
+def of_build(program: Path = PROGRAM) -> list[Record]:
+    """Returns the counts of a program; none without it or without valgrind. CountingFailed if one of them cannot be counted."""
+    if not (program.is_file() and shutil.which("valgrind")):
         return []
-    inputs = hashlib.sha256(PROGRAM.read_bytes()).hexdigest()
+    inputs = hashlib.sha256(program.read_bytes()).hexdigest()
     version = _run(["valgrind", "--version"]).strip()
+    again = from_repository(PROGRAM)
     return [
-        records.of_count(
-            name, count(name), shlex.join(_command(name, from_repository(PROGRAM))), inputs, version
-        )
-        for name in workloads()
+        records.of_count(name, count(name, program), shlex.join(_command(name, again)), inputs, version)
+        for name in workloads(program)
     ]
 
 

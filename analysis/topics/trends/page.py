@@ -28,7 +28,9 @@ def make(folder: Path) -> Path:
     target = folder / PAGE
     if not page.is_current(target, inputs):
         page.provide_script(folder)
-        page.write(target, _page(f"Trends: {study_results.title(folder)}", records.load(folder), inputs))
+        has_report = (folder / page.REPORT).is_file()
+        title = f"Trends: {study_results.title(folder) if has_report else folder.name}"
+        page.write(target, _page(title, has_report, records.load(folder), inputs))
     return target
 
 
@@ -46,7 +48,7 @@ def finding(found: list[Record], marks: list[Mark]) -> str:
     )
 
 
-def _page(title: str, found: list[Record], inputs: str) -> str:
+def _page(title: str, has_report: bool, found: list[Record], inputs: str) -> str:
     marks = changes.marks(found)
     told, held = ([mark for mark in marks if mark.held == back] for back in (False, True))
     parts = [
@@ -58,7 +60,7 @@ def _page(title: str, found: list[Record], inputs: str) -> str:
                 "is held back, because most values of the method moved when the machine was exchanged. Instructions may grow by 1 %. "
                 "Run times by the clock are kept, but never looked at."
             ),
-            page.paragraph(page.link(page.REPORT, "What the last night found")),
+            page.paragraph(page.link(page.REPORT, "What the last night found") if has_report else ""),
         ),
         page.figures(_panels(found, marks)),
         page.section("Changes", _changes(told) if told else page.paragraph("There is none.")),

@@ -79,19 +79,24 @@ def load(folder: Path) -> list[Record]:
     ]
 
 
-def add(folder: Path, counts: Iterable[Record]) -> list[Record]:
-    """Appends what tonight's answers and counts have that is new; returns it."""
+def of_night(folder: Path) -> list[Record]:
+    """Returns the values in a folder of results, with what they were computed from."""
+    return _with_origin(of_table(folder), study_results.load(folder))
+
+
+def add(folder: Path, found: Iterable[Record], at: str | None = None) -> list[Record]:
+    """Appends what is new of these values, as of the commit `at` or else the one that is checked out; returns it."""
     last = {each.series: (each.inputs, _finite(each.value)) for each in load(folder)}
     now = {
         "time": datetime.now(timezone.utc).isoformat(timespec="microseconds"),
-        "commit": commit(),
+        "commit": at or commit(),
         "processor": machine.description()["processor"],
     }
-    found = [*_with_origin(of_table(folder), study_results.load(folder)), *counts]
     new = [
         replace(each, **now) for each in found if last.get(each.series) != (each.inputs, _finite(each.value))
     ]
     lines = [json.dumps(asdict(each) | {"value": _finite(each.value)}) + "\n" for each in new]
+    folder.mkdir(parents=True, exist_ok=True)
     with (folder / FILE).open("a+b") as file:
         # An unfinished line of a killed night goes: its values are written again now.
         file.seek(0)

@@ -201,7 +201,7 @@ def test_a_page_that_is_gone_is_made_again_and_one_of_no_question_removed(folder
 def test_a_night_changes_the_report_alone(folder: Path) -> None:
     report.make(folder)
     page = (folder / "report" / "model_error.html").stat().st_mtime_ns
-    records.add(folder, [])
+    records.add(folder, records.of_night(folder))
     for target in re.findall(r'(?:href|src)="([^"]*)"', trends_page.make(folder).read_text()):
         assert (folder / target).is_file()
     text = report.make(folder).path.read_text()

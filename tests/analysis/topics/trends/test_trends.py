@@ -14,7 +14,7 @@ import pytest
 from analysis import __main__ as command_line
 from analysis.results import store
 from analysis.study import report
-from analysis.topics.trends import bisect, changes, page, records
+from analysis.topics.trends import changes, commits, counts, page, records
 from analysis.topics.trends.records import Record
 from geometries.common.errors import InputError
 from tests.analysis.synthetic import make_results, model_document, reference_document
@@ -34,16 +34,16 @@ def count(instructions: int) -> Record:
 
 def test_a_night_appends_what_is_new_with_its_origin(tmp_path: Path) -> None:
     answer(tmp_path, 2.0, "first")
-    first = records.add(tmp_path, [count(1000)])
+    first = records.add(tmp_path, [*records.of_night(tmp_path), count(1000)])
     assert {each.kind for each in first} >= {
         "field solver",
         "model exact",
         "model split:0",
         records.INSTRUCTIONS,
     }
-    assert records.add(tmp_path, [count(1000)]) == []
+    assert records.add(tmp_path, [*records.of_night(tmp_path), count(1000)]) == []
     answer(tmp_path, 2.1, "second")
-    (mutual, delta_self, counted) = records.add(tmp_path, [count(1100)])
+    (mutual, delta_self, counted) = records.add(tmp_path, [*records.of_night(tmp_path), count(1100)])
     assert records.load(tmp_path) == [*first, mutual, delta_self, counted]
     assert mutual.name.startswith("mutual sensor target, parallel ") and mutual.name.endswith(mutual.case)
     assert (mutual.value, mutual.error) == pytest.approx((2.1e-12, 0.01e-12))
@@ -55,20 +55,20 @@ def test_a_night_appends_what_is_new_with_its_origin(tmp_path: Path) -> None:
 
 def test_a_line_that_a_killed_night_left_unfinished_is_written_again(tmp_path: Path) -> None:
     answer(tmp_path, 2.0, "first")
-    whole = records.add(tmp_path, [])
+    whole = records.add(tmp_path, records.of_night(tmp_path))
     file = tmp_path / records.FILE
     file.write_text(file.read_text()[:-10])
     assert records.load(tmp_path) == whole[:-1]
-    (again,) = records.add(tmp_path, [])
+    (again,) = records.add(tmp_path, records.of_night(tmp_path))
     assert again.series == whole[-1].series and len(records.load(tmp_path)) == len(whole)
 
 
 def test_a_value_that_is_not_finite_is_kept_as_unknown(tmp_path: Path) -> None:
     answer(tmp_path, math.inf, "first")
-    records.add(tmp_path, [])
+    records.add(tmp_path, records.of_night(tmp_path))
     assert "Infinity" not in (tmp_path / records.FILE).read_text()
     assert any(math.isnan(each.value) for each in records.load(tmp_path))
-    assert records.add(tmp_path, []) == []
+    assert records.add(tmp_path, records.of_night(tmp_path)) == []
 
 
 def written(folder: Path, found: list[Record]) -> Path:
@@ -144,48 +144,79 @@ def nights_of(commits: list[str], command: str) -> list[Record]:
 def test_the_commit_of_a_change_is_found_by_building_and_asking_again(
     tmp_path: Path, repository: tuple[Path, list[str]]
 ) -> None:
-    folder, commits = repository
-    written(tmp_path, nights_of([commits[0], commits[-1]], "cat answer.json"))
-    said = bisect.find(tmp_path, "field solver: mutual", folder, build="true")
-    assert f"{commits[6]} is the first bad commit" in said and "commit 6" in said
+    folder, known = repository
+    written(tmp_path, nights_of([known[0], known[-1]], "cat answer.json"))
+    said = commits.find(tmp_path, "field solver: mutual", folder, build="true")
+    assert f"{known[6]} is the first bad commit" in said and "commit 6" in said
     assert len(git(folder, "worktree", "list").splitlines()) == 1
 
 
 def test_commits_that_do_not_build_are_passed_over(
     tmp_path: Path, repository: tuple[Path, list[str]]
 ) -> None:
-    folder, commits = repository
-    written(tmp_path, nights_of([commits[4], commits[7]], "cat answer.json"))
-    said = bisect.find(tmp_path, "mutual", folder, build="sh builds")
-    assert "only 'skip'ped commits left" in said and commits[5] in said and commits[6] in said
+    folder, known = repository
+    written(tmp_path, nights_of([known[4], known[7]], "cat answer.json"))
+    said = commits.find(tmp_path, "mutual", folder, build="sh builds")
+    assert "only 'skip'ped commits left" in said and known[5] in said and known[6] in said
 
 
 @pytest.mark.parametrize(
-    ("name", "commits", "reason"),
+    ("name", "which", "reason"),
     [
         ("nothing", slice(0, 2), "is no value that has changed"),
         ("mutual", slice(0, 1), "has not changed between two commits that are known"),
     ],
 )
 def test_what_has_no_commits_to_look_at_is_refused(
-    name: str, commits: slice, reason: str, tmp_path: Path, repository: tuple[Path, list[str]]
+    name: str, which: slice, reason: str, tmp_path: Path, repository: tuple[Path, list[str]]
 ) -> None:
     folder, known = repository
-    written(tmp_path, nights_of((known[commits] * 2)[:2], "cat answer.json"))
+    written(tmp_path, nights_of((known[which] * 2)[:2], "cat answer.json"))
     with pytest.raises(InputError, match=reason):
-        bisect.find(tmp_path, name, folder, build="true")
+        commits.find(tmp_path, name, folder, build="true")
 
 
 def test_numbers_are_found_in_text_too(tmp_path: Path, repository: tuple[Path, list[str]]) -> None:
-    folder, commits = repository
-    written(tmp_path, nights_of([commits[0], commits[-1]], "echo Collected : $(cut -b 2- answer.json)"))
-    assert f"{commits[6]} is the first bad commit" in bisect.find(tmp_path, "mutual", folder, build="true")
+    folder, known = repository
+    written(tmp_path, nights_of([known[0], known[-1]], "echo Collected : $(cut -b 2- answer.json)"))
+    assert f"{known[6]} is the first bad commit" in commits.find(tmp_path, "mutual", folder, build="true")
+
+
+def test_workloads_are_counted_at_each_commit_and_a_planted_regression_is_found(
+    tmp_path: Path,
+    repository: tuple[Path, list[str]],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The program of a commit takes 400 times the second entry of its matrix, and the sixth has none."""
+    folder, known = repository
+
+    def counted(program: Path) -> list[Record]:
+        (row,) = json.loads((program.parents[2] / "answer.json").read_text())["maxwell"]
+        return [count(round(-400 * row[1]))]
+
+    monkeypatch.setattr(counts, "of_build", counted)
+    found = list(commits.count(tmp_path / "trends", "--all", folder, build="sh builds"))
+    assert [commit for commit, _ in found] == known
+    assert [len(new) for _, new in found] == [1, 0, 0, 0, 0, 0, 1, 0, 0, 0]
+    (mark,) = changes.marks(records.load(tmp_path / "trends"))
+    assert (mark.what, mark.before.commit, mark.after.commit) == (changes.SLOWER, known[0], known[6])
+    assert command_line.main(["trends", str(tmp_path / "trends")]) == 0
+    assert "instructions: workload: more instructions, 800 -> 1000" in capsys.readouterr().out
+
+
+def test_the_command_counts_before_it_tells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(commits, "count", lambda folder, which: [(f"{folder.name} {which}", [])])
+    assert command_line.main(["trends", str(tmp_path), "--count", "HEAD~3.."]) == 0
+    assert f"{tmp_path.name} HEAD~3..: 0 counts are new" in capsys.readouterr().out
 
 
 def test_the_command_bisects(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(bisect, "find", lambda folder, name: f"{folder} {name}\n")
+    monkeypatch.setattr(commits, "find", lambda folder, name: f"{folder} {name}\n")
     assert command_line.main(["trends", str(tmp_path), "--bisect", "mutual"]) == 0
     assert capsys.readouterr().out == f"{tmp_path} mutual\n"
 

@@ -1,4 +1,4 @@
-"""Finds the commit that changed a value: `git bisect` in a working tree of its own, where each commit is built and asked again."""
+"""Looks back at commits, each built in a working tree of its own: which one has changed a value, and what the workloads took at each."""
 
 from __future__ import annotations
 
@@ -7,17 +7,37 @@ import re
 import subprocess
 import tempfile
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from analysis.topics.trends import changes, records
+from analysis.topics.trends import changes, counts, records
 from analysis.topics.trends.changes import Mark
+from analysis.topics.trends.records import Record
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT
 
-BUILD = "cmake --preset release && cmake --build build --target product instruction_counts"
+_COUNTED = "instruction_counts"
+BUILD = f"cmake --preset release && cmake --build build --target product {_COUNTED}"
+BUILD_COUNTED = f"cmake --preset release && cmake --build build --target {_COUNTED}"
 _NUMBER = re.compile(r"-?\d+(?:\.\d+)?(?:[eE][-+]?\d+)?")
 _DIRTY = "-dirty"
+
+
+def count(
+    folder: Path, commits: str, repository: Path = ROOT, build: str = BUILD_COUNTED
+) -> Iterator[tuple[str, list[Record]]]:
+    """Counts the workloads at each of the commits, as `git rev-list` takes them, the earliest first, and adds the counts to the trends;
+    yields each commit with what was new. Commits that cannot be built have no counts."""
+    listed = _git(repository, "rev-list", "--first-parent", "--reverse", *commits.split()).split()
+    if not listed:
+        raise InputError(commits, "", "names no commits")
+    with _tree(repository, listed[0]) as tree:
+        for commit in listed:
+            _git(tree, "checkout", "--detach", commit)
+            built = _said(build, tree) is not None
+            found = counts.of_build(tree / "build" / "bin" / _COUNTED) if built else []
+            yield commit, records.add(folder, found, commit)
 
 
 def find(folder: Path, name: str, repository: Path = ROOT, build: str = BUILD) -> str:
@@ -28,20 +48,24 @@ def find(folder: Path, name: str, repository: Path = ROOT, build: str = BUILD) -
     """
     mark = _last(folder, name)
     good, bad = (each.commit.removesuffix(_DIRTY) for each in (mark.before, mark.after))
+    with _tree(repository, good) as tree:
+        # The commands name scenes in the folder of results, which git does not have.
+        (tree / "results").symlink_to(repository / "results")
+        where = _nearest(_numbers(tree, mark, build) or {}, mark.before.value, name)
+        said = _git(tree, "bisect", "start", bad, good)
+        while "is the first bad commit" not in said and "only 'skip'ped commits left" not in said:
+            said = _git(tree, "bisect", _word(_numbers(tree, mark, build), where, mark), wrong_is_said=True)
+        return said
+
+
+@contextmanager
+def _tree(repository: Path, commit: str) -> Iterator[Path]:
+    """Gives a working tree in which a commit is checked out."""
     with tempfile.TemporaryDirectory() as place:
         tree = Path(place) / "tree"
-        _git(repository, "worktree", "add", "--detach", str(tree), bad)
+        _git(repository, "worktree", "add", "--detach", str(tree), commit)
         try:
-            # The commands name scenes in the folder of results, which git does not have.
-            (tree / "results").symlink_to(repository / "results")
-            _git(tree, "checkout", "--detach", good)
-            where = _nearest(_numbers(tree, mark, build) or {}, mark.before.value, name)
-            said = _git(tree, "bisect", "start", bad, good)
-            while "is the first bad commit" not in said and "only 'skip'ped commits left" not in said:
-                said = _git(
-                    tree, "bisect", _word(_numbers(tree, mark, build), where, mark), wrong_is_said=True
-                )
-            return said
+            yield tree
         finally:
             _git(repository, "worktree", "remove", "--force", str(tree))
 
@@ -62,15 +86,20 @@ def _last(folder: Path, name: str) -> Mark:
 
 def _numbers(tree: Path, mark: Mark, build: str) -> dict[str, float] | None:
     """Returns the numbers that the value's command prints there, by their places; None where it cannot be built or fails."""
-    for command in (build, mark.after.command):
-        done = subprocess.run(command, shell=True, cwd=tree, capture_output=True, text=True, check=False)
-        # Status 3 is that of an answer short of the accuracy asked for.
-        if done.returncode not in (0, 3):
-            return None
+    said = _said(mark.after.command, tree) if _said(build, tree) is not None else None
+    if said is None:
+        return None
     try:
-        return dict(_flat(json.loads(done.stdout), ""))
+        return dict(_flat(json.loads(said), ""))
     except ValueError:
-        return {str(place): float(found) for place, found in enumerate(_NUMBER.findall(done.stdout))}
+        return {str(place): float(found) for place, found in enumerate(_NUMBER.findall(said))}
+
+
+def _said(command: str, tree: Path) -> str | None:
+    """Returns what a command prints there; None if it fails."""
+    done = subprocess.run(command, shell=True, cwd=tree, capture_output=True, text=True, check=False)
+    # Status 3 is that of an answer short of the accuracy asked for.
+    return done.stdout if done.returncode in (0, 3) else None
 
 
 def _flat(document: Any, place: str) -> Iterator[tuple[str, float]]:
@@ -102,4 +131,4 @@ def _git(tree: Path, *words: str, wrong_is_said: bool = False) -> str:
     done = subprocess.run(["git", "-C", str(tree), *words], capture_output=True, text=True, check=False)
     if done.returncode != 0 and not wrong_is_said:
         raise InputError("git", words[0], done.stderr.strip())
-    return done.stdout + done.stderr
+    return done.stdout + (done.stderr if wrong_is_said else "")
