@@ -82,8 +82,9 @@ def how_wrong(results: Results, rows: list[Row], cases: str) -> list[Answer]:
     places: dict[str, dict[str, list[CaseResult]]] = {}
     for case in results.compared():
         machine = str(case.parameters.get("machine", NONE))
-        where = _WHERE.get(case.family, case.family) if machine == NONE else _ON_A_MACHINE
-        words = "" if machine == NONE else f"{case.family}, {machine}"
+        alone = _WHERE.get(case.family, str(case.parameters.get("scene", case.family)))
+        where = alone if machine == NONE else _ON_A_MACHINE
+        words = "" if machine == NONE else f"{case.family}, {machine.replace('+', ' and ')}"
         places.setdefault(where, {}).setdefault(words, []).append(case)
     return [
         Answer(

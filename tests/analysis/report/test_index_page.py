@@ -46,7 +46,10 @@ def test_machines_are_one_question_with_a_picture_of_each(tmp_path: Path) -> Non
     alone, machine = answers(make_results(tmp_path, MACHINES, MACHINE_ANSWERS))
     assert alone.question == "Facing a plate" and len(alone.pictures) == 1
     assert machine.question == "On a machine"
-    assert [picture.words for picture in machine.pictures] == ["parallel, housing", "parallel, housing+guard"]
+    assert [picture.words for picture in machine.pictures] == [
+        "parallel, housing",
+        "parallel, housing and guard",
+    ]
     assert machine.says == "The model's change of the reading is 125 % too high."
 
 
