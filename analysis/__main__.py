@@ -104,18 +104,11 @@ def _parser(program: str) -> argparse.ArgumentParser:
     show = commands.add_parser(
         "show", help="write one page with a scene, its sensors' readings and its motion"
     )
-    show.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
-    show.add_argument(
-        "--motion",
-        type=Path,
-        metavar="FILE",
-        help="the frames of its motion (default: SCENE.motion.toml beside it, if any)",
-    )
-    show.add_argument(
-        "--output",
-        type=Path,
-        metavar="FILE",
-        help="the page (default: <scene>.html in the current folder; results/show/<scene>.html for scenes of the repository)",
+    _add_scene(show)
+    _add_motion(show, "the frames of its motion (default: SCENE.motion.toml beside it, if any)")
+    _add_page(
+        show,
+        "the page (default: <scene>.html in the current folder; results/show/<scene>.html for scenes of the repository)",
     )
     show.add_argument(
         "--readings",
@@ -219,13 +212,8 @@ def _add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         "live",
         help="write one page on which a scene can be moved: the library in it computes readings, distances and collisions in every frame",
     )
-    live.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
-    live.add_argument(
-        "--motion",
-        type=Path,
-        metavar="FILE",
-        help="the frames of a path (default: SCENE.motion.toml beside it, if any)",
-    )
+    _add_scene(live)
+    _add_motion(live, "the frames of a path (default: SCENE.motion.toml beside it, if any)")
     reference = live.add_mutually_exclusive_group()
     reference.add_argument(
         "--rtol",
@@ -235,11 +223,9 @@ def _add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> 
         help="relative error asked of the reference readings along the paths, by boundary elements (default: 1e-2)",
     )
     reference.add_argument("--no-reference", action="store_true", help="solve no reference readings")
-    live.add_argument(
-        "--output",
-        type=Path,
-        metavar="FILE",
-        help="the page (default: <scene>.html in the current folder; results/live/<scene>.html for scenes of the repository)",
+    _add_page(
+        live,
+        "the page (default: <scene>.html in the current folder; results/live/<scene>.html for scenes of the repository)",
     )
 
 
@@ -248,7 +234,7 @@ def _add_coverage(commands: argparse._SubParsersAction[argparse.ArgumentParser])
         "coverage",
         help="survey from which distance a probe is noticed at every place around a machine: a page, a table and a file for ParaView",
     )
-    coverage.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
+    _add_scene(coverage)
     coverage.add_argument(
         "--probe",
         action="append",
@@ -286,11 +272,10 @@ def _add_coverage(commands: argparse._SubParsersAction[argparse.ArgumentParser])
         metavar="A,B,…",
         help="methods to compare with at a few places, those of fringe capacitance, formula and small-probe (default: exact,formula,small-probe); none: no comparison",
     )
-    coverage.add_argument(
-        "--output",
-        type=Path,
-        metavar="FILE.html",
-        help="the page, with table and file beside it (default: results/coverage/<scene>.html)",
+    _add_page(
+        coverage,
+        "the page, with table and file beside it (default: results/coverage/<scene>.html)",
+        "FILE.html",
     )
 
 
@@ -308,13 +293,8 @@ def _add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         "sweep",
         help="write a table and a page of the readings in every frame of a motion, and where they cross their thresholds",
     )
-    sweep.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
-    sweep.add_argument(
-        "--motion",
-        type=Path,
-        metavar="FILE",
-        help="the frames of its motion (default: SCENE.motion.toml beside it)",
-    )
+    _add_scene(sweep)
+    _add_motion(sweep, "the frames of its motion (default: SCENE.motion.toml beside it)")
     sweep.add_argument(
         "--method",
         metavar="A,B,…",
@@ -326,18 +306,16 @@ def _add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
         metavar="R",
         help="relative error asked of those methods that state one (default: 1e-2)",
     )
-    sweep.add_argument(
-        "--output",
-        type=Path,
-        metavar="FILE.html",
-        help="the page, with the table beside it; frames that the table holds are not computed again (default: "
-        "results/sweep/<scene>.html)",
+    _add_page(
+        sweep,
+        "the page, with the table beside it; frames that the table holds are not computed again (default: results/sweep/<scene>.html)",
+        "FILE.html",
     )
 
 
 def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
     nightly = commands.add_parser(
-        "nightly", help="run a study by Snakemake, compare it with the night before, and report all nights"
+        "nightly", help="run a study by Snakemake, add it to the trends, and tell what has changed"
     )
     nightly.add_argument("study", metavar="STUDY", nargs="?", default="nightly", help="default: nightly")
     nightly.add_argument("--results", type=Path, metavar="DIR", help="default: results/<study>")
@@ -362,6 +340,28 @@ def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) 
     difference.add_argument("old", type=Path, metavar="OLD", help="a folder of results, or a table.csv")
     difference.add_argument("new", type=Path, metavar="NEW", help="likewise")
     difference.add_argument("--output", type=Path, metavar="JSON", help="also write all of it to this file")
+    trends = commands.add_parser(
+        "trends",
+        help="tell what has changed over the nights, make their page, or find the commit of a change",
+    )
+    trends.add_argument(
+        "results",
+        type=Path,
+        metavar="RESULTS",
+        nargs="?",
+        help="a folder of results (default: results/nightly)",
+    )
+    back = trends.add_mutually_exclusive_group()
+    back.add_argument(
+        "--count",
+        metavar="COMMITS",
+        help="first add the instruction counts of these commits, as HEAD~10..HEAD, each built in a working tree of its own (minutes each)",
+    )
+    back.add_argument(
+        "--bisect",
+        metavar="VALUE",
+        help="find the commit of the last change of this value, as `trends` names it, by building commits in a working tree of their own",
+    )
 
 
 def _add_topic(command: argparse.ArgumentParser, name: str) -> None:
@@ -372,6 +372,18 @@ def _add_topic(command: argparse.ArgumentParser, name: str) -> None:
     command.set_defaults(jobs=None)
     if name not in _MEASURED_TOGETHER:
         _add_jobs(command, "answers")
+
+
+def _add_scene(command: argparse.ArgumentParser) -> None:
+    command.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
+
+
+def _add_motion(command: argparse.ArgumentParser, what: str) -> None:
+    command.add_argument("--motion", type=Path, metavar="FILE", help=what)
+
+
+def _add_page(command: argparse.ArgumentParser, what: str, metavar: str = "FILE") -> None:
+    command.add_argument("--output", type=Path, metavar=metavar, help=what)
 
 
 def _add_jobs(command: argparse.ArgumentParser, at_a_time: str) -> None:

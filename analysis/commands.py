@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import sys
 from collections.abc import Callable
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -23,13 +24,14 @@ from analysis.show import make as show, readings as show_readings
 from analysis.study import report, workflow
 from analysis.sweep import make as sweep
 from analysis.topics.all import TOPICS
-from analysis.topics.history import difference, nights, page as history_page
 from analysis.topics.published import (
     files as published_files,
     stage as published_stage,
     table as published_table,
 )
 from analysis.topics.topic import Topic
+from analysis.topics.trends import changes, commits, counts, page as trends_page, records
+from analysis.topics.trends.changes import Mark
 from analysis.topics.verification.topic import VERIFICATION
 from geometries.common import installation
 from geometries.common.errors import InputError
@@ -51,7 +53,7 @@ def run_command(options: argparse.Namespace) -> int:
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
         return WRONG_INPUT
-    except (InUse, live.NoLibrary) as error:
+    except (InUse, live.NoLibrary, counts.CountingFailed) as error:
         print(f"analysis: {error}", file=sys.stderr)
         return FAILED
     except ModuleNotFoundError as error:
@@ -88,18 +90,38 @@ def _nightly(options: argparse.Namespace) -> int:
         night.find_profile(options.profile)
     chosen, target = _study(options.study, options.results)
     with exclusive(target):
-        done = night.run(chosen, target, night.Options(options.profile, options.jobs, options.job_seconds))
-        failures = done.failures + _verified(options, target)
+        failures = night.run(
+            chosen, target, night.Options(options.profile, options.jobs, options.job_seconds)
+        )
+        failures += _verified(options, target)
         _tell(failures)
         made = _own_report(target)
-        moved = nights.add(target, done)
-        print(f"nights: {history_page.make(target)}")
-        # The report links to the nights, which now include this one.
+        new = records.add(target, [*records.of_night(target), *counts.of_build()])
+        tonight = new[0].time if new else None
+        marks = _trends(target, lambda mark: mark.after.time == tonight)
+        # The report links to the trends, which now include this night.
         disagreements = report.make(target).disagreements
-    if moved is not None:
-        print(difference.to_text(moved), end="")
-    drifted = moved is not None and moved.drifted
-    return FAILED if drifted or disagreements else _status(failures, made)
+    return FAILED if any(mark.is_alarm for mark in marks) or disagreements else _status(failures, made)
+
+
+def _trends(folder: Path, told: Callable[[Mark], bool]) -> list[Mark]:
+    """Makes the page of the trends, prints those changes that are to be told, and returns them."""
+    found = [mark for mark in changes.marks(records.load(folder)) if told(mark)]
+    print(changes.to_text(found), end="")
+    print(f"trends: {trends_page.make(folder)}")
+    return found
+
+
+def _look_back(options: argparse.Namespace) -> int:
+    target = options.results or installation.results_folder() / "nightly"
+    if options.bisect is not None:
+        print(commits.find(target, options.bisect), end="")
+        return ANSWERED
+    if options.count is not None:
+        for commit, new in commits.count(target, options.count):
+            print(f"{commit}: {len(new)} counts are new", flush=True)
+    _trends(target, lambda _: True)
+    return ANSWERED
 
 
 def _job(file: Path) -> int:
@@ -108,11 +130,14 @@ def _job(file: Path) -> int:
 
 
 def _diff(old: Path, new: Path, output: Path | None) -> int:
-    found = difference.between(difference.read(old), difference.read(new))
+    before, after = records.of_table(old), records.of_table(new)
+    found = changes.marks([*before, *after])
+    earlier, later = ({each.series for each in some} for some in (before, after))
     if output is not None:
-        store.write_json(output, difference.to_document(found))
-    print(difference.to_text(found), end="")
-    return FAILED if found.drifted else ANSWERED
+        store.write_json(output, {"moved": [asdict(mark) for mark in found]})
+    print(f"{len(earlier & later)} values in both, {len(later - earlier)} new, {len(earlier - later)} gone")
+    print(changes.to_text(found), end="")
+    return FAILED if found else ANSWERED
 
 
 def _study(name: str, folder: Path | None) -> tuple[Study, Path]:
@@ -315,6 +340,7 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "nightly": _nightly,
     "job": lambda options: _job(options.file),
     "diff": lambda options: _diff(options.old, options.new, options.output),
+    "trends": _look_back,
     **{topic.verb: partial(_topic, topic) for topic in TOPICS},
     # It writes the table itself, beside the folder of the answers.
     "table": lambda options: _table(options.answers, options.output, options.jobs),

@@ -31,25 +31,6 @@ MEASURES = {
     "corrections": Measure(
         "tables of errors in model/CORRECTIONS.md, section 5", "analysis.topics.corrections.notes"
     ),
-    "accuracy": Measure(
-        "the formula in company to an accuracy, beside stored truths", "analysis.topics.machines.accuracy"
-    ),
-    "stated": Measure(
-        "stated errors of changes beside true ones, in random poses", "analysis.topics.machines.stated"
-    ),
-    "moving": Measure("machines whose links move, beside stored truths", "analysis.topics.machines.moving"),
-    "machines": Measure(
-        "capacitances of machines that the field solver encloses", "analysis.topics.verification.machines"
-    ),
-    "rooms": Measure(
-        "truths of plates in grounded rooms, by mirror images", "analysis.topics.verification.rooms"
-    ),
-    "coverage": Measure(
-        "distances of surveys beside boundary elements, and the bound on random bodies",
-        "analysis.coverage.check",
-    ),
-    "survey": Measure("the time of a survey without its page", "analysis.coverage.cost"),
-    "figures": Measure("figures of the notes", "analysis.documentation.figures"),
     "benchmarks": Measure("measured tables of model/MEASUREMENTS.md", "analysis.documentation.measurements"),
 }
 

@@ -23,7 +23,7 @@ from analysis.topics.company import set_ups as company
 from analysis.topics.company.topic import STORED as COMPANY_RECORDS
 from analysis.topics.corrections import set_ups as corrections, truths as corrections_truths
 from analysis.topics.insulators import set_ups as insulators, truths as insulators_truths
-from analysis.topics.machines import moving, set_ups as machines, truths as machines_truths
+from analysis.topics.machines import set_ups as machines, truths as machines_truths
 from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical_and_identity
 from geometries.studies.machines import before as with_readings
@@ -36,6 +36,7 @@ CLOSED_FORMS = 2
 """Random scenes of each closed form but the bowls, whose meshes are files of no fixed content."""
 CLOSED, ACCURATE, REDUCED, ELEMENTS = "formula", "formula:1e-2", "reduced:1", "boundary-elements:1e-2"
 PAIRS, FINE_ELEMENTS = "formula of pairs", "boundary-elements:1e-3"
+_MOVING = Path(__file__).with_name("moving.json")
 _OPTIONS = METHODS | {PAIRS: METHODS[CLOSED], FINE_ELEMENTS: {"method": BOUNDARY_ELEMENTS, "rtol": 1e-3}}
 
 
@@ -62,7 +63,18 @@ def all_cases() -> list[Case]:
 def _cases(
     name: str, scene: Scene, methods: Iterable[str], truths: Truths, has_readings: bool = True, **more: Any
 ) -> Iterator[Case]:
-    text, identity = canonical_and_identity(scene)
+    yield from _asked(name, *canonical_and_identity(scene), methods, truths, has_readings, **more)
+
+
+def _asked(
+    name: str,
+    text: str,
+    identity: str,
+    methods: Iterable[str],
+    truths: Truths,
+    has_readings: bool = True,
+    **more: Any,
+) -> Iterator[Case]:
     for method in methods:
         options = _OPTIONS[method] | more
         asked = json.dumps([identity, has_readings, options], default=np.ndarray.tolist)
@@ -123,15 +135,16 @@ def _closed_forms() -> Iterator[Case]:
 
 
 def _moving() -> Iterator[Case]:
-    """Machines in the poses of their motions that have a stored truth, all poses at once."""
-    stored = read_json(moving.FILE) or {}
-    for name, make in moving.MACHINES.items():
-        machine = make()
-        poses = sorted(stored[name], key=int)
+    """Machines in poses of their motions with stored truths, all poses at once."""
+    document = read_json(_MOVING)
+    assert document is not None
+    for name, machine in document["machines"].items():
+        text, poses = machine["scene"], machine["poses"]
         truths = {
             part_of(in_pose(reading, number), CHANGE): Estimate(*known)
             for number, pose in enumerate(poses)
-            for reading, known in stored[name][pose].items()
+            for reading, known in pose["changes"].items()
         }
-        motion = machine.poses[[int(pose) for pose in poses]]
-        yield from _cases(f"moving/{name}", machine.scene, (CLOSED, ACCURATE), truths, motion=motion)
+        motion = np.array([pose["links"] for pose in poses])
+        identity = hashlib.sha256(text.encode()).hexdigest()
+        yield from _asked(f"moving/{name}", text, identity, (CLOSED, ACCURATE), truths, motion=motion)

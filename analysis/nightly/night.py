@@ -11,7 +11,6 @@ import shlex
 import shutil
 import sys
 import threading
-import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -22,7 +21,6 @@ from analysis.results.store import write_text
 from analysis.results.study_results import Failure, case_folder, write_manifest
 from analysis.study import plan, workflow
 from analysis.study.plan import Work
-from analysis.topics.history.nights import Night
 from analysis.topics.trade_off import stage as trade_off
 from geometries.common.children import ENDS_WITH_PARENT
 from geometries.common.errors import InputError
@@ -48,10 +46,9 @@ class Options:
     job_seconds: float | None = None
 
 
-def run(study: Study, folder: Path, options: Options) -> Night:
-    """Brings every case of the study up to date in `folder`. KeyboardInterrupt ends it at once, with its jobs on a cluster; what was
-    finished stays."""
-    start = time.monotonic()
+def run(study: Study, folder: Path, options: Options) -> list[Failure]:
+    """Brings every case of the study up to date in `folder`; returns what failed. KeyboardInterrupt ends it at once, with its jobs on a
+    cluster; what was finished stays."""
     workers = options.workers or parallel_jobs()
     seconds = options.job_seconds or (_SECONDS_ON_A_CLUSTER if options.profile else _SECONDS_HERE)
     profile = find_profile(options.profile) if options.profile else None
@@ -71,7 +68,7 @@ def run(study: Study, folder: Path, options: Options) -> Night:
     finally:
         cluster.end(folder)
     write_manifest(folder, study, failures)
-    return Night(len(works), failures, time.monotonic() - start)
+    return failures
 
 
 def prepare(

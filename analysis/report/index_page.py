@@ -5,15 +5,30 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+import numpy as np
 from markupsafe import Markup
 
 from analysis.report import drawing, page
 from analysis.report.thumbnail import thumbnail
+from analysis.results import table
 from analysis.results.study_results import CaseResult, Results
+from analysis.results.table import Row
+from analysis.results.units import percent, too
 from geometries.studies.machines import NONE
 
 _FINDING = re.compile(r'<p class="finding">(.*?)</p>', re.DOTALL)
 _PARAGRAPH = re.compile(r"<p[^>]*>(.*?)</p>", re.DOTALL)
+_ON_A_MACHINE = "On a machine"
+_WHERE = {
+    "parallel": "Facing a plate",
+    "inclined": "Facing an inclined plate",
+    "edge": "Beside an edge",
+    "corner": "Off a corner",
+    "straddle": "Partly over an edge",
+    "sensors": "Two sensors side by side",
+    "box": "Facing a box",
+}
+"""Where the target of a family is, as seen from the sensor."""
 _FEWEST = 10
 """Points that a figure has at least for its thumbnail to be recognized."""
 
@@ -31,13 +46,21 @@ class Card:
 
 
 @dataclass(frozen=True)
-class Kind:
-    """Cases that look alike: the first one's page relative to the index, its drawing, the family in words, and how many there are."""
+class Picture:
+    """A picture that leads to a page, relative to the index; `words` stand below it."""
 
     target: str
-    drawing: Markup
-    words: str
-    count: int
+    drawn: str | Markup
+    words: str = ""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What the first screen says of a question: one sentence, with pictures."""
+
+    question: str
+    says: str
+    pictures: list[Picture]
 
 
 def first_finding(text: Markup) -> Markup:
@@ -53,21 +76,47 @@ def first_picture(text: Markup, title: str) -> Markup:
     return next(iter(rich + [each for each in drawn if each]), Markup(""))
 
 
-def kinds(results: Results, cases: str) -> list[Kind]:
-    """Returns the families of a study, one before each machine apart. `cases` is the folder of the cases as seen from the index."""
-    members: dict[str, list[CaseResult]] = {}
+def how_wrong(results: Results, rows: list[Row], cases: str) -> list[Answer]:
+    """Returns how wrong the model is in each family of a study, and on machines, with a drawing of each. `cases` is the folder of the cases as
+    seen from the index."""
+    places: dict[str, dict[str, list[CaseResult]]] = {}
     for case in results.compared():
         machine = str(case.parameters.get("machine", NONE))
-        members.setdefault(case.family if machine == NONE else f"{case.family}, {machine}", []).append(case)
+        alone = _WHERE.get(case.family, str(case.parameters.get("scene", case.family)))
+        where = alone if machine == NONE else _ON_A_MACHINE
+        words = "" if machine == NONE else f"{case.family}, {machine.replace('+', ' and ')}"
+        places.setdefault(where, {}).setdefault(words, []).append(case)
     return [
-        Kind(
-            f"{cases}/{own[0].id}/{page.CASE_PAGE}",
-            drawing.of_scene(own[0].scene, own[0].name),
-            words,
-            len(own),
+        Answer(
+            where,
+            _how_wrong([case.id for own in kinds.values() for case in own], rows),
+            [
+                Picture(
+                    f"{cases}/{own[0].id}/{page.CASE_PAGE}",
+                    drawing.of_scene(own[0].scene, own[0].name),
+                    words,
+                )
+                for words, own in kinds.items()
+            ],
         )
-        for words, own in members.items()
+        for where, kinds in places.items()
     ]
+
+
+def _how_wrong(cases: list[str], rows: list[Row]) -> str:
+    """Tells the model's error in the change of a reading, or in the charge on the target where no change is known."""
+    own = [row for row in table.compared(rows) if row.case.id in cases]
+    changes = [row for row in own if row.is_change]
+    errors = np.array([row.model_error for row in changes or own])
+    if not errors.size:
+        return "The model has no answer here."
+    worst = too(float(errors[np.argmax(np.abs(errors))]))
+    what = "The model's change of the reading is" if changes else "The model's charge on the target is"
+    if len(errors) == 1:
+        return f"{what} {worst}."
+    alike = (errors > 0).all() or (errors < 0).all()
+    usual = too(float(np.median(errors))) if alike else f"{percent(float(np.median(np.abs(errors))))} off"
+    return f"{what} mostly {usual}, at worst {worst} (of {len(errors)} values)."
 
 
 def document(
@@ -75,7 +124,7 @@ def document(
     inputs: str,
     warning: Markup,
     headline: Markup,
-    shown: list[Kind],
+    answers: list[Answer],
     cards: list[Card],
     rest: list[Markup],
 ) -> str:
@@ -86,7 +135,7 @@ def document(
         title=title,
         warning=warning,
         headline=headline,
-        kinds=shown,
+        answers=answers,
         own=own,
         others=others,
         rest=rest,

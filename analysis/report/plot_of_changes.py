@@ -8,7 +8,7 @@ import plotly.graph_objects as go
 from analysis.report.plot import Panel, Plot, axis, family_marker, figure, log_axis
 from analysis.report.plots_of_errors import error_points
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row, compared
-from analysis.results.units import PICOFARAD, signed_percent
+from analysis.results.units import PICOFARAD, too
 from geometries.studies.machines import NONE
 
 TITLE = "Model error in the change of a reading"
@@ -46,13 +46,11 @@ def _finding(changes: list[Row], machines: list[str], rows: list[Row]) -> str:
         errors = [row.model_error for row in changes if row.machine == machine]
         if errors:
             where = "without a machine" if machine == NONE else f"with {machine}"
-            among = f"median of {len(errors)}, {signed_percent(min(errors))} to {signed_percent(max(errors))}"
-            phrases.append(
-                f"{signed_percent(float(np.median(errors)))} {where} ({among if errors[1:] else 'one case'})"
-            )
+            among = f"median of {len(errors)}, {too(min(errors))} to {too(max(errors))}"
+            phrases.append(f"{too(float(np.median(errors)))} {where} ({among if errors[1:] else 'one case'})")
     unknown = sum(row.is_change and not row.is_compared for row in rows)
     left_out = f" The model knows no value of {unknown} more." if unknown else ""
-    return f"In the change of a reading the model is off by {', '.join(phrases)}.{left_out}"
+    return f"In the change of a reading the model is {', '.join(phrases)}.{left_out}"
 
 
 def _label(machine: str) -> str:

@@ -14,7 +14,7 @@ from analysis.results.names import in_words
 from analysis.results.set_up import SetUp
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.table import QUANTITIES, Row
-from analysis.results.units import PICOFARAD, signed_percent
+from analysis.results.units import PICOFARAD, too
 
 PERCENT = 100.0
 
@@ -165,10 +165,8 @@ def _finding(described: list[tuple[float, Row]], name: str) -> str:
     for quantity in _quantities([row for _, row in described]):
         below = [row.model_error for x, row in described if row.quantity == quantity and x <= low]
         above = [row.model_error for x, row in described if row.quantity == quantity and x >= high]
-        changes.append(
-            f"from {signed_percent(float(np.median(below)))} to {signed_percent(float(np.median(above)))} in {quantity}"
-        )
+        changes.append(f"from {too(float(np.median(below)))} to {too(float(np.median(above)))} in {quantity}")
     return (
-        f"Between the cases whose {name} is at most {low:.3g} and those where it is at least {high:.3g}, the median model "
-        f"error goes {' and '.join(changes)}."
+        f"Between the cases whose {name} is at most {low:.3g} and those where it is at least {high:.3g}, the median of the "
+        f"model goes {' and '.join(changes)}."
     )

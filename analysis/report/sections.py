@@ -17,7 +17,7 @@ from analysis.results.commands import COMPARED_METHOD, model_command, truth_comm
 from analysis.results.refusals import refusals
 from analysis.results.table import CHANGE, QUANTITIES, Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN
-from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent
+from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent, too
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
 
@@ -76,10 +76,11 @@ def _by(method: str) -> str:
 
 
 def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Markup:
-    """Returns the question, and the model errors for each family and quantity: on machines first, where there are any."""
+    """Returns what the words mean, and the model errors for each family and quantity: on machines first, where there are any."""
     summaries = sorted(summaries, key=lambda summary: summary.quantity != CHANGE)
     whole = {summary.quantity: summary for summary in summaries if summary.family == ALL_FAMILIES}
-    parts = [page.paragraph(_QUESTION)]
+    meaning = [page.paragraph(text) for text in (_QUESTION, _QUANTITIES, _ERROR)]
+    parts = [page.folded("What the words mean", page.lines(meaning))]
     for quantity, summary in whole.items():
         where = "On machines, change of the reading" if quantity == CHANGE else quantity
         sure = (
@@ -90,10 +91,9 @@ def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Mar
         parts.append(
             page.finding(
                 f"{where}: the model is {percent(summary.rms)} off (rms over {summary.count} cases), median {percent(summary.median)}, "
-                f"worst {signed_percent(summary.worst)}; {sure}"
+                f"worst {too(summary.worst)}; {sure}"
             )
         )
-    parts.append(page.paragraph(_QUANTITIES))
     if rows:
         parts.append(page.paragraph(answered_by(results, rows)))
     if not summaries:
@@ -107,13 +107,12 @@ def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Mar
             ("cases", lambda s: str(s.count)),
             ("rms", lambda s: percent(s.rms)),
             ("median size", lambda s: percent(s.median)),
-            ("worst", lambda s: signed_percent(s.worst)),
+            ("worst", lambda s: too(s.worst)),
             ("reference sure to", lambda s: percent(s.sure_to) if s.sure_to < 1 else "unknown"),
             ("worst case", lambda s: page.case_link(s.worst_case, results.cases[s.worst_case].name, "cases")),
             text_columns=2,
             strong=strong,
-        ),
-        page.soft(_ERROR),
+        )
     ]
     return page.beside(parts, table)
 

@@ -9,6 +9,8 @@ CENTIMETRE = 1e-2
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 """Permittivity of empty space (F/m), CODATA 2018."""
 
+_EXACT, _TIMES = 1e-12, 3.0
+"""The relative error below which a value is called exact, and the ratio to the truth from which on it is told instead of per cent."""
 _LARGE, _LEAST, _MOST_PLACES = 100.0, 1e-8, 9
 """The error from which on values of its size are unknown, the error below which it is written with an exponent, and the most decimals."""
 
@@ -27,6 +29,26 @@ def signed_percent(value: float, decimals: int | None = None) -> str:
         decimals = 0 if abs(value) >= 0.0995 else 1 if abs(value) >= 0.00995 else 2
     # The sum turns -0.0 into 0.0.
     return f"{round(100 * value, decimals) + 0.0:+.{decimals}f} %"
+
+
+def too(error: float) -> str:
+    """Writes (value − truth)/truth as people say it: 12 % too high, 12 % too low, 26 times too high, 5 times too low, of the wrong sign."""
+    ratio = 1 + error
+    if math.isnan(ratio) or math.isinf(ratio):
+        return "too high without limit" if ratio > 0 else "unknown"
+    if abs(error) < _EXACT:
+        return "exact"
+    if ratio < 0:
+        return "of the wrong sign"
+    if ratio >= _TIMES:
+        return f"{_two_digits(ratio)} times too high"
+    if 0 < ratio <= 1 / _TIMES:
+        return f"{_two_digits(1 / ratio)} times too low"
+    return f"{percent(abs(error))} too {'high' if error > 0 else 'low'}"
+
+
+def _two_digits(value: float) -> str:
+    return f"{float(f'{value:.2g}'):,.10g}"
 
 
 def duration(seconds: float, digits: int = 3) -> str:

@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.report import faults_section, index_page, page, plot_of_changes, scene_pages, sections
-from analysis.report.index_page import Card
+from analysis.report.index_page import Answer, Card, Picture
 from analysis.report.scene_pages import ScenePage
 from analysis.results import refusals, statistics, study_results as results, table
 from analysis.results.refusals import Refusal
@@ -23,9 +23,9 @@ from analysis.topics.all import TOPICS
 from analysis.topics.cross_check import agreement, section as cross_check_section
 from analysis.topics.errors import records as error_records
 from analysis.topics.errors.topic import ERRORS
-from analysis.topics.history import nights as history, page as history_page
 from analysis.topics.topic import Topic
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
+from analysis.topics.trends import page as trends_page
 
 PAGES = "report"
 """The folder of the pages and of plotly.js, which they share."""
@@ -58,7 +58,10 @@ def make(folder: Path) -> Report:
     answers = _answers(folder, found)
     in_field = [topic.checked() for topic in TOPICS]
     inputs = keys.page_inputs(answers, of_topics, faults, in_field)
-    nights = history.load(folder)
+    trends = folder / trends_page.PAGE
+    nights = (
+        index_page.first_finding(Markup(trends.read_text(encoding="utf-8"))) if trends.is_file() else None
+    )
     scenes = scene_pages.all_beside(folder)
     whole = keys.page_inputs(inputs, nights, [file for _, file in scenes])
     if not (
@@ -106,19 +109,18 @@ def _is_complete(folder: Path) -> bool:
 
 def _write(
     material: Material,
-    nights: list[Document],
+    nights: Markup | None,
     scenes: list[tuple[ScenePage, str]],
     inputs: str,
     whole: str,
 ) -> None:
-    """Writes the table, the pages, and last the report itself, which marks all of them as complete. `scenes` are the pages of scenes, with their files."""
+    """Writes the table, the pages, and last the report itself, which marks all of them as complete. `nights` is the finding of the
+    trends, if there are any, and `scenes` are the pages of scenes, with their files."""
     folder = material.found.folder
     write_text(folder / table.TABLE, table.to_csv(material.rows, material.found.methods))
     cards = _pages(material, inputs)
-    if nights and (folder / history_page.HISTORY).is_file():
-        cards.append(
-            Card(history_page.HISTORY, "What has moved from night to night?", history_page.finding(nights))
-        )
+    if nights is not None:
+        cards.append(Card(trends_page.PAGE, "What has changed from commit to commit?", nights))
     cards += [Card(file, each.title, each.says) for each, file in scenes]
     warning = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
     headline = sections.refused(material.found)
@@ -127,11 +129,29 @@ def _write(
         headline += page.plot_section(plot_of_changes.error_of_changes(material.rows), "cases")
     headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
-    shown = index_page.kinds(material.found, "cases")
+    answers = index_page.how_wrong(material.found, material.rows, "cases")
+    answers += _answers_of(cards, material)
     page.write(
         folder / page.REPORT,
-        index_page.document(material.found.title, whole, warning, headline, shown, cards, rest),
+        index_page.document(material.found.title, whole, warning, headline, answers, cards, rest),
     )
+
+
+def _answers_of(cards: list[Card], material: Material) -> list[Answer]:
+    """Returns which method to use and what speaks for the reference, with the pictures of the pages that tell more."""
+    said = {
+        "run_time": (
+            "Which method?",
+            trade_off_section.advice(trade_off.load(material.found.folder), material.found),
+        ),
+        CROSS_CHECK: ("Can the reference be believed?", cross_check_section.in_short(material.found)),
+    }
+    shown = {card.target: card for card in cards}
+    return [
+        Answer(question, says, [Picture(file, shown[file].picture)])
+        for name, (question, says) in said.items()
+        if says and (file := f"{PAGES}/{name}.html") in shown
+    ]
 
 
 def _pages(material: Material, inputs: str) -> list[Card]:

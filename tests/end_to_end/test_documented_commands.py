@@ -48,9 +48,6 @@ SMALL = {
     "python3 -m analysis coverage guarded_sensor": "python3 -m analysis coverage guarded_sensor --probe sphere:0.02 --grid 0.06 --method none --output {out}/coverage.html",
     "python3 -m analysis honesty": "python3 -m analysis honesty --only 0 --methods reduced:1 --results {out}/honesty",
     "python3 -m analysis golden FILE": "python3 -m analysis golden {out}/golden.json --only 'corrections/parallel-000/reduced*'",
-    "python3 -m analysis measure coverage guarded_sensor": "python3 -m analysis measure coverage guarded_sensor --probe sphere:0.02 --places 1 --bodies 1 --grid 0.06",
-    "python3 -m analysis measure moving --write FOLDER": "python3 -m analysis measure moving --write {out}/moving",
-    "python3 -m analysis measure survey x_ray_arm --grid 0.0362": "python3 -m analysis measure survey guarded_sensor --probe sphere:0.02 --grid 0.2",
     "python3 -m geometries person OUT": "python3 -m geometries person {out}/person.obj",
     "python3 -m geometries convert IN OUT": "python3 -m geometries convert {out}/in.vtu {out}/out.stl",
     "python3 -m tests.bad_input.corpus FOLDER": "python3 -m tests.bad_input.corpus {out}/corpus",
@@ -107,19 +104,20 @@ ELSEWHERE = {
     "python3 -m analysis measure WHAT": ("end_to_end/test_documented_commands.py", "test_every_measure_is_known_and_loads_and_each_is_in_a_note", "measure"),
     "python3 -m analysis company": ("analysis/topics/test_topic.py", "test_the_command_computes_what_is_missing_and_page_and_report_show_it", "company"),
     "python3 -m analysis corrections": ("analysis/topics/corrections/test_corrections.py", "test_every_set_up_is_told_with_its_truth_and_opened_by_its_point", "corrections"),
-    "python3 -m analysis diff OLD NEW --output difference.json": ("analysis/topics/history/test_difference.py", "test_drift_ends_with_code_1_a_table_and_a_document", "diff"),
+    "python3 -m analysis diff OLD NEW --output difference.json": ("analysis/topics/trends/test_trends.py", "test_drift_ends_with_code_1_a_table_and_a_document", "diff"),
     "python3 -m analysis documentation": ("analysis/documentation/test_documentation.py", "test_the_site_is_made_without_a_warning", "documentation"),
     "python3 -m analysis golden NEW --against FILE": ("analysis/golden/test_run.py", "test_every_option_of_the_command_acts", "--against"),
     "python3 -m analysis errors": ("analysis/topics/test_topic.py", "test_the_command_computes_what_is_missing_and_page_and_report_show_it", "errors"),
     "python3 -m analysis measure truths machines": ("analysis/topics/machines/test_truths.py", "test_what_has_no_record_is_solved_and_what_is_no_set_up_is_dropped", "truths"),
-    "python3 -m analysis measure machines": ("analysis/topics/verification/test_machines.py", "test_a_machine_that_is_unknown_is_refused", "machines"),
     "python3 -m analysis machines": ("analysis/topics/test_topic.py", "test_the_command_computes_what_is_missing_and_page_and_report_show_it", "machines"),
     "python3 -m analysis insulators": ("analysis/topics/test_topic.py", "test_the_command_computes_what_is_missing_and_page_and_report_show_it", "insulators"),
     "python3 -m analysis measure truths insulators": ("analysis/topics/insulators/test_insulators.py", "test_truths_are_solved_where_there_is_no_record", "truths"),
     "python3 -m analysis measure field-check insulators": ("analysis/topics/test_stored.py", "test_the_commands_solve_by_topic_and_tell_what_is_left", "insulators"),
     "python3 -m analysis nightly STUDY": ("analysis/nightly/test_night.py", "test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new", "nightly"),
+    "python3 -m analysis trends": ("analysis/topics/trends/test_trends.py", "test_the_command_tells_all_alarms_and_makes_the_page", "trends"),
+    "python3 -m analysis trends --bisect VALUE": ("analysis/topics/trends/test_trends.py", "test_the_command_bisects", "--bisect"),
+    "python3 -m analysis trends --count HEAD~10..": ("analysis/topics/trends/test_trends.py", "test_the_command_counts_before_it_tells", "--count"),
     "python3 -m analysis run STUDY --measure-model": (OPTIONS, "test_an_option_reaches_what_it_is_for", "--measure-model"),
-    "python3 -m analysis measure figures": ("analysis/documentation/test_figures.py", "test_the_figures_are_those_that_the_script_draws", "figures"),
     "python3 -m analysis measure benchmarks": ("analysis/documentation/test_measurements.py", "test_tables_are_replaced_and_nothing_else", "benchmarks"),
     "python3 -m fem_reference SCENE": (README, "test_the_reference_agrees_with_what_the_readme_shows", "fem_reference"),
     "python3 -m analysis run STUDY": ("end_to_end/test_run.py", "", "run"),
@@ -149,9 +147,6 @@ MINUTES = {
     "python3 -m tests.fem_reference.invariances": "python3 -m tests.fem_reference.invariances --first 31 --count 1",
     "build/bin/boundary_elements_benchmark": "build/bin/boundary_elements_benchmark",
     "build/bin/boundary_element_scenes_benchmark": "build/bin/boundary_element_scenes_benchmark",
-    "python3 -m analysis measure accuracy --every 13": "python3 -m analysis measure accuracy --every 400",
-    "python3 -m analysis measure stated --poses 90 --seed 1": "python3 -m analysis measure stated --poses 2",
-    "python3 -m analysis measure moving": "python3 -m analysis measure moving --poses 2 --rtol 0.05",
     "build/bin/reduced_benchmark --moving SCENE POSES": "build/bin/reduced_benchmark --moving geometries/scenes/guarded_sensor.toml 2",
     "build/bin/reduced_benchmark --covers 12": "build/bin/reduced_benchmark --covers 1",
     "build/bin/reduced_benchmark --machine 3": "build/bin/reduced_benchmark --machine 0",
@@ -231,7 +226,7 @@ def test_every_measure_is_known_and_loads_and_each_is_in_a_note() -> None:
         for command in given()
         if (match := re.match(r"python3 -m analysis measure ([a-z-]+)", command))
     }
-    assert named <= set(MEASURES) and set(MEASURES) - named <= {"rooms"}
+    assert named == set(MEASURES)
     for each in MEASURES.values():
         assert callable(import_module(each.module).measure)
 

@@ -135,7 +135,12 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     ("analysis", "job"): {"--help": SAID},
     ("analysis", "diff"): {
         "--help": SAID,
-        "--output": ("analysis/topics/history/test_difference.py", "test_drift_ends_with_code_1_a_table_and_a_document"),
+        "--output": ("analysis/topics/trends/test_trends.py", "test_drift_ends_with_code_1_a_table_and_a_document"),
+    },
+    ("analysis", "trends"): {
+        "--help": SAID,
+        "--bisect": ("analysis/topics/trends/test_trends.py", "test_the_command_bisects"),
+        "--count": ("analysis/topics/trends/test_trends.py", "test_the_command_counts_before_it_tells"),
     },
     ("analysis", "report"): {"--help": SAID},
     ("analysis", "verify"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},

@@ -1,40 +1,26 @@
-"""How many instructions fixed workloads of the model take, counted by callgrind: the same on a busy machine as on an idle one.
+"""How many instructions fixed workloads of the model take, as `analysis.topics.trends.counts` counts them.
 
 `python3 -m tests.model.instruction_counts` records the counts of the build in instruction_counts.json and prints what has
 changed; test_instruction_counts.py compares the build with them.
-
-Valgrind 3.19 emulates a processor with AVX2 and without AVX-512, so that the counts are those of the AVX2 code whatever the
-machine; a machine without AVX2 counts other instructions.
 """
 
 from __future__ import annotations
 
 import json
-import re
-import subprocess
 import sys
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from tests.waiting import DEADLINE
+from analysis.topics.trends.counts import PROGRAM, CountingFailed, count, workloads
 
 ROOT = Path(__file__).resolve().parents[2]
-PROGRAM = ROOT / "build" / "bin" / "instruction_counts"
 RECORDED = Path(__file__).with_suffix(".json")
 RECORD_COMMAND = "python3 -m tests.model.instruction_counts"
 
 # Counts repeat to the last few; a change of the code below this is one of the compiler's mood.
 TOLERANCE = 0.05
-# The function of the program that does the work and nothing else.
-_COUNTED = "fringe::benchmarks::counted_workload*"
-_TOTALS = re.compile(r"^totals: (\d+)$", re.MULTILINE)
 
 Counts = dict[str, int]
-
-
-class CountingFailed(Exception):
-    """The program or callgrind did not do what it should; the message says what it printed."""
 
 
 @dataclass(frozen=True)
@@ -63,33 +49,6 @@ class Comparison:
                 f"If this is intended, record the counts with `{RECORD_COMMAND}` and commit {RECORDED.name}."
             )
         return "\n".join(parts)
-
-
-def workloads(program: Path = PROGRAM) -> list[str]:
-    """The names of the program's workloads."""
-    return _run([str(program), "--list"]).split()
-
-
-def count(workload: str, program: Path = PROGRAM) -> int:
-    """The instructions of one workload, without its preparation; CountingFailed when there is no such count."""
-    with tempfile.TemporaryDirectory() as folder:
-        out = Path(folder) / "callgrind.out"
-        _run(
-            [
-                "valgrind",
-                "--tool=callgrind",
-                "--collect-atstart=no",
-                f"--toggle-collect={_COUNTED}",
-                f"--callgrind-out-file={out}",
-                str(program),
-                workload,
-            ]
-        )
-        found = _TOTALS.search(out.read_text(encoding="utf-8"))
-    # Without the function's name in the program callgrind would count nothing, and nothing would ever be slow.
-    if found is None or int(found[1]) == 0:
-        raise CountingFailed(f"{workload}: callgrind counted nothing")
-    return int(found[1])
 
 
 def count_all(program: Path = PROGRAM) -> Counts:
@@ -130,19 +89,6 @@ def _change(name: str, old: Counts, new: Counts) -> str:
     if name not in old:
         return f"  {name}: {new[name]:,}, for the first time"
     return f"  {name}: {old[name]:,} -> {new[name]:,} ({new[name] / old[name] - 1:+.1%})"
-
-
-def _run(command: list[str]) -> str:
-    """The command's standard output; CountingFailed when it is missing, fails, or takes too long."""
-    try:
-        finished = subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
-    except (OSError, subprocess.TimeoutExpired) as error:
-        raise CountingFailed(str(error)) from error
-    if finished.returncode != 0:
-        raise CountingFailed(
-            f"{' '.join(command)}: exit code {finished.returncode}: {finished.stderr.strip()}"
-        )
-    return finished.stdout
 
 
 def main() -> int:

@@ -152,6 +152,7 @@ COMMANDS = {
         "run",
         "nightly",
         "diff",
+        "trends",
         "report",
         "verify",
         "errors",

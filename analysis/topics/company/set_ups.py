@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 
 from analysis.pipeline.set_up_stages import OfScene
+from analysis.topics.draw import DIGITS, length
 from geometries.scene.poses import Pose, Vector3
 from geometries.scene.scene import Object, Scene, Sensor
 from geometries.scene.shapes import Cuboid
@@ -30,9 +31,6 @@ SENSOR, HAND = "sensor", "hand"
 ARRANGEMENTS = 10
 
 _SEED = 7
-# Decimals of a length: a tenth of a millimetre.
-_DIGITS = 4
-# Ranges of the sensor's side, and of the distances of the hand from the sensor, of the table from the hand and of the other person.
 _SIDES, _GAPS, _BEHIND, _BESIDE = (0.04, 0.2), (0.015, 0.2), (0.02, 0.2), (0.05, 0.4)
 # Range of the hand's size, and its largest shift to the side relative to the sensor's.
 _HANDS, _SHIFT = ((0.06, 0.12), (0.12, 0.22), (0.02, 0.06)), 0.75
@@ -106,13 +104,8 @@ def _arrangements() -> Iterator[Arrangement]:
     """Draws the arrangements. Python promises that the generator's numbers stay the same."""
     chance = random.Random(_SEED)
     for _ in range(ARRANGEMENTS):
-        side = _length(chance, _SIDES)
-        width, depth, height = (_length(chance, ends) for ends in _HANDS)
-        aside, along = (round(_SHIFT * side * chance.uniform(-1, 1), _DIGITS) for _ in range(2))
-        gap, behind, beside = (_length(chance, ends) for ends in (_GAPS, _BEHIND, _BESIDE))
+        side = length(chance, _SIDES)
+        width, depth, height = (length(chance, ends) for ends in _HANDS)
+        aside, along = (round(_SHIFT * side * chance.uniform(-1, 1), DIGITS) for _ in range(2))
+        gap, behind, beside = (length(chance, ends) for ends in (_GAPS, _BEHIND, _BESIDE))
         yield Arrangement(side, (width, depth, height), gap, (aside, along), behind, beside)
-
-
-def _length(chance: random.Random, ends: tuple[float, float]) -> float:
-    """Draws a length uniformly in its logarithm, so that small and large ones are equally frequent."""
-    return round(math.exp(chance.uniform(math.log(ends[0]), math.log(ends[1]))), _DIGITS)

@@ -12,7 +12,7 @@ from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.store import Document
-from analysis.results.units import CENTIMETRE, PICOFARAD, measured, percent, signed_percent
+from analysis.results.units import CENTIMETRE, PICOFARAD, measured, percent, signed_percent, too
 from analysis.topics.corrections.truths import RTOL
 from geometries.scene import reader
 from geometries.scene.scene import Scene
@@ -100,8 +100,8 @@ def _shown(case: Document) -> Shown:
     scene = reader.loads(case["scene"], case["name"])
     kept = "sealed: no constant was fitted on it" if case["sealed"] else "open to the fit of constants"
     truth, error = case["truth"] / PICOFARAD, case["error"] / PICOFARAD
-    off = ", ".join(f"{name} is off by {signed_percent(_error(case, name))}" for name in SHOWN)
-    finding_ = f"mutual: {measured(truth, error)} pF by boundary elements; {off}, the plain model {signed_percent(_error(case, 'none'))}."
+    off = ", ".join(f"{name} is {too(_error(case, name))}" for name in SHOWN)
+    finding_ = f"mutual: {measured(truth, error)} pF by boundary elements; {off}, the plain model {too(_error(case, 'none'))}."
     rows = [("boundary elements", measured(truth, error), "")]
     rows += [
         (name, f"{value / PICOFARAD:.6g}", signed_percent(value / case["truth"] - 1))

@@ -61,6 +61,19 @@ def finding(found: list[Comparison]) -> str:
     return f"{sentence}; the largest difference is {percent(worst.over_errors)} of what the errors allow ({place})."
 
 
+def in_short(results: Results) -> str:
+    """Tells in words how many values agree; empty if nothing is comparable."""
+    found = agreement.comparisons(results)
+    if not found:
+        return ""
+    agreeing = len(found) - len(agreement.disagreements(found))
+    apart = percent(float(np.median([abs(each.difference) for each in found])))
+    return (
+        f"Two solvers that share no code, by finite and by boundary elements, agree within the errors that they state in {agreeing:,} of "
+        f"{len(found):,} values; half are within {apart} of each other."
+    )
+
+
 def _reached(results: Results) -> str:
     solved = [case.boundary for case in results.cases.values() if case.boundary is not None]
     short = sum(not answer.reached for answer in solved)

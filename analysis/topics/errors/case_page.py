@@ -10,7 +10,7 @@ from markupsafe import Markup
 from analysis.report import page, plots_in_space
 from analysis.results.set_up import describe
 from analysis.results.store import write_text
-from analysis.results.units import picofarads, signed_percent
+from analysis.results.units import picofarads, too
 from analysis.topics.errors import records, section, stage
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry
@@ -38,7 +38,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
         head.append(
             page.finding(
                 f"{quantity}: {picofarads(true.value, true.error)} pF by boundary elements; the model is "
-                f"{signed_percent(entry.error(quantity))} off, mostly by {entry.largest(quantity)}."
+                f"{too(entry.error(quantity))}, mostly by {entry.largest(quantity)}."
             )
         )
     yield page.header(made.name, *head)

@@ -8,7 +8,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel
 from analysis.results.table import DELTA_SELF, MUTUAL
-from analysis.results.units import PICOFARAD, percent, signed_percent
+from analysis.results.units import PICOFARAD, percent, signed_percent, too
 from analysis.topics.errors import parts, plots, records
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry
@@ -105,10 +105,10 @@ def map_finding(group: str, found: list[Entry]) -> str:
         worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))
         signs = sorted(entry.error(quantity) for entry in _on(group, found))
         phrases.append(
-            f"in {quantity} from {signed_percent(signs[0])} to {signed_percent(signs[-1])}, farthest off at {_place(group, worst)}, mostly by "
+            f"in {quantity} from {too(signs[0])} to {too(signs[-1])}, farthest off at {_place(group, worst)}, mostly by "
             f"{worst.largest(quantity)} ({signed_percent(worst.parts(quantity)[worst.largest(quantity)])})"
         )
-    return f"The error goes {'; '.join(phrases)}."
+    return f"The model goes {'; '.join(phrases)}."
 
 
 def _on(group: str, found: list[Entry]) -> list[Entry]:

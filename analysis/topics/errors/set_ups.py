@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -11,7 +10,8 @@ from functools import cache
 from analysis.pipeline.set_up_stages import OfScene
 from analysis.results.names import in_words
 from analysis.results.set_up import describe
-from geometries.scene.poses import Pose, QuaternionRotation
+from analysis.topics.draw import logarithmic, rotation
+from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import PlateShape
 from geometries.studies import families, study
@@ -29,7 +29,7 @@ _TILTS = (0.0, 10.0, 20.0, 35.0, 50.0, 70.0, 90.0)
 _OFFSETS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0, 1.25, 1.5, 2.0)
 _RANDOM_COUNT, _SEED = 160, 6
 # Range of the random plates' sides (m), and their least distance relative to the smallest side.
-_SHORTEST, _LONGEST, _CLOSEST = 0.02, 0.3, 0.02
+_SIDES, _CLOSEST = (0.02, 0.3), 0.02
 _SHORT = 4
 """Digits of an identity that distinguish some hundred set-ups for a reader."""
 _REACH = 0.15
@@ -92,10 +92,10 @@ def _random_scenes() -> Iterator[Scene]:
     """
     chance, made = random.Random(_SEED), 0
     while made < _RANDOM_COUNT:
-        sensor, target = ((_side(chance), _side(chance)) for _ in range(2))
+        sensor, target = ((logarithmic(chance, _SIDES), logarithmic(chance, _SIDES)) for _ in range(2))
         centre = tuple(_REACH * chance.uniform(least, 1) for least in (-1, -1, 0))
         shape = PlateShape(target)
-        pose = Pose((centre[0], centre[1], centre[2]), QuaternionRotation(_rotation(chance)))
+        pose = Pose((centre[0], centre[1], centre[2]), rotation(chance))
         scene = _scene(families.empty(sensor), Object("target", shape, pose=pose))
         described = describe(scene)
         if described is not None and described.gap > _CLOSEST * min(*sensor, *target):
@@ -105,15 +105,3 @@ def _random_scenes() -> Iterator[Scene]:
 
 def _scene(empty: Scene, target: Object) -> Scene:
     return Scene(sensors=empty.sensors, objects=(target,))
-
-
-def _side(chance: random.Random) -> float:
-    """Draws a length uniformly in its logarithm, so that small and large sides are equally frequent."""
-    return math.exp(chance.uniform(math.log(_SHORTEST), math.log(_LONGEST)))
-
-
-def _rotation(chance: random.Random) -> tuple[float, float, float, float]:
-    """Draws a rotation uniformly from all rotations (K. Shoemake, Graphics Gems III (1992) 124)."""
-    u, first, second = chance.random(), 2 * math.pi * chance.random(), 2 * math.pi * chance.random()
-    a, b = math.sqrt(1 - u), math.sqrt(u)
-    return a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from analysis.pipeline.set_up_stages import OfScene
+from analysis.topics.draw import DIGITS, between, length, logarithmic
 from geometries.scene.covers import covers
 from geometries.scene.poses import Pose, Vector3
 from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
@@ -28,8 +29,6 @@ _SIDES, _GAPS = (0.04, 0.15), (0.01, 0.15)
 _HAND: tuple[tuple[float, float], ...] = ((0.06, 0.12), (0.08, 0.2), (0.015, 0.04))
 _SHIFT = 0.4
 """Largest shift of the hand to the side, relative to the sensor's size."""
-_DIGITS = 4
-"""Decimals of a length: a tenth of a millimetre."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +79,7 @@ def _of_family(family: str) -> Iterator[SetUp]:
     """Draws a family. Python promises that the generator's numbers stay the same."""
     chance = random.Random(_SEEDS[family])
     for number in range(1, COUNTS[family] + 1):
-        width, depth = (_logarithmic(chance, _SIDES) for _ in range(2))
+        width, depth = (length(chance, _SIDES) for _ in range(2))
         plate = Plate((-width / 2, -depth / 2, 0.0), (width, 0.0, 0.0), (0.0, depth, 0.0))
         sensor = Sensor(SENSOR, (plate,))
         parts = _DRAWN[family](chance, sensor)
@@ -102,13 +101,13 @@ def _of_family(family: str) -> Iterator[SetUp]:
 
 
 def _covered(chance: random.Random, sensor: Sensor, thickness: float, permittivity: float) -> _Parts:
-    gap = round(thickness + _logarithmic(chance, _GAPS), _DIGITS)
+    gap = round(thickness + length(chance, _GAPS), DIGITS)
     hand = (_hand(chance, sensor, gap),)
     return _Parts(permittivity, thickness, gap, hand, (*covers(sensor, thickness, permittivity), *hand))
 
 
 def _cover(chance: random.Random, sensor: Sensor) -> _Parts:
-    return _covered(chance, sensor, _logarithmic(chance, (0.5e-3, 10e-3)), round(chance.uniform(2, 6), 1))
+    return _covered(chance, sensor, length(chance, (0.5e-3, 10e-3)), round(chance.uniform(2, 6), 1))
 
 
 def _film(chance: random.Random, sensor: Sensor) -> _Parts:
@@ -116,32 +115,32 @@ def _film(chance: random.Random, sensor: Sensor) -> _Parts:
 
 
 def _mattress(chance: random.Random, sensor: Sensor) -> _Parts:
-    thickness, permittivity = _logarithmic(chance, (0.03, 0.12)), round(chance.uniform(1.05, 2), 2)
-    below, above = (_logarithmic(chance, (0.001, 0.01)) for _ in range(2))
-    sides = [round(3 * edge, _DIGITS) for edge in (sensor.plates[0].edge_u[0], sensor.plates[0].edge_v[1])]
+    thickness, permittivity = length(chance, (0.03, 0.12)), round(chance.uniform(1.05, 2), 2)
+    below, above = (length(chance, (0.001, 0.01)) for _ in range(2))
+    sides = [round(3 * edge, DIGITS) for edge in (sensor.plates[0].edge_u[0], sensor.plates[0].edge_v[1])]
     slab = _box("mattress", (sides[0], sides[1], thickness), (0.0, 0.0), below, permittivity)
-    gap = round(below + thickness + above, _DIGITS)
+    gap = round(below + thickness + above, DIGITS)
     hand = (_hand(chance, sensor, gap),)
     return _Parts(permittivity, thickness, gap, hand, (slab, *hand))
 
 
 def _blanket(chance: random.Random, sensor: Sensor) -> _Parts:
-    thickness, permittivity = _logarithmic(chance, (0.002, 0.01)), round(chance.uniform(1.2, 2.5), 1)
-    gap = round(thickness + _logarithmic(chance, _GAPS), _DIGITS)
+    thickness, permittivity = length(chance, (0.002, 0.01)), round(chance.uniform(1.2, 2.5), 1)
+    gap = round(thickness + length(chance, _GAPS), DIGITS)
     hand = _hand(chance, sensor, gap)
     assert isinstance(hand.shape, Cuboid)
-    width, depth = (round(1.5 * side, _DIGITS) for side in hand.shape.size[:2])
+    width, depth = (round(1.5 * side, DIGITS) for side in hand.shape.size[:2])
     x, y, _ = hand.pose.translation
-    low = round(gap - thickness, _DIGITS)
+    low = round(gap - thickness, DIGITS)
     layer = replace(_box("blanket", (width, depth, thickness), (x, y), low, permittivity), target=True)
     return _Parts(permittivity, thickness, gap, (hand,), (layer, hand))
 
 
 def _target(chance: random.Random, sensor: Sensor) -> _Parts:
-    gap = _logarithmic(chance, _GAPS)
+    gap = length(chance, _GAPS)
     hand = _hand(chance, sensor, gap)
     assert isinstance(hand.shape, Cuboid)
-    permittivity = round(math.exp(chance.uniform(math.log(2), math.log(80))), 1)
+    permittivity = round(logarithmic(chance, (2, 80)), 1)
     insulating = replace(hand, relative_permittivity=permittivity)
     return _Parts(permittivity, hand.shape.size[2], gap, (hand,), (insulating,))
 
@@ -157,18 +156,18 @@ _DRAWN: dict[str, Callable[[random.Random, Sensor], _Parts]] = {
 
 def _hand(chance: random.Random, sensor: Sensor, gap: float) -> Object:
     (plate,) = sensor.plates
-    width, depth, height = (round(chance.uniform(*ends), _DIGITS) for ends in _HAND)
+    width, depth, height = (between(chance, ends) for ends in _HAND)
     x, y = (
-        round(_SHIFT * edge * chance.uniform(-1, 1), _DIGITS) for edge in (plate.edge_u[0], plate.edge_v[1])
+        round(_SHIFT * edge * chance.uniform(-1, 1), DIGITS) for edge in (plate.edge_u[0], plate.edge_v[1])
     )
     return replace(_box(HAND, (width, depth, height), (x, y), gap, None), target=True)
 
 
 def _housing(chance: random.Random, sensor: Sensor) -> tuple[Object, ...]:
     (plate,) = sensor.plates
-    width, depth = (round(1.2 * edge, _DIGITS) for edge in (plate.edge_u[0], plate.edge_v[1]))
-    below = _logarithmic(chance, (0.003, 0.03))
-    return (_box("housing", (width, depth, 0.05), (0.0, 0.0), round(-below - 0.05, _DIGITS), None),)
+    width, depth = (round(1.2 * edge, DIGITS) for edge in (plate.edge_u[0], plate.edge_v[1]))
+    below = length(chance, (0.003, 0.03))
+    return (_box("housing", (width, depth, 0.05), (0.0, 0.0), round(-below - 0.05, DIGITS), None),)
 
 
 def _box(
@@ -177,8 +176,3 @@ def _box(
     """Returns a box whose lowest points are at z = `low`."""
     pose = Pose((*centre, round(low + size[2] / 2, 6)))
     return Object(name, Cuboid(size), pose=pose, relative_permittivity=permittivity)
-
-
-def _logarithmic(chance: random.Random, ends: tuple[float, float]) -> float:
-    """Draws a length uniformly in its logarithm, so that small and large ones are equally frequent."""
-    return round(math.exp(chance.uniform(math.log(ends[0]), math.log(ends[1]))), _DIGITS)

@@ -15,39 +15,18 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.topics.draw import DIGITS, between, length, rotation
 from geometries.scene.meshes import read_triangles
-from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3
+from geometries.scene.poses import AxisRotation, Pose, Rotation, Vector3
 from geometries.scene.scene import Object
 from geometries.scene.shapes import Capsule, Cuboid, Cylinder, Ellipsoid, MeshShape, PlateShape, Shape, Sphere
 
 Array = NDArray[np.float64]
-Range = tuple[float, float]
-
-DIGITS = 4
-"""Decimals of a length: a tenth of a millimetre."""
 # Sides of a round shape: its triangles are the truth here, and more of them cost time only.
 _SEGMENTS = 12
 _LINKS = tuple(Path(__file__).parent / "links" / f"{name}.obj" for name in ("shell", "bracket"))
 _UPRIGHT = AxisRotation((1.0, 0.0, 0.0), 90.0)
 """Turns the axis of a capsule or cylinder from z to y."""
-
-
-def length(chance: random.Random, ends: Range) -> float:
-    """Draws a length uniformly in its logarithm, so that small and large ones are equally frequent."""
-    return round(math.exp(chance.uniform(math.log(ends[0]), math.log(ends[1]))), DIGITS)
-
-
-def between(chance: random.Random, ends: Range) -> float:
-    """Draws a length uniformly."""
-    return round(chance.uniform(*ends), DIGITS)
-
-
-def rotation(chance: random.Random) -> QuaternionRotation:
-    """Draws a rotation uniformly from all rotations (K. Shoemake, Graphics Gems III (1992) 124)."""
-    u, first, second = chance.random(), 2 * math.pi * chance.random(), 2 * math.pi * chance.random()
-    a, b = math.sqrt(1 - u), math.sqrt(u)
-    numbers = a * math.sin(first), a * math.cos(first), b * math.sin(second), b * math.cos(second)
-    return QuaternionRotation(numbers)
 
 
 def hand(chance: random.Random, name: str, gap: float, shift: tuple[float, float]) -> Object:

@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from analysis.pipeline.set_up_stages import OfScene
+from analysis.topics.draw import DIGITS, length
 from analysis.topics.machines import bodies
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
@@ -108,35 +109,35 @@ def _table(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, 1)
     hand = _connected((_hand(chance, size),), chance)
     x, y = hand[0].pose.translation[:2]
-    near = bodies.farthest(hand[0], 2) + bodies.length(chance, _TABLE_BEHIND)
-    table = machines.table(_TABLE, x, y, round(near, bodies.DIGITS))
+    near = bodies.farthest(hand[0], 2) + length(chance, _TABLE_BEHIND)
+    table = machines.table(_TABLE, x, y, round(near, DIGITS))
     return _Parts(sensors, _mounted_on_a_box(chance, sensors), (table,), hand)
 
 
 def _arm(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, 3)
-    links = bodies.chain(chance, 3, size, -bodies.length(chance, _BEHIND))
+    links = bodies.chain(chance, 3, size, -length(chance, _BEHIND))
     return _Parts(sensors, links[:1], links[1:], (_hand(chance, size),))
 
 
 def _person(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, 1)
     own = _mounted_on_a_box(chance, sensors)
-    gap, shift = bodies.length(chance, _GAPS), _shift(chance, size)
+    gap, shift = length(chance, _GAPS), _shift(chance, size)
     person = bodies.person(chance, "person", gap, shift)
     return _Parts(sensors, own, (), _connected(person, chance))
 
 
 def _robot(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, chance.choice((1, 2, 3)))
-    links = bodies.chain(chance, chance.choice((2, 3, 4, 5)), size, -bodies.length(chance, _BEHIND))
+    links = bodies.chain(chance, chance.choice((2, 3, 4, 5)), size, -length(chance, _BEHIND))
     hand = _hand(chance, size)
-    beside = max(bodies.farthest(hand, 0), size) + bodies.length(chance, (0.02, 0.3))
-    folded = Cuboid((0.08, 0.08, bodies.length(chance, (0.1, 0.5))))
+    beside = max(bodies.farthest(hand, 0), size) + length(chance, (0.02, 0.3))
+    folded = Cuboid((0.08, 0.08, length(chance, (0.1, 0.5))))
     second = Object(
         "folded link",
         folded,
-        pose=Pose((round(beside + 0.04, bodies.DIGITS), 0.0, round(folded.size[2] / 2, bodies.DIGITS))),
+        pose=Pose((round(beside + 0.04, DIGITS), 0.0, round(folded.size[2] / 2, DIGITS))),
     )
     others = (*links[1:], second) if chance.random() < 0.5 else links[1:]
     return _Parts(sensors, links[:1], others, _connected((hand,), chance))
@@ -144,7 +145,7 @@ def _robot(chance: random.Random) -> _Parts:
 
 def _transmit(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, chance.choice((2, 3)))
-    own = bodies.chain(chance, 1, size, -bodies.length(chance, _BEHIND))
+    own = bodies.chain(chance, 1, size, -length(chance, _BEHIND))
     return _Parts(sensors, own, (), _connected((_hand(chance, size),), chance))
 
 
@@ -160,8 +161,8 @@ _DRAWN: dict[str, Callable[[random.Random], _Parts]] = {
 
 def _sensors(chance: random.Random, count: int) -> tuple[tuple[Sensor, ...], float]:
     """Draws equal sensors side by side along x, centred at the origin, in a random order; and the size of the rectangle around them."""
-    width, depth = (bodies.length(chance, _SIDES) for _ in range(2))
-    step = width + bodies.length(chance, _ASIDE)
+    width, depth = (length(chance, _SIDES) for _ in range(2))
+    step = width + length(chance, _ASIDE)
     starts = [round((place - (count - 1) / 2) * step - width / 2, 5) for place in range(count)]
     chance.shuffle(starts)
     edges = (width, 0.0, 0.0), (0.0, depth, 0.0)
@@ -176,9 +177,9 @@ def _mounted_on_a_box(chance: random.Random, sensors: tuple[Sensor, ...]) -> tup
     """Draws the grounded box below one sensor."""
     (plate,) = sensors[0].plates
     width, depth = plate.edge_u[0], plate.edge_v[1]
-    along, across = (round(chance.uniform(1.1, 3) * side, bodies.DIGITS) for side in (width, depth))
-    thick = bodies.length(chance, (0.01, 0.2))
-    below = bodies.length(chance, _BEHIND)
+    along, across = (round(chance.uniform(1.1, 3) * side, DIGITS) for side in (width, depth))
+    thick = length(chance, (0.01, 0.2))
+    below = length(chance, _BEHIND)
     return (
         Object(
             "housing", Cuboid((along, across, thick)), pose=Pose((0.0, 0.0, -round(below + thick / 2, 5)))
@@ -187,12 +188,12 @@ def _mounted_on_a_box(chance: random.Random, sensors: tuple[Sensor, ...]) -> tup
 
 
 def _hand(chance: random.Random, size: float) -> Object:
-    gap = bodies.length(chance, _GAPS)
+    gap = length(chance, _GAPS)
     return bodies.hand(chance, "hand", gap, _shift(chance, size))
 
 
 def _shift(chance: random.Random, size: float) -> tuple[float, float]:
-    x, y = (round(_SHIFT * size * chance.uniform(-1, 1), bodies.DIGITS) for _ in range(2))
+    x, y = (round(_SHIFT * size * chance.uniform(-1, 1), DIGITS) for _ in range(2))
     return x, y
 
 

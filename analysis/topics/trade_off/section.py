@@ -28,6 +28,7 @@ _SERIES = {
 # Methods with a label; others lie so close together that labels would cover them, and show their name under the pointer.
 _NAMED_OF_SPLITS = ("split:0", "split:4", "split:8")
 _BETTER_THAN_PLAIN = 0.75
+_ACCURACIES = (0.1, 0.01, 0.001)
 
 
 def section(document: Document | None, results: Results, cases: str) -> Markup:
@@ -64,6 +65,31 @@ def finding(found: list[Point], document: Document, results: Results) -> str:
             f"{_rounded(last.seconds / fast.seconds)} times as long"
         )
     return f"{sentence}. The plot spans {math.log10(max(seconds) / min(seconds)):.1f} decades of time."
+
+
+def advice(document: Document | None, results: Results) -> str:
+    """Tells the fastest method for each accuracy, in words; empty without a measurement."""
+    if document is None or not document["truths"]:
+        return ""
+    found = sorted(points.points(document, results), key=lambda point: point.seconds)
+    reached: dict[Point, list[str]] = {}
+    for accuracy in _ACCURACIES:
+        best = next((point for point in found if point.percentile_95 <= accuracy), None)
+        if best is not None:
+            reached.setdefault(best, []).append(percent(accuracy))
+    told = [
+        f"{' or '.join(accuracies)}: {_in_words(best)}, {duration(best.seconds, 2)} a pose"
+        for best, accuracies in reached.items()
+    ]
+    return f"For an error of at most {'; '.join(told)} (in 95 of 100 set-ups)." if told else ""
+
+
+def _in_words(point: Point) -> str:
+    if point.kind == "correction":
+        return f"the correction {point.name}"
+    if point.kind == "reduced":
+        return f"{point.name}, also of a robot that moves"
+    return {"model": "the plain model", "thesis": "the plain model"}.get(point.kind, point.kind)
 
 
 def plot(found: list[Point], known_to: float) -> go.Figure:

@@ -32,7 +32,8 @@ levels. Nothing was fitted to them."""
 
 
 ROOMS = Path(__file__).with_name("rooms.json")
-"""Maxwell matrices of plates in rooms, by `rooms`."""
+"""Maxwell matrices of plates in grounded rooms, in which a wall is a mirror: by boundary elements of the plates with their images in free space, so
+that the truth owes nothing to a mesh of space, nor to a room. Images beyond the far walls, 4 m away, are below 1e-6 of an entry."""
 
 
 def rooms() -> list[dict[str, Any]]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import pytest
@@ -10,7 +9,8 @@ import pytest
 from analysis.nightly import chunks, slurm_status
 from analysis.results import study_results as results
 from analysis.study.plan import Work
-from analysis.topics.history import page as history_page
+from analysis.topics.trends import changes, page as trends_page, records
+from analysis.topics.trends.records import Record
 from geometries.common.errors import InputError
 from tests.analysis.nightly.kill_nights import kill_nights
 from tests.analysis.nightly.toy_repository import ToyRepository
@@ -26,13 +26,16 @@ def toy(tmp_path_factory: pytest.TempPathFactory) -> ToyRepository:
     return made
 
 
-def nights(toy: ToyRepository) -> list[dict[str, object]]:
-    return [json.loads(path.read_text()) for path in sorted(toy.results.glob("history/*.json"))]
+def by_night(toy: ToyRepository) -> list[list[Record]]:
+    """The values that each night has appended."""
+    found = records.load(toy.results)
+    return [[each for each in found if each.time == time] for time in sorted({each.time for each in found})]
 
 
 def test_a_failed_case_fails_the_night_and_the_others_go_on(toy: ToyRepository) -> None:
     assert len(toy.answers()) == 3
-    assert nights(toy)[0]["failed"] == 1 and nights(toy)[0]["rows"] == 4
+    (first,) = by_night(toy)
+    assert len({each.case for each in first}) == 2
 
 
 def test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new(toy: ToyRepository) -> None:
@@ -41,9 +44,9 @@ def test_the_next_night_solves_only_what_is_missing_and_tells_what_is_new(toy: T
     assert second.returncode == 0, second.stderr
     assert sum((toy.solved() - before).values()) == 1 and max(toy.solved().values()) == 1
     assert "0 values moved by more than their errors" in second.stdout
-    last = nights(toy)[-1]
-    assert (last["to_do"], last["new"], last["moved"], last["failed"]) == (1, 2, 0, 0)
-    assert {path.name for path in toy.results.iterdir()} >= {"report.html", "history.html", "snakemake.log"}
+    first, last = by_night(toy)
+    assert not {each.case for each in first} & {each.case for each in last}
+    assert {path.name for path in toy.results.iterdir()} >= {"report.html", trends_page.PAGE, "snakemake.log"}
 
 
 def test_a_study_run_by_snakemake_has_the_table_of_one_run_without(
@@ -60,7 +63,8 @@ def test_a_value_that_moved_fails_the_night_and_is_told(toy: ToyRepository) -> N
     third = toy.run("nightly", TOY_SHIFT="0.5")
     assert third.returncode == 1
     assert "6 values moved by more than their errors" in third.stdout
-    assert "the last time on" in history_page.finding(nights(toy))
+    found = records.load(toy.results)
+    assert "6 of them have changed" in trends_page.finding(found, changes.marks(found))
 
 
 def test_two_methods_that_disagree_fail_the_night_and_are_told_first(toy: ToyRepository) -> None:

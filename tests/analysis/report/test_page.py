@@ -31,7 +31,7 @@ def test_plain_text_is_escaped_in_every_part() -> None:
             title=HOSTILE,
             warning="",
             headline="",
-            kinds=[index_page.Kind(HOSTILE, Markup(""), HOSTILE, 1)],
+            answers=[index_page.Answer(HOSTILE, HOSTILE, [index_page.Picture(HOSTILE, Markup(""), HOSTILE)])],
             own=[index_page.Card(HOSTILE, HOSTILE, HOSTILE)],
             others=[index_page.Card(HOSTILE, HOSTILE, HOSTILE)],
             rest=[],

@@ -51,7 +51,7 @@ def test_machines_differ_in_colour_and_symbol(folder: Path) -> None:
 def test_the_finding_tells_the_error_by_machine_and_how_many_are_left_out(folder: Path) -> None:
     finding = plot(folder).finding
     assert finding.startswith(
-        "In the change of a reading the model is off by +125 % with housing (one case), +80 % without a machine (one case)"
+        "In the change of a reading the model is 125 % too high with housing (one case), 80 % too high without a machine (one case)"
     )
     assert finding.endswith("The model knows no value of 2 more.")
 

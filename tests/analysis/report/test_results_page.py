@@ -14,7 +14,7 @@ from analysis.results.store import write_text
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    for name, title in (("default/report", "A < B"), ("default/history", "Nights"), ("sweep/arm", "Arm")):
+    for name, title in (("default/report", "A < B"), ("default/trends", "Trends"), ("sweep/arm", "Arm")):
         write_text(tmp_path / f"{name}.html", page.document(title, "inputs", [], ""))
     for other in ("default/table.csv", "default/study.json", "default/cases/1/case.html", "coverage/arm.vtu"):
         write_text(tmp_path / other, "")
@@ -31,7 +31,7 @@ def test_each_page_and_table_is_listed_once(folder: Path) -> None:
     assert listed == [
         ("coverage/arm.vtu", "arm.vtu"),
         ("default/report.html", "A &lt; B"),
-        ("default/history.html", "Nights"),
+        ("default/trends.html", "Trends"),
         ("default/table.csv", "table.csv"),
         ("documentation/analysis/documentation/index.html", "Notes"),
         ("sweep/arm.html", "Arm"),

@@ -10,7 +10,7 @@ import pytest
 from analysis.results import changes, statistics, study_results as results, table
 from analysis.results.answers import ModelAnswer, ReferenceAnswer
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
-from analysis.topics.history import difference
+from analysis.topics.trends import changes as trend_changes, records
 from geometries.scene import reader
 from geometries.studies import families
 from tests.analysis.synthetic import (
@@ -111,26 +111,9 @@ def test_the_table_has_empty_cells_there_and_can_be_compared_with_itself(
     assert (last["quantity"], last["reading"], last["object"]) == (CHANGE, "sensor", "")
     empty = ["model_error", "model_error_low", "model_error_high", "model_exact_F", "model_split:0_seconds"]
     assert [last[name] for name in empty] == [""] * 5 and float(last["reference_F"]) == 0.1e-12
-    lines = difference.read(path)
-    assert len(lines) == len(rows) and list(lines.values())[-1].model == {}
-    found = difference.between(lines, lines)
-    assert found.rows == len(rows) and not (found.moved or found.new or found.gone)
-
-
-def test_a_table_without_the_column_of_readings_is_compared_too(tmp_path: Path) -> None:
-    found = table.rows(results.load(make_results(tmp_path)))
-    path = tmp_path / table.TABLE
-    path.write_text(table.to_csv(found, ("exact",)), encoding="utf-8")
-    records = list(csv.DictReader(path.open(encoding="utf-8")))
-    with path.open("w", encoding="utf-8", newline="") as opened:
-        writer = csv.DictWriter(
-            opened, [name for name in records[0] if name != "reading"], extrasaction="ignore"
-        )
-        writer.writeheader()
-        writer.writerows(records)
-    assert set(difference.read(path)) == {
-        (row.case.id, row.sensor, row.object, "", row.quantity) for row in found
-    }
+    found = records.of_table(path)
+    assert [each.kind for each in found if each.case == last["case"]] == ["field solver"]
+    assert not trend_changes.marks(found + found)
 
 
 def test_answers_of_earlier_versions_have_no_readings_and_give_the_rows_they_gave(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.results.units import measured, picofarads, signed_percent
+from analysis.results.units import measured, picofarads, signed_percent, too
 
 IN_CPP = (Path(__file__).parents[2] / "model" / "cli" / "measured_test.cpp").read_text(encoding="utf-8")
 CASES = re.findall(r'EXPECT_EQ\(measured\((-?[\d.e+-]+), (-?[\d.e+-]+)\), "(.*)"\);', IN_CPP)
@@ -36,3 +36,23 @@ def test_capacitances_are_given_in_farads() -> None:
 
 def test_a_difference_without_an_upper_end_is_told_in_words() -> None:
     assert signed_percent(math.inf) == "without limit"
+
+
+@pytest.mark.parametrize(
+    ("error", "words"),
+    [
+        (25.27, "26 times too high"),
+        (1234.0, "1,200 times too high"),
+        (0.123, "12 % too high"),
+        (1.9, "190 % too high"),
+        (-0.123, "12 % too low"),
+        (-0.8, "5 times too low"),
+        (-1.0, "100 % too low"),
+        (-1.2, "of the wrong sign"),
+        (0.0, "exact"),
+        (math.inf, "too high without limit"),
+        (math.nan, "unknown"),
+    ],
+)
+def test_errors_are_told_as_people_say_them(error: float, words: str) -> None:
+    assert too(error) == words

@@ -17,7 +17,7 @@ from analysis.study import report
 from analysis.study.questions import QUESTIONS
 from analysis.topics.corrections import stage as corrections_stage
 from analysis.topics.corrections.topic import CORRECTIONS
-from analysis.topics.history import page as history_page
+from analysis.topics.trends import page as trends_page, records
 from geometries.common.errors import InputError
 from tests.analysis.synthetic import (
     corrections_document,
@@ -57,8 +57,8 @@ def test_every_plot_has_a_figure_and_a_finding(folder: Path, title: str) -> None
 
 def test_the_headline_has_a_line_for_each_quantity_and_family(folder: Path) -> None:
     text = report_text(folder)
-    assert "mutual: the model is 10 % off (rms over 5 cases), median 10 %, worst −10 %" in text
-    assert "delta_self: the model is 80 % off (rms over 5 cases), median 80 %, worst +80 %" in text
+    assert "mutual: the model is 10 % off (rms over 5 cases), median 10 %, worst 10 % too low" in text
+    assert "delta_self: the model is 80 % off (rms over 5 cases), median 80 %, worst 80 % too high" in text
     assert "sure to 0.5 % or better" in text
 
 
@@ -201,14 +201,11 @@ def test_a_page_that_is_gone_is_made_again_and_one_of_no_question_removed(folder
 def test_a_night_changes_the_report_alone(folder: Path) -> None:
     report.make(folder)
     page = (folder / "report" / "model_error.html").stat().st_mtime_ns
-    night = {"time": "2026-01-02T03:04:05+00:00", "table": "", "failed": 0, "to_do": 0, "seconds": 1.0}
-    worst = {"worst": {name: 0.1 for name in table.QUANTITIES}, "reference_seconds": 9.0}
-    store.write_json(folder / "history" / "2026.json", night | worst)
-    history = history_page.make(folder)
-    for target in re.findall(r'(?:href|src)="([^"]*)"', history.read_text()):
+    records.add(folder, records.of_night(folder))
+    for target in re.findall(r'(?:href|src)="([^"]*)"', trends_page.make(folder).read_text()):
         assert (folder / target).is_file()
     text = report.make(folder).path.read_text()
-    assert 'href="history.html"' in text and "1 nights since 2026-01-02 03:04" in text
+    assert 'href="trends.html"' in text and "values over 1 commits: none has changed" in text
     assert (folder / "report" / "model_error.html").stat().st_mtime_ns == page
 
 

@@ -118,6 +118,14 @@ def test_the_finding_is_computed(found: Results) -> None:
     assert "spans 6.7 decades" in sentence
 
 
+def test_the_fastest_method_for_each_accuracy_is_told_in_words(found: Results) -> None:
+    assert section.advice(document(found, **ERRORS), found) == (
+        "For an error of at most 10 %: the correction formula, 3 µs a pose; 1 % or 0.1 %: reduced:2, also of a robot that moves, 4 µs "
+        "a pose (in 95 of 100 set-ups)."
+    )
+    assert section.advice(None, found) == ""
+
+
 def test_run_time_against_error_follows_the_first_plot_of_a_report_once_measured(found: Results) -> None:
     before = report.make(found.folder).path.read_text()
     assert "Run time against error of all methods" not in before

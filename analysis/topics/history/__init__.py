@@ -1,1 +1,0 @@
-"""The nights of a study: the difference between two results, the record of the nights, and their page."""

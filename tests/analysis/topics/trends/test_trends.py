@@ -1,0 +1,271 @@
+"""The trends of a study's nights: what a night appends, the page, `diff`, and the commit of a change."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+import subprocess
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from analysis import __main__ as command_line
+from analysis.results import store
+from analysis.study import report
+from analysis.topics.trends import changes, commits, counts, page, records
+from analysis.topics.trends.records import Record
+from geometries.common.errors import InputError
+from tests.analysis.synthetic import make_results, model_document, reference_document
+from tests.analysis.topics.trends.test_changes import nights
+
+
+def answer(folder: Path, mutual: float, key: str) -> None:
+    """The field solver has answered the first case anew."""
+    report.make(
+        make_results(folder, answers={0: (reference_document(mutual, 1) | {"key": key}, model_document(1.8))})
+    )
+
+
+def count(instructions: int) -> Record:
+    return records.of_count("workload", instructions, "true", str(instructions), "valgrind 3")
+
+
+def test_a_night_appends_what_is_new_with_its_origin(tmp_path: Path) -> None:
+    answer(tmp_path, 2.0, "first")
+    first = records.add(tmp_path, [*records.of_night(tmp_path), count(1000)])
+    assert {each.kind for each in first} >= {
+        "field solver",
+        "model exact",
+        "model split:0",
+        records.INSTRUCTIONS,
+    }
+    assert records.add(tmp_path, [*records.of_night(tmp_path), count(1000)]) == []
+    answer(tmp_path, 2.1, "second")
+    (mutual, delta_self, counted) = records.add(tmp_path, [*records.of_night(tmp_path), count(1100)])
+    assert records.load(tmp_path) == [*first, mutual, delta_self, counted]
+    assert mutual.name.startswith("mutual sensor target, parallel ") and mutual.name.endswith(mutual.case)
+    assert (mutual.value, mutual.error) == pytest.approx((2.1e-12, 0.01e-12))
+    assert mutual.inputs == "second" and "dolfinx 0.5.2" in mutual.versions
+    assert mutual.command.startswith("python3 -m fem_reference ") and mutual.command.endswith(" --json")
+    assert len(mutual.commit) >= 40 and mutual.processor and mutual.time > first[0].time
+    assert [mark.after for mark in changes.marks(records.load(tmp_path))] == [counted, mutual]
+
+
+def test_a_line_that_a_killed_night_left_unfinished_is_written_again(tmp_path: Path) -> None:
+    answer(tmp_path, 2.0, "first")
+    whole = records.add(tmp_path, records.of_night(tmp_path))
+    file = tmp_path / records.FILE
+    file.write_text(file.read_text()[:-10])
+    assert records.load(tmp_path) == whole[:-1]
+    (again,) = records.add(tmp_path, records.of_night(tmp_path))
+    assert again.series == whole[-1].series and len(records.load(tmp_path)) == len(whole)
+
+
+def test_a_value_that_is_not_finite_is_kept_as_unknown(tmp_path: Path) -> None:
+    answer(tmp_path, math.inf, "first")
+    records.add(tmp_path, records.of_night(tmp_path))
+    assert "Infinity" not in (tmp_path / records.FILE).read_text()
+    assert any(math.isnan(each.value) for each in records.load(tmp_path))
+    assert records.add(tmp_path, records.of_night(tmp_path)) == []
+
+
+def written(folder: Path, found: list[Record]) -> Path:
+    """Results with these records in place of their own."""
+    make_results(folder)
+    lines = [json.dumps(vars(each)) + "\n" for each in found]
+    (folder / records.FILE).write_text("".join(lines))
+    return page.make(folder)
+
+
+def test_the_page_shows_every_value_over_the_commits_and_marks_changes(tmp_path: Path) -> None:
+    moved = nights([2.0] * 6 + [2.5] * 6, name="moved")
+    counted = nights([1000.0] * 8 + [1200.0] * 4, error=5.0, kind=records.INSTRUCTIONS, name="workload")
+    text = written(tmp_path, moved + nights([3.0] * 12, name="steady") + counted).read_text()
+    assert "3 values over 12 commits: 2 of them have changed by more than their errors allow" in text
+    assert (
+        "field solver, since the first night: 2 values" in text
+        and "instructions, since the first night" in text
+    )
+    assert text.count('"x",') == 2 and "c5 … c6" in text and "+20.00 %" in text
+    assert text.count('<td class="text">steady</td>') == 1
+    (tmp_path / "data").is_dir()
+    for target in re.findall(r'(?:href|src)="([^"]*\.csv|[^"]*\.js)"', text):
+        assert (tmp_path / target).is_file()
+
+
+def test_the_page_folds_what_is_held_back(tmp_path: Path) -> None:
+    moved = [each for n in range(3) for each in nights([2.0] * 6 + [2.5] * 6, name=f"moved {n}")]
+    found = [replace(each, processor="new") if each.time >= "0006" else each for each in moved]
+    text = written(tmp_path, found).read_text()
+    assert "none has changed by more than its errors allow" in text and "Show 3 changes" in text
+
+
+def test_the_command_tells_all_alarms_and_makes_the_page(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    written(tmp_path, nights([2.0] * 6 + [2.5] * 6))
+    assert command_line.main(["trends", str(tmp_path)]) == 0
+    printed = capsys.readouterr().out
+    assert "field solver: a: moved, 2 -> 2.5 (+2.50e-01), 2.5 times" in printed and page.PAGE in printed
+
+
+def git(folder: Path, *words: str) -> str:
+    who = ["-c", "user.name=nobody", "-c", "user.email=nobody@localhost"]
+    return subprocess.run(
+        ["git", "-C", str(folder), *who, *words], capture_output=True, text=True, check=True
+    ).stdout.strip()
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> tuple[Path, list[str]]:
+    """Ten commits of a program that prints a matrix, of which the seventh changes an entry; the sixth does not build. Results are beside them."""
+    folder = tmp_path / "repository"
+    folder.mkdir()
+    git(folder, "init", "--quiet")
+    commits = []
+    for at in range(10):
+        (folder / "answer.json").write_text(
+            json.dumps({"at": at, "maxwell": [[9, -2.5 if at >= 6 else -2.0]]})
+        )
+        (folder / "builds").write_text("false" if at == 5 else "true")
+        git(folder, "add", "--all")
+        git(folder, "commit", "--quiet", "--message", f"commit {at}")
+        commits.append(git(folder, "rev-parse", "HEAD"))
+    return folder, commits
+
+
+def nights_of(commits: list[str], command: str) -> list[Record]:
+    known = nights([2.0, 2.5], name="mutual")
+    return [replace(each, commit=commit, command=command) for each, commit in zip(known, commits)]
+
+
+def test_the_commit_of_a_change_is_found_by_building_and_asking_again(
+    tmp_path: Path, repository: tuple[Path, list[str]]
+) -> None:
+    folder, known = repository
+    written(tmp_path, nights_of([known[0], known[-1]], "cat answer.json"))
+    said = commits.find(tmp_path, "field solver: mutual", folder, build="true")
+    assert f"{known[6]} is the first bad commit" in said and "commit 6" in said
+    assert len(git(folder, "worktree", "list").splitlines()) == 1
+
+
+def test_commits_that_do_not_build_are_passed_over(
+    tmp_path: Path, repository: tuple[Path, list[str]]
+) -> None:
+    folder, known = repository
+    written(tmp_path, nights_of([known[4], known[7]], "cat answer.json"))
+    said = commits.find(tmp_path, "mutual", folder, build="sh builds")
+    assert "only 'skip'ped commits left" in said and known[5] in said and known[6] in said
+
+
+@pytest.mark.parametrize(
+    ("name", "which", "reason"),
+    [
+        ("nothing", slice(0, 2), "is no value that has changed"),
+        ("mutual", slice(0, 1), "has not changed between two commits that are known"),
+    ],
+)
+def test_what_has_no_commits_to_look_at_is_refused(
+    name: str, which: slice, reason: str, tmp_path: Path, repository: tuple[Path, list[str]]
+) -> None:
+    folder, known = repository
+    written(tmp_path, nights_of((known[which] * 2)[:2], "cat answer.json"))
+    with pytest.raises(InputError, match=reason):
+        commits.find(tmp_path, name, folder, build="true")
+
+
+def test_numbers_are_found_in_text_too(tmp_path: Path, repository: tuple[Path, list[str]]) -> None:
+    folder, known = repository
+    written(tmp_path, nights_of([known[0], known[-1]], "echo Collected : $(cut -b 2- answer.json)"))
+    assert f"{known[6]} is the first bad commit" in commits.find(tmp_path, "mutual", folder, build="true")
+
+
+def test_workloads_are_counted_at_each_commit_and_a_planted_regression_is_found(
+    tmp_path: Path,
+    repository: tuple[Path, list[str]],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The program of a commit takes 400 times the second entry of its matrix, and the sixth has none."""
+    folder, known = repository
+
+    def counted(program: Path) -> list[Record]:
+        (row,) = json.loads((program.parents[2] / "answer.json").read_text())["maxwell"]
+        return [count(round(-400 * row[1]))]
+
+    monkeypatch.setattr(counts, "of_build", counted)
+    found = list(commits.count(tmp_path / "trends", "--all", folder, build="sh builds"))
+    assert [commit for commit, _ in found] == known
+    assert [len(new) for _, new in found] == [1, 0, 0, 0, 0, 0, 1, 0, 0, 0]
+    (mark,) = changes.marks(records.load(tmp_path / "trends"))
+    assert (mark.what, mark.before.commit, mark.after.commit) == (changes.SLOWER, known[0], known[6])
+    assert command_line.main(["trends", str(tmp_path / "trends")]) == 0
+    assert "instructions: workload: more instructions, 800 -> 1000" in capsys.readouterr().out
+
+
+def test_the_command_counts_before_it_tells(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(commits, "count", lambda folder, which: [(f"{folder.name} {which}", [])])
+    assert command_line.main(["trends", str(tmp_path), "--count", "HEAD~3.."]) == 0
+    assert f"{tmp_path.name} HEAD~3..: 0 counts are new" in capsys.readouterr().out
+
+
+def test_the_command_bisects(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(commits, "find", lambda folder, name: f"{folder} {name}\n")
+    assert command_line.main(["trends", str(tmp_path), "--bisect", "mutual"]) == 0
+    assert capsys.readouterr().out == f"{tmp_path} mutual\n"
+
+
+@pytest.fixture
+def folders(tmp_path: Path) -> tuple[Path, Path]:
+    """Results in which one case's mutual is 2.0 ± 0.01 pF, then 2.1 ± 0.01 pF."""
+    for name, mutual in (("old", 2.0), ("new", 2.1)):
+        answer(tmp_path / name, mutual, "")
+    return tmp_path / "old", tmp_path / "new"
+
+
+def test_drift_ends_with_code_1_a_table_and_a_document(
+    folders: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    document = tmp_path / "difference.json"
+    assert command_line.main(["diff", *map(str, folders), "--output", str(document)]) == 1
+    printed = capsys.readouterr().out
+    assert "1 values moved by more than their errors" in printed and "+5.00e-02" in printed
+    (told,) = json.loads(document.read_text())["moved"]
+    assert told["after"]["kind"] == "field solver" and told["over"] == pytest.approx(5)
+
+
+def test_no_drift_ends_with_code_0_for_folders_and_tables(
+    folders: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    old, _ = folders
+    assert command_line.main(["diff", str(old), str(old / "table.csv")]) == 0
+    assert "40 values in both, 0 new, 0 gone" in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        (None, "cannot be read"),
+        ("a,b\n1,2\n", "is missing from the columns of this table"),
+        ("case,family,quantity,sensor,object,field_F\na,b,c,d,e,x\n", "line 2: is not a row of a table"),
+    ],
+)
+def test_wrong_tables_end_with_code_2_and_a_reason(
+    text: str | None,
+    told: str,
+    folders: tuple[Path, Path],
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    wrong = tmp_path / "wrong.csv"
+    if text is not None:
+        wrong.write_text(text)
+    assert command_line.main(["diff", str(folders[0]), str(wrong)]) == 2
+    printed = capsys.readouterr()
+    assert told in printed.err and not printed.out
