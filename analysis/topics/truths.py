@@ -18,7 +18,7 @@ def arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "topic",
         choices=_MAKE,
-        help="a minute for the corrections, half an hour for the others; delete the file to solve all anew",
+        help="a minute for the corrections, a quarter of an hour for the others; delete the file to solve all anew",
     )
 
 

@@ -1,4 +1,4 @@
-"""The true changes of the set-ups on machines, by boundary elements: `python3 -m analysis measure truths machines`, half an hour of two cores."""
+"""The true changes of the set-ups on machines, by boundary elements: `python3 -m analysis measure truths machines`, a quarter of an hour of two cores."""
 
 from __future__ import annotations
 
