@@ -355,8 +355,11 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
     if (matrix.present.size() > 0 && matrix.present.tail(matrix.unknowns.size()).isZero(0))
       return solve_functions(matrix, net);
     const TwoLevelPreconditioner preconditioner(matrix, coarse, panel_tolerance_, threads_);
-    if (!preconditioner.is_positive_definite())
-      return SpaceSolution{.positive_definite = false};
+    if (!preconditioner.is_positive_definite()) {
+      SpaceSolution none;
+      none.positive_definite = false;
+      return none;
+    }
     if (without == nullptr)
       return solve_space(matrix, preconditioner, net, accuracies, std::move(start));
     const VectorXd& is_machine =
