@@ -16,13 +16,10 @@ MatrixXd of_pairs(const VectorXd& energies) {
   return (energies * energies.transpose()).cwiseSqrt();
 }
 
-MatrixXd symmetric(const MatrixXd& matrix) {
-  return (matrix + matrix.transpose()) / 2;
-}
-
 /// Returns the energies of all pairs of columns, whose errors are of second order in the residuals.
 MatrixXd energies(const MatrixXd& right_sides, const MatrixXd& charges, const MatrixXd& residuals) {
-  return symmetric(right_sides.transpose() * charges + charges.transpose() * residuals);
+  const MatrixXd result = right_sides.transpose() * charges + charges.transpose() * residuals;
+  return (result + result.transpose()) / 2;
 }
 
 }  // namespace
@@ -67,7 +64,7 @@ SpaceSolution solve_functions(const BorderedMatrix& matrix, const MatrixXd& net)
   result.charges = MatrixXd::Zero(net.rows(), net.cols());
   result.charges.topRows(functions) = factor.solve(MatrixXd(net.topRows(functions)));
   result.residuals = MatrixXd::Zero(net.rows(), net.cols());
-  result.matrix = symmetric(net.transpose() * result.charges);
+  result.matrix = energies(net, result.charges, result.residuals);
   result.missing = VectorXd::Zero(net.cols());
   return result;
 }
@@ -96,8 +93,8 @@ SpaceSolution solve_with_targets(const BorderedMatrix& matrix, const TwoLevelPre
   if (!result.positive_definite)
     return result;
   // The background's residuals make an error of first order in the change, which this adds.
-  const MatrixXd change =
-      energies(given, found.charges, found.residuals) + 2 * symmetric(left.transpose() * found.charges);
+  const MatrixXd added = left.transpose() * found.charges;
+  const MatrixXd change = energies(given, found.charges, found.residuals) + added + added.transpose();
   result.charges = background.charges + found.charges;
   result.residuals = left + found.residuals;
   result.matrix = energies(net, result.charges, result.residuals);
