@@ -20,9 +20,12 @@ def wait_until(happens: Callable[[], object], what: str) -> None:
         time.sleep(0.01)
 
 
-def heed_closed_terminals() -> None:
-    """For processes that a closed terminal has to end: what nohup starts ignores that signal, and so would they."""
-    signal.signal(signal.SIGHUP, signal.SIG_DFL)
+def heed_signals() -> None:
+    """For processes that a closed terminal or Ctrl-C has to end: what nohup starts ignores the one, what a shell runs in the background the
+    other, and so would they.
+    """
+    for ignored in (signal.SIGHUP, signal.SIGINT):
+        signal.signal(ignored, signal.SIG_DFL)
 
 
 def has_ended(process: int | str) -> bool:

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from tests.processes import marked
-from tests.waiting import heed_closed_terminals, wait_until
+from tests.waiting import heed_signals, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 WRAP = str(ROOT / "build" / "bin" / "fringe-wrap")
@@ -58,7 +58,7 @@ def test_the_wrap_ends_with_the_field_solver(
         env=environment(folder),
         stderr=subprocess.PIPE,
         start_new_session=True,
-        preexec_fn=heed_closed_terminals,
+        preexec_fn=heed_signals,
     ) as solver:
         try:
             wait_until(lambda: any(words.startswith(WRAP) for words in marked(folder).values()), "a wrap")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import re
 import subprocess
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,6 +13,7 @@ from typing import Any
 from analysis.topics.trends import changes, counts, records
 from analysis.topics.trends.changes import Mark
 from analysis.topics.trends.records import Record
+from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT
 
@@ -61,8 +61,8 @@ def find(folder: Path, name: str, repository: Path = ROOT, build: str = BUILD) -
 @contextmanager
 def _tree(repository: Path, commit: str) -> Iterator[Path]:
     """Gives a working tree in which a commit is checked out."""
-    with tempfile.TemporaryDirectory() as place:
-        tree = Path(place) / "tree"
+    with temporary_folder() as place:
+        tree = place / "tree"
         _git(repository, "worktree", "add", "--detach", str(tree), commit)
         try:
             yield tree
@@ -97,7 +97,8 @@ def _numbers(tree: Path, mark: Mark, build: str) -> dict[str, float] | None:
 
 def _said(command: str, tree: Path) -> str | None:
     """Returns what a command prints there; None if it fails."""
-    done = subprocess.run(command, shell=True, cwd=tree, capture_output=True, text=True, check=False)
+    words = ending_with_this(["sh", "-c", command])
+    done = subprocess.run(words, cwd=tree, capture_output=True, text=True, check=False)
     # Status 3 is that of an answer short of the accuracy asked for.
     return done.stdout if done.returncode in (0, 3) else None
 
@@ -128,7 +129,8 @@ def _word(numbers: dict[str, float] | None, where: str, mark: Mark) -> str:
 
 def _git(tree: Path, *words: str, wrong_is_said: bool = False) -> str:
     """Returns what git prints; InputError with its reason if it fails, unless what is wrong is to be returned, too."""
-    done = subprocess.run(["git", "-C", str(tree), *words], capture_output=True, text=True, check=False)
+    command = ending_with_this(["git", "-C", str(tree), *words])
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0 and not wrong_is_said:
         raise InputError("git", words[0], done.stderr.strip())
     return done.stdout + (done.stderr if wrong_is_said else "")

@@ -15,6 +15,7 @@ from pathlib import Path
 
 from analysis.topics.trends import records
 from analysis.topics.trends.records import Record
+from geometries.common.children import ending_with_this
 from geometries.common.installation import from_repository, model_program
 
 PROGRAM = model_program().with_name("instruction_counts")
@@ -71,7 +72,9 @@ def _command(workload: str, program: str) -> list[str]:
 def _run(command: list[str]) -> str:
     """Returns the command's standard output; CountingFailed when it is missing, fails, or takes too long."""
     try:
-        finished = subprocess.run(command, capture_output=True, text=True, check=False, timeout=_LONGEST)
+        finished = subprocess.run(
+            ending_with_this(command), capture_output=True, text=True, check=False, timeout=_LONGEST
+        )
     except (OSError, subprocess.TimeoutExpired) as error:
         raise CountingFailed(str(error)) from error
     if finished.returncode != 0:

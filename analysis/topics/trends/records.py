@@ -20,6 +20,7 @@ from analysis.results.store import read_json
 from analysis.results.study_results import Results, case_folder
 from analysis.results.table import TABLE
 from analysis.results.truth import BOUNDARY, FIELD
+from geometries.common.children import ending_with_this
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT
 
@@ -116,7 +117,9 @@ def commit() -> str:
     """Returns the commit that is checked out, with the mark -dirty if files have changed since; `unknown` outside of a repository."""
     asked = ["git", "-C", str(ROOT), "describe", "--always", "--abbrev=40", "--dirty", "--exclude=*"]
     try:
-        return subprocess.run(asked, capture_output=True, text=True, check=True).stdout.strip()
+        return subprocess.run(
+            ending_with_this(asked), capture_output=True, text=True, check=True
+        ).stdout.strip()
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
 

@@ -15,7 +15,7 @@ import pytest
 
 from geometries.common.children import ending_with_this, temporary_folder
 from tests.processes import marked
-from tests.waiting import heed_closed_terminals, wait_until
+from tests.waiting import heed_signals, wait_until
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 # A process that makes a folder, in which the program that it starts writes files without end, and a fork; it says so and sleeps.
@@ -45,7 +45,7 @@ def start(folder: Path) -> subprocess.Popen[str]:
         stderr=subprocess.DEVNULL,
         text=True,
         start_new_session=True,
-        preexec_fn=heed_closed_terminals,
+        preexec_fn=heed_signals,
     )
 
 
