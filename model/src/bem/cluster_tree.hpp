@@ -68,8 +68,8 @@ class ClusterTree {
 /// Degrees of the quadrature rules on the panels of well-separated clusters, of 3 and 6 points.
 inline constexpr std::array far_degrees{2, 4};
 
-/// Two clusters a ≤ b, and the degree of the quadrature rule on their panels that suffices for the block; 0
-/// if none does.
+/// Two clusters a ≤ b, and the degree of the quadrature rule on their panels that suffices for the block. 0:
+/// none does for all of them, and elements of panels near each other are integrated as in near blocks.
 struct ClusterPair {
   std::size_t a;
   std::size_t b;

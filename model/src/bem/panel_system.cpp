@@ -298,8 +298,7 @@ MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const Mat
   return faces() == 0 ? of_panels : faces_.quadrature_effect(norms) + of_panels;
 }
 
-/// What the equations with and without the targets have in common: the panels in the order of the tree, and
-/// the spaces of fewer functions.
+/// The spaces of fewer functions, with their matrices. The equations with and without the targets share them.
 struct PanelSystem::Spaces {
   Restriction to_groups;
   HierarchicalMatrix groups;  ///< the matrix of one density on each group
@@ -332,7 +331,8 @@ PanelSystem::Spaces PanelSystem::spaces() const {
 
 /// Solves in the whole space and in the coarse one. Both have the unknowns of the faces first, then those of
 /// the panels or the groups in the order of the tree. The iteration begins with the charges `begun`; with
-/// none if these are empty. With a background, the charges are what the targets add to it.
+/// none if these are empty. With a background, `begun` are the changes by the targets, and the solution is
+/// the background with these changes.
 PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations, const Spaces& spaces,
                                                  double accuracy, const MatrixXd& begun,
                                                  const Solved* background) const {

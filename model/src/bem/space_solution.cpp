@@ -3,6 +3,7 @@
 #include <utility>
 #include <vector>
 
+#include "bem/readings.hpp"
 #include "numeric/cholesky.hpp"
 
 namespace fringe::detail {
@@ -72,22 +73,23 @@ SpaceSolution solve_functions(const BorderedMatrix& matrix, const MatrixXd& net)
 SpaceSolution solve_with_targets(const BorderedMatrix& matrix, const TwoLevelPreconditioner& preconditioner,
                                  const MatrixXd& net, const VectorXd& accuracy, MatrixXd start,
                                  const SpaceSolution& background, const VectorXd& is_machine) {
-  /// Part of the energy without the targets to which a smaller change is as good as known.
-  constexpr double least_change = 1e-5;
   const Index columns = net.cols();
-  // What is left of the potentials: on the machine what the iteration for the background has left, on the
-  // targets minus what the background's charges make there.
+  // The background's charges leave the residuals of their iteration on the machine, and on the targets minus
+  // the potential that they induce there.
   MatrixXd given = net - matrix.apply(background.charges);
   MatrixXd left = is_machine.asDiagonal() * given;
   std::vector<Index> changed;
-  for (Index c = 0; c < columns; ++c)
+  VectorXd least(columns);
+  for (Index c = 0; c < columns; ++c) {
+    least[c] = change_scale(background.matrix(c, c), 0);
     if (background.matrix(c, c) > 0 || (is_machine.array() * net.col(c).array() == 0).all())
       changed.push_back(c);
     else
       left.col(c).setZero();
+  }
   given -= left;
-  ConjugateGradientSolution found = conjugate_gradients(
-      matrix, preconditioner, given, accuracy, least_change * background.matrix.diagonal(), std::move(start));
+  ConjugateGradientSolution found =
+      conjugate_gradients(matrix, preconditioner, given, accuracy, least, std::move(start));
   SpaceSolution result;
   result.positive_definite = found.positive_definite;
   if (!result.positive_definite)
