@@ -19,7 +19,7 @@ TOPICS = {
     "company": "Experiment VII: a hand before a sensor in company, by boundary elements (a minute or two; finished ones are kept)",
     "machines": "the model's error on machines, taken apart in hundreds of set-ups with stored truths by boundary elements (a minute; finished ones are kept)",
     "insulators": "Experiment VIII: covers, wet films, mattresses, blankets and insulating targets before a sensor, with stored truths by boundary elements (a minute; finished ones are kept)",
-    "corrections": "evaluate the model's corrections against boundary elements, with their run times",
+    "corrections": "evaluate the formula and the reduced method against boundary elements, with their run times",
 }
 """What the commands of the topics do. The topics themselves load slow libraries, which this interpreter may lack."""
 _FOLDERS = {"verify": "verification"}
@@ -54,7 +54,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     parser = argparse.ArgumentParser(
         prog=program,
         description="Run studies and report them, also night by night; compare results; verify the reference; study the model's error, "
-        "its corrections, readings in company, the model on machines, and insulators; show a scene, its readings over a motion, or where probes are noticed around it.",
+        "the formula and the reduced method, readings in company, the model on machines, and insulators; show a scene, its readings over a motion, or where probes are noticed around it.",
         epilog="Exit status: 0 answered; 2 wrong input; 3 a case is short of the asked accuracy, its wider errors are "
         "reported; 1 a case failed or has no answer by any method, a value moved, or anything else.",
     )
@@ -298,7 +298,7 @@ def _add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) ->
     sweep.add_argument(
         "--method",
         metavar="A,B,…",
-        help="methods of fringe sweep (default: exact,formula,recommended,boundary-elements)",
+        help="methods of fringe sweep (default: exact,formula,auto,boundary-elements)",
     )
     sweep.add_argument(
         "--rtol",

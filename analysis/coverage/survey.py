@@ -329,16 +329,10 @@ def _asked(
     for k, (rotation, translation) in enumerate(zip(rotations, translations)):
         posed.set_pose(LINK, translation, rotation)
         try:
-            answers = _readings(posed, method)
+            answers = posed.readings(method=method)
         except ValueError as error:
             raise InputError("--method", "", str(error)) from error
         for at, reading in enumerate(machine.readings):
             change = answers[reading.name].change
             found[k, at] = np.nan if change is None else change
     return np.nan_to_num(found, nan=0.0), np.ones(len(translations), dtype=bool)
-
-
-def _readings(posed: Any, method: str) -> Any:
-    if method == "formula":
-        return posed.readings(correction="formula")
-    return posed.readings(method=method)

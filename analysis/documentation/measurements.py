@@ -24,8 +24,8 @@ _REDUCED = "build/bin/reduced_benchmark"
 _GROUP = re.compile(
     r"^(\S.*): (\d+) set-ups, .* integral takes ([\d.]+) µs in the mean\n((?:  .*\n)+)", re.MULTILINE
 )
-_STEPS = re.compile(
-    r"reduced:(\d) error % median ([\d.]+), worst ([\d.]+); reached (\d+), worst ([\d.]+); covered (\d+); "
+_ACCURACIES = re.compile(
+    r"reduced, rtol ([\d.e-]+): error % median ([\d.]+), worst ([\d.]+); reached (\d+), worst ([\d.]+); covered (\d+); "
     r"µs mean ([\d.]+), median ([\d.]+), longest ([\d.]+)"
 )
 # The scene files and the two kinds of random poses are in the first table, the bodies of triangles in the second.
@@ -60,18 +60,21 @@ def reduced_tables(printed: str) -> str:
 
 def _table(groups: list[tuple[str, str, str, str]]) -> str:
     lines = [
-        "| | K | error %, median / worst | where reached | µs, mean / median / longest |",
+        "| | rtol | error %, median / worst | where reached | µs, mean / median / longest |",
         "|---|---|---|---|---|",
     ]
-    for name, count, integral, steps in groups:
+    for name, count, integral, accuracies in groups:
         what = f"{count} set-ups of the default study" if name == "scene files" else f"{name}, {count}"
         what += f" (the triangle integral: {_time(integral)} µs)"
-        for step, median, worst, reached, worst_reached, covered, *times in _STEPS.findall(steps):
+        for number, found in enumerate(_ACCURACIES.findall(accuracies)):
+            rtol, median, worst, reached, worst_reached, covered, *times = found
             if covered != count:
-                raise ValueError(f"{name}, reduced:{step}: {covered} of {count} within the stated errors")
+                raise ValueError(
+                    f"{name}, reduced, rtol {rtol}: {covered} of {count} within the stated errors"
+                )
             reaching = f"{reached}: {_error(worst_reached)}" if int(reached) else "0"
             lines.append(
-                f"| {what if step == '1' else ''} | {step} | {_error(median)} / {_error(worst)} | {reaching} "
+                f"| {'' if number else what} | {rtol} | {_error(median)} / {_error(worst)} | {reaching} "
                 f"| {' / '.join(map(_time, times))} |"
             )
     return "\n".join(lines) + "\n"

@@ -34,7 +34,8 @@ CORRECTIONS_STRIDE, MACHINES_STRIDE, INSULATORS_STRIDE = 25, 33, 35
 """Every so-many-th of the 450, 396 and 210 set-ups is taken."""
 CLOSED_FORMS = 2
 """Random scenes of each closed form but the bowls, whose meshes are files of no fixed content."""
-CLOSED, ACCURATE, REDUCED, ELEMENTS = "formula", "formula:1e-2", "reduced:1", "boundary-elements:1e-2"
+CLOSED, ACCURATE, REDUCED = "formula", "reduced:1e-2", "reduced+entries:1e-2"
+ELEMENTS = "boundary-elements:1e-2"
 PAIRS, FINE_ELEMENTS = "formula of pairs", "boundary-elements:1e-3"
 _MOVING = Path(__file__).with_name("moving.json")
 _OPTIONS = METHODS | {PAIRS: METHODS[CLOSED], FINE_ELEMENTS: {"method": BOUNDARY_ELEMENTS, "rtol": 1e-3}}

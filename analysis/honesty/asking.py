@@ -54,7 +54,9 @@ def _answered(text: str, has_readings: bool, options: dict[str, Any]) -> Answer:
     if "motion" in options:
         return Answer(ANSWERED, values=_changes(scene.readings_of(**options)))
     if not has_readings:
-        answer = scene.capacitance(**options)
+        # The formula knows no entries of a matrix.
+        entries = {} if options["method"] == "formula" else {"entries": True}
+        answer = scene.capacitance(**{**options, **entries})
         values = _matrix(answer) if "maxwell" in answer else _pairs(answer)
         return Answer(ANSWERED, values=values, reached=answer.get("reached"))
     values = {
@@ -65,16 +67,16 @@ def _answered(text: str, has_readings: bool, options: dict[str, Any]) -> Answer:
     return Answer(ANSWERED, values=values)
 
 
-def _changes(answer: dict[str, Any]) -> dict[str, Stated]:
-    """Returns the changes in each pose, of which alone an error is stated."""
+def _changes(answer: Any) -> dict[str, Stated]:
+    """Returns the changes in each pose."""
     return {
         part_of(in_pose(name, frame), CHANGE): stated(
-            float(answer["change"][frame, column]),
-            float(answer["error"][frame, column]),
-            answer["answered_by"][frame][column],
+            float(answer.change[frame, column]),
+            float(answer.error["change"][frame, column]),
+            answer.answered_by[frame][column],
         )
-        for frame in range(len(answer["frames"]))
-        for column, name in enumerate(answer["readings"])
+        for frame in range(len(answer.frames))
+        for column, name in enumerate(answer.readings)
     }
 
 
@@ -91,9 +93,7 @@ def _pairs(answer: dict[str, Any]) -> dict[str, Stated]:
 def _matrix(answer: dict[str, Any]) -> dict[str, Stated]:
     names, values, errors = answer["conductors"], answer["maxwell"], answer["error"]
     return {
-        entry(names[i], names[j]): stated(
-            float(values[i][j]), float(errors[i][j]), answer["options"]["method"]
-        )
+        entry(names[i], names[j]): stated(float(values[i][j]), float(errors[i][j]), answer["answered_by"])
         for i in range(len(names))
         for j in range(i + 1)
     }

@@ -8,15 +8,15 @@ from typing import Any
 FIELD_SOLVER = "field-solver"
 BOUNDARY_ELEMENTS = "boundary-elements"
 METHODS: dict[str, dict[str, Any]] = {
-    "formula": {"method": "exact", "correction": "formula"},
-    "formula:1e-2": {"method": "exact", "correction": "formula", "rtol": 1e-2},
-    "reduced:1": {"method": "reduced:1"},
+    "formula": {"method": "formula"},
+    "reduced:1e-2": {"method": "reduced", "rtol": 1e-2},
+    "reduced+entries:1e-2": {"method": "reduced", "rtol": 1e-2, "entries": True},
     "boundary-elements:1e-2": {"method": BOUNDARY_ELEMENTS, "rtol": 1e-2},
     "boundary-elements:3e-2": {"method": BOUNDARY_ELEMENTS, "rtol": 3e-2},
-    "recommended": {"method": "recommended"},
-    "recommended:1e-2": {"method": "recommended", "rtol": 1e-2},
+    "auto:1e-2": {"method": "auto", "rtol": 1e-2},
 }
-"""The methods of the library, with their options in Python; after a colon is the relative accuracy asked for."""
+"""The methods of the library, with their options in Python; after a colon is the relative accuracy asked for, of the entries of the
+Maxwell matrix, too, where the name says so."""
 ALL = (*METHODS, FIELD_SOLVER)
 
 FINER = "boundary-elements, finer"

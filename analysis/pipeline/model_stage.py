@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.results import changes
-from analysis.results.commands import COMPARED_METHOD
+from analysis.results.commands import COMPARED_METHOD, STATED_RTOLS
 from analysis.results.store import Document
 from geometries.common.installation import module_folders
 from geometries.scene.scene import Scene
@@ -21,9 +21,6 @@ NAME = "model"
 # Evaluations per method. One of an integral takes about a microsecond, so the smallest of many times is stored; methods that take
 # longer end with the evaluation during which these seconds pass.
 _REPEATS, _MOST_SECONDS = 25, 1.0
-_CORRECTION = "formula"
-# The option that a rule after "+" belongs to.
-_RULES = {"nearest": "plates", "facing": "faces"}
 
 
 def model_module() -> Any:
@@ -65,11 +62,10 @@ def answer(scene: Path, methods: tuple[str, ...]) -> Document:
     return {"format": 1, "version": str(module.__version__), "methods": answers}
 
 
-def options(method: str) -> dict[str, str]:
-    """Returns the options of the model for a method as a study names it (`geometries.studies.study.METHODS`)."""
-    name, *rules = method.split("+")
-    named = {"correction": name} if name == _CORRECTION else {"method": name}
-    return named | {_RULES[rule]: rule for rule in rules}
+def options(method: str) -> dict[str, Any]:
+    """Returns the options of the model for a method of a study (`geometries.studies.study.METHODS`)."""
+    accuracy = {"rtol": STATED_RTOLS[method], "entries": True} if method in STATED_RTOLS else {}
+    return {"method": method, **accuracy}
 
 
 def _answer_or_refusal(module: Any, scene: Path, method: str) -> Document:
@@ -81,7 +77,7 @@ def _answer_or_refusal(module: Any, scene: Path, method: str) -> Document:
         return {"refused": str(error).removeprefix(f"{scene}: ")}
 
 
-def _timed(module: Any, scene: Path, asked: dict[str, str]) -> Document:
+def _timed(module: Any, scene: Path, asked: dict[str, Any]) -> Document:
     answers: list[Document] = []
     start = time.monotonic()
     while not answers or (len(answers) < _REPEATS and time.monotonic() - start < _MOST_SECONDS):

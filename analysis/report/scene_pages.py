@@ -25,14 +25,14 @@ LIVE = ScenePage(
     "live",
     "sensor_head",
     "What do the sensors read while a hand is dragged?",
-    "A machine in 3-D on which the hand can be moved: in every frame the model, its correction and the reduced method with its error, "
+    "A machine in 3-D on which the hand can be moved: in every frame the model, the formula and the reduced method with its error, "
     "computed in the page.",
 )
 MOTION = ScenePage(
     "show",
     "position_sensor",
     "What do the sensors read along a motion?",
-    "A block slides over five electrodes, as a film: the model, its correction and the reduced method in every frame, boundary elements "
+    "A block slides over five electrodes, as a film: the model, the formula and the reduced method in every frame, boundary elements "
     "in some, over time.",
 )
 

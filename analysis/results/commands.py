@@ -9,6 +9,8 @@ from geometries.studies.study import NO_REFERENCE
 
 COMPARED_METHOD = "exact"
 """The method of the model that reports compare with the reference."""
+STATED_RTOLS = {"reduced": 1e-2, "auto": 1e-2, "boundary-elements": 1e-3}
+"""The accuracy asked of the methods of a study that state errors, also of every entry in the rows of the sensors."""
 
 
 def reference_command(results: Results, case: str) -> str:
@@ -21,7 +23,7 @@ def boundary_command(results: Results, case: str) -> str:
     """Returns the command that computes the answer by boundary elements for a case that has one."""
     answer = results.cases[case].boundary
     assert answer is not None
-    return f"{model_command(results, case, 'boundary-elements')} --rtol {answer.rtol:g}"
+    return f"{_command(results, case, 'boundary-elements')} --rtol {answer.rtol:g} --entries"
 
 
 def truth_command(results: Results, case: CaseResult) -> str:
@@ -35,6 +37,11 @@ def truth_command(results: Results, case: CaseResult) -> str:
 
 def model_command(results: Results, case: str, method: str = COMPARED_METHOD) -> str:
     """Returns the command that computes the model's answer for a case."""
+    rtol = STATED_RTOLS.get(method)
+    return _command(results, case, method) + (f" --rtol {rtol:g} --entries" if rtol else "")
+
+
+def _command(results: Results, case: str, method: str) -> str:
     return f"{installation.model_command()} capacitance {_scene(results, case)} --method {method}"
 
 

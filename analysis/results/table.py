@@ -26,7 +26,7 @@ the targets. The columns of the model are empty where it knows no value, as of a
 | reference_seconds, reference_unknowns | run time and unknowns of the method that answered |
 | field_seconds | run time of the field solver |
 | model_METHOD_F, model_METHOD_seconds | the model's value for each method (for delta_self the sum over the objects, for change over the targets) and its time |
-| model_METHOD_error_F, model_METHOD_answered_by | for methods that state errors: the error, and which method answered, as `recommended` chooses one |
+| model_METHOD_error_F, model_METHOD_answered_by | for methods that state errors: the error, and which method answered, as `auto` chooses one |
 | command | recomputes the answer that is used |
 """
 

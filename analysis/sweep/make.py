@@ -16,10 +16,10 @@ from geometries.common.children import ending_with_this
 from geometries.common.errors import InputError
 from geometries.scene import motion, reader
 
-METHODS = "exact,formula,recommended,boundary-elements"
-"""The model, its correction, and what states an error."""
+METHODS = "exact,formula,auto,boundary-elements"
+"""The model, the formula, and what states an error."""
 RTOL = 1e-2
-_STATING = ("recommended", "boundary-elements", "reduced")
+_STATING = ("auto", "boundary-elements", "reduced")
 _ANSWERED, _NOT_REACHED = 0, 3
 
 

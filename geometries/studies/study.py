@@ -35,14 +35,15 @@ EXPERIMENTS = ("I", "II", "III", "IV", "V", "VI")
 
 METHODS = (
     '"exact", "split:N" (N from 0 to 10) or "gauss:K" (K from 1 to 64), also with "+nearest" (only the nearest plate counts) and '
-    '"+facing" (only faces that see the plate count); the correction "formula"; "reduced:K" (K from 1 to 3), "boundary-elements" or '
-    '"recommended"'
+    '"+facing" (only faces that see the plate count); "formula", "reduced", "boundary-elements" or "auto"'
 )
 """The methods of the model, as the command `fringe capacitance` has them."""
 METHOD_PATTERN = (
     r"(exact|split:(\d|10)|gauss:([1-9]|[1-5]\d|6[0-4]))(\+nearest)?(\+facing)?"
-    r"|formula|reduced:[1-3]|boundary-elements|recommended"
+    r"|formula|reduced|boundary-elements|auto"
 )
+# Words of before, and what to write now.
+_FORMER_METHODS = {"recommended": "auto", "reduced:.*": "reduced"}
 # Largest number of cases: ten times a study that is planned in seconds and runs for months.
 _MOST_CASES = 1_000_000
 # Longest name in most file systems.
@@ -210,6 +211,9 @@ def _methods(model: Table) -> tuple[str, ...]:
     if not isinstance(methods, list) or not all(isinstance(method, str) for method in methods):
         raise model.error("methods", "must be a list of strings")
     for method in methods:
+        for former, now in _FORMER_METHODS.items():
+            if re.fullmatch(former, method) is not None:
+                raise model.error("methods", f"{method!r} is now called {now}: write {now}")
         if re.fullmatch(METHOD_PATTERN, method) is None:
             raise model.error("methods", f"must be {METHODS}, not {method!r}")
     if "exact" not in methods:

@@ -42,12 +42,17 @@ Json description(const SensorCapacitance& sensor, const Json& more = Json::objec
   return result;
 }
 
-Json description(const CapacitanceOptions& options) {
-  return {{"method", to_string(options.method)},
-          {"plates", to_string(options.plates)},
-          {"faces", to_string(options.faces)},
-          {"tolerance", options.tolerance},
-          {"correction", to_string(options.correction)}};
+/// Describes what was asked for: the method as it is written, and the accuracy where one was asked for.
+Json description(const EvaluationOptions& options) {
+  const Method method = method_of(options);
+  Json result{{"method", method_text(options)}};
+  if (is_integral(method))
+    result["tolerance"] = options.tolerance;
+  else if (options.rtol || !std::holds_alternative<Formula>(method))
+    result["rtol"] = rtol_of(options);
+  if (options.entries != Entries::of_readings)
+    result["entries"] = true;
+  return result;
 }
 
 Json description(const EvaluationCounts& counts) {
@@ -140,31 +145,6 @@ Json description(const std::vector<ReadingAnswer>& readings) {
   return result;
 }
 
-/// Describes what the triangle-integral model computed.
-Json integral_answer(const SceneCapacitance& answer, const CapacitanceOptions& options, double seconds) {
-  Json sensors = Json::array();
-  for (const SensorCapacitance& sensor : answer.sensors)
-    sensors.push_back(description(sensor));
-  return {{"options", description(options)},
-          {"seconds", seconds},
-          {"counts", description(answer.counts)},
-          {"sensors", std::move(sensors)}};
-}
-
-/// Describes the sensors as integral_answer() does, and the Maxwell matrix by which they were evaluated.
-Json matrix_answer(const SceneCapacitance& answer, const MaxwellMatrix& matrix, const MaxwellRequest& request,
-                   double seconds) {
-  Json result{{"options", {{"method", request.method}, {"rtol", request.rtol}}}, {"seconds", seconds}};
-  if (request.only_readings)
-    result["options"]["only_readings"] = true;
-  result.update(description(matrix));
-  Json& sensors = result["sensors"] = Json::array();
-  Eigen::Index row = 0;
-  for (const SensorCapacitance& sensor : answer.sensors)
-    sensors.push_back(description(sensor, matrix, row++));
-  return result;
-}
-
 Json description(const DistanceReading& reading) {
   Json result{{"name", reading.name},
               {"distance", nullptr},
@@ -200,28 +180,30 @@ Json description(const ObjectInfo& object) {
 
 }  // namespace
 
-CapacitanceOptions used_options(const EvaluationOptions& options) {
-  if (is_integral(options.method))
-    return integral_options(options);
-  return {.correction = Correction::formula};
-}
-
 Json capacitance_answer(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
-  Json result = answer.matrix ? matrix_answer(answer.capacitance, *answer.matrix,
-                                              {to_string(options.method), rtol_of(options),
-                                               options.entries == Entries::of_readings},
-                                              seconds)
-                              : integral_answer(answer.capacitance, used_options(options), seconds);
+  Json result{{"options", description(options)},
+              {"answered_by", answer.answered_by},
+              {"reached", answer.reached},
+              {"seconds", seconds},
+              {"expected_seconds", answer.expected_seconds}};
+  if (answer.matrix)
+    result.update(description(*answer.matrix));
+  else
+    result["counts"] = description(answer.capacitance.counts);
+  result["reached"] = answer.reached;
+  Json& sensors = result["sensors"] = Json::array();
+  Eigen::Index row = 0;
+  for (const SensorCapacitance& sensor : answer.capacitance.sensors)
+    sensors.push_back(answer.matrix ? description(sensor, *answer.matrix, row++) : description(sensor));
   result["readings"] = description(answer.readings);
   return result;
 }
 
-Json readings_answer(const Evaluation& answer) {
-  return description(answer.readings);
+Json readings_answer(const std::vector<ReadingAnswer>& readings) {
+  return description(readings);
 }
 
-Json maxwell_answer(const Evaluation& answer, double rtol, double seconds) {
-  const MaxwellMatrix& matrix = answer.matrix.value();
+Json maxwell_answer(const MaxwellMatrix& matrix, double rtol, double seconds) {
   Json changes = Json::object();
   for (std::size_t s = 0; s < matrix.sensors; ++s) {
     const auto row = static_cast<Eigen::Index>(s);
@@ -231,7 +213,7 @@ Json maxwell_answer(const Evaluation& answer, double rtol, double seconds) {
   Json result{{"rtol", rtol}, {"seconds", seconds}};
   result.update(description(matrix));
   result["delta_self"] = std::move(changes);
-  result["readings"] = description(answer.readings);
+  result["readings"] = description(matrix.readings);
   return result;
 }
 

@@ -19,26 +19,15 @@ namespace fringe::answers {
 /// A JSON value whose keys keep their order.
 using Json = nlohmann::ordered_json;
 
-/// The method and the accuracy that were requested for a Maxwell matrix.
-struct MaxwellRequest {
-  std::string method;  ///< "boundary-elements", "reduced:K" or "recommended"
-  double rtol;
-  bool only_readings = false;  ///< whether rtol is asked of the readings and of no entry for itself
-};
-
-/// Returns the options of the triangle-integral model with which an evaluation without a Maxwell matrix was
-/// computed. The method `recommended` computes the correction `formula` then.
-CapacitanceOptions used_options(const EvaluationOptions& options);
-
-/// Describes an evaluation: the sensors with their objects, either the Maxwell matrix or the work done, and
-/// the readings.
+/// Describes an evaluation: the sensors with their objects, the Maxwell matrix where there is one, else the
+/// work done, and the readings.
 Json capacitance_answer(const Evaluation& answer, const EvaluationOptions& options, double seconds);
 
-/// Describes the readings of an evaluation.
-Json readings_answer(const Evaluation& answer);
+/// Describes readings.
+Json readings_answer(const std::vector<ReadingAnswer>& readings);
 
-/// Describes the Maxwell matrix of an evaluation that has one, the readings and, by sensor, `delta_self`.
-Json maxwell_answer(const Evaluation& answer, double rtol, double seconds);
+/// Describes a Maxwell matrix with its readings and, by sensor, `delta_self`.
+Json maxwell_answer(const MaxwellMatrix& matrix, double rtol, double seconds);
 
 /// Describes all pairs of objects that can collide, and the work done.
 Json collision_answer(const SceneCollision& answer, const Scene& scene);

@@ -22,7 +22,7 @@ void measure_hand_before_arm(std::size_t compared) {
   const std::vector<Frame> motion = hand_poses(scene, poses);
   for (const double rtol : {2e-2, 1e-2}) {
     LiveScene live(scene);
-    const EvaluationOptions options{.correction = Correction::formula, .rtol = rtol};
+    const EvaluationOptions options{.method = Reduced{}, .rtol = rtol};
     std::vector<std::vector<ReadingAnswer>> answers;
     const double first = seconds_of([&] { live.readings_of(motion, options, 1); });
     const double again = seconds_of([&] { answers = live.readings_of(motion, options, 1); });
@@ -38,8 +38,7 @@ void measure_hand_before_arm(std::size_t compared) {
       const std::size_t pose = (k + 1) * poses / compared - 1;
       LiveScene there(scene);
       there.set_poses(motion[pose].poses);
-      const Evaluation truth =
-          there.evaluate({.method = BoundaryElements{}, .rtol = truth_rtol, .entries = Entries::of_readings});
+      const Evaluation truth = there.evaluate({.method = BoundaryElements{}, .rtol = truth_rtol});
       for (std::size_t reading = 0; reading < truth.readings.size(); ++reading) {
         const Estimate &known = truth.readings[reading].change, &found = answers[pose][reading].change;
         const double error = std::abs(*found.value - *known.value);
@@ -66,7 +65,7 @@ void measure_motion(const std::filesystem::path& file, std::size_t poses,
   std::vector<Frame> motion =
       load_motion(std::filesystem::path(file).replace_extension(".motion.toml"), scene);
   motion.resize(std::min(poses, motion.size()));
-  EvaluationOptions options{.correction = Correction::formula, .rtol = rtol};
+  EvaluationOptions options{.method = Reduced{}, .rtol = rtol};
   const auto report = [&](const std::string& how) {
     LiveScene live(scene);
     std::vector<std::vector<ReadingAnswer>> answers;

@@ -7,8 +7,8 @@
 
 namespace fringe::benchmarks {
 
-/// Measures the formula in company at an accuracy asked for, for a hand in 500 poses before an arm at rest,
-/// and compares some of the poses with boundary elements.
+/// Measures readings by the reduced method, at an accuracy asked for, for a hand in 500 poses before an arm
+/// at rest, and compares some of the poses with boundary elements.
 void measure_hand_before_arm(std::size_t compared);
 
 /// Measures the same on the first frames of a scene's motion, which is beside it in SCENE.motion.toml

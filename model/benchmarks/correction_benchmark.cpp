@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 #include <oneapi/tbb/global_control.h>
 
-#include "fringe/correction.hpp"
+#include "fringe/live_scene.hpp"
 #include "fringe/pose.hpp"
-#include "fringe/scene_evaluator.hpp"
+#include "fringe/triangulation.hpp"
 
-/// Measures every correction for an object that moves in front of a sensor, with a new pose for each answer.
-/// The counter `per_triangle` is in seconds. Compare corrections within one run only.
+/// Measures model, formula and reduced method for an object that moves in front of a sensor, with a new pose
+/// for each answer. The counter `per_triangle` is in seconds. Compare methods within one run only.
 namespace {
 
 using namespace fringe;
@@ -25,7 +25,7 @@ std::vector<std::pair<std::string, Shape>> shapes() {
           {"sphere", Sphere{0.06, 72}}};
 }
 
-void run(benchmark::State& state, const Shape& shape, Correction correction) {
+void run(benchmark::State& state, const Shape& shape, const Method& method) {
   Scene scene;
   Sensor sensor;
   sensor.name = "sensor";
@@ -33,19 +33,20 @@ void run(benchmark::State& state, const Shape& shape, Correction correction) {
   scene.sensors = {sensor};
   scene.links = {{"moving", std::nullopt, Eigen::Isometry3d::Identity()}};
   scene.objects = {{"target", 0, shape, Eigen::Isometry3d::Identity(), Grounded{}, true}};
-  SceneEvaluator evaluator(scene, {.correction = correction});
+  LiveScene live(scene);
   int step = 0;
   // The object turns and sways 10 to 14 cm above the sensor; no pose is repeated.
-  const auto next = [&]() -> const SceneCapacitance& {
+  const auto next = [&]() -> double {
     ++step;
-    evaluator.set_pose("moving", pose_from_axis({1, 2, 0.5}, 0.37 * step,
-                                                {0.03 * std::sin(0.1 * step), 0.02 * std::cos(0.13 * step),
-                                                 0.12 + 0.02 * std::sin(0.17 * step)}));
-    return evaluator.capacitance();
+    live.set_pose("moving", pose_from_axis({1, 2, 0.5}, 0.37 * step,
+                                           {0.03 * std::sin(0.1 * step), 0.02 * std::cos(0.13 * step),
+                                            0.12 + 0.02 * std::sin(0.17 * step)}));
+    return live.capacitance({.method = method}).sensors.front().total;
   };
-  const auto triangles = static_cast<double>(next().counts.triangles_evaluated);
+  next();
+  const auto triangles = static_cast<double>(triangulate(shape).size());
   for ([[maybe_unused]] auto one : state)
-    benchmark::DoNotOptimize(next().sensors.front().total);
+    benchmark::DoNotOptimize(next());
   state.counters["triangles"] = triangles;
   state.counters["per_triangle"] = benchmark::Counter(
       triangles, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
@@ -59,8 +60,8 @@ int main(int argument_count, char** arguments) {
     return 2;
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   for (const auto& [name, shape] : shapes())
-    for (const CorrectionInfo& info : corrections())
-      benchmark::RegisterBenchmark(fmt::format("{}/{}", name, info.name).c_str(), run, shape, info.correction)
+    for (const Method& method : {Method(Exact{}), Method(Formula{}), Method(Reduced{})})
+      benchmark::RegisterBenchmark(fmt::format("{}/{}", name, to_string(method)).c_str(), run, shape, method)
           ->MinTime(0.05);
   benchmark::RunSpecifiedBenchmarks();
 }

@@ -8,9 +8,9 @@
 #include <fmt/format.h>
 
 #include "fringe/live_scene.hpp"
-#include "fringe/reduced_capacitance.hpp"
 #include "processor_time.hpp"
 #include "random.hpp"
+#include "reduced/reduced_capacitance.hpp"
 
 namespace fringe::benchmarks {
 namespace {
@@ -80,10 +80,10 @@ Estimate change_by_boundary_elements(const Scene& scene, const Isometry3d& pose)
 }  // namespace
 
 void measure_covers(std::size_t poses) {
-  ReducedEvaluator uncovered(bare_scene(), {.steps = 1, .rtol = {}});
+  ReducedEvaluator uncovered(bare_scene(), {.rtol = 1e-2});
   for (const Cover& cover : {Cover{2e-3, 4}, {0.5e-3, 80}, {10e-3, 3}}) {
     const Scene scene = covered_scene(cover);
-    ReducedEvaluator covered(scene, {.steps = 1, .rtol = {}});
+    ReducedEvaluator covered(scene, {.rtol = 1e-2});
     const double preparation = seconds_of([&] { covered.maxwell(); });
     fmt::print("cover of {} mm and {}: {:.1f} s to prepare\n", 1e3 * cover.thickness,
                cover.relative_permittivity, preparation);

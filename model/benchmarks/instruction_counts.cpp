@@ -17,9 +17,9 @@
 #include "fringe/capacitance.hpp"
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
-#include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/surface_tree.hpp"
+#include "scene/scene_evaluator.hpp"
 #include "triangle_sets.hpp"
 
 namespace fringe::benchmarks {

@@ -10,7 +10,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "fringe/pose.hpp"
-#include "fringe/scene_evaluator.hpp"
+#include "scene/scene_evaluator.hpp"
 
 /// Measures the time of a pose in a scene whose arm moves: eight sensors on the arm, some bodies near it,
 /// many more in the room. The time depends on the bodies nearby, not on their total number. Counters are per

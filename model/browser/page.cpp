@@ -10,7 +10,6 @@
 #include "answers/scene_roles.hpp"
 #include "fringe/batch_integral.hpp"
 #include "fringe/capacitance.hpp"
-#include "fringe/correction.hpp"
 #include "fringe/error.hpp"
 #include "fringe/method.hpp"
 #include "fringe/pose.hpp"
@@ -131,14 +130,9 @@ Json description_of(const std::optional<Joint>& joint) {
 }
 
 EvaluationOptions options_of(const std::string& method, double rtol) {
-  EvaluationOptions options;
-  if (method == "formula")
-    options.correction = parse_correction(method);
-  else
-    options.method = parse_method(method);
+  EvaluationOptions options = with_method({}, method);
   if (rtol > 0)
     options.rtol = rtol;
-  options.entries = Entries::of_readings;
   return options;
 }
 

@@ -39,7 +39,7 @@ class Page {
   /// Returns the poses of all links in the world: the rows of (R | t), 12 numbers for each link.
   const std::vector<double>& poses();
 
-  /// Evaluates the scene by "exact", "formula", "reduced:K" or "boundary-elements". Only the last two take
+  /// Evaluates the scene by "exact", "formula", "reduced" or "boundary-elements". Only the last two take
   /// `rtol`, the relative error asked for; 0: the method's own.
   answers::Json capacitance(const std::string& method, double rtol);
 

@@ -48,7 +48,6 @@ struct Request {
   cli::MethodRequest method;
   std::optional<std::string> frame;
   std::optional<std::string> motion;
-  std::optional<double> most_seconds;
   std::string cone_method = "field_of_view";
   std::optional<std::string> output;
   bool json = false;
@@ -88,15 +87,12 @@ struct Answer {
 
 /// Formats an evaluation as a table.
 std::string table_of(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
-  const std::string heading = std::holds_alternative<Recommended>(options.method)
-                                  ? fmt::format("recommended: answered by {}\n", answer.answered_by)
+  const std::string heading = std::holds_alternative<Auto>(method_of(options))
+                                  ? fmt::format("auto: answered by {}\n", answer.answered_by)
                                   : std::string();
   return heading +
-         (answer.matrix
-              ? cli::maxwell_table(
-                    *answer.matrix,
-                    {answer.answered_by, rtol_of(options), options.entries == Entries::of_readings}, seconds)
-              : cli::capacitance_table(answer.capacitance, used_options(options), seconds)) +
+         (answer.matrix ? cli::maxwell_table(answer, options, seconds)
+                        : cli::capacitance_table(answer, options, seconds)) +
          cli::reading_table(answer.readings);
 }
 
@@ -115,56 +111,54 @@ LiveScene live_scene(const Request& request) {
 
 Answer answer_capacitance(const Request& request) {
   EvaluationOptions options = cli::options_of(request.method);
-  if (request.output && !is_integral(options.method))
-    throw InputError(fmt::format("--output is an option of the triangle-integral methods, not of {}",
-                                 to_string(options.method)));
-  if (request.most_seconds && is_integral(options.method) && !options.rtol)
+  const Method method = method_of(options);
+  if (request.output && !is_integral(method))
     throw InputError(
-        fmt::format("--max-seconds is no option of {}, which answers at once", to_string(options.method)));
+        fmt::format("--output is an option of exact, split:N and gauss:K, not of {}", to_string(method)));
   LiveScene live = live_scene(request);
   // The others answer before one could press Ctrl-C, which ends them as it ends any program.
-  std::optional<cli::CommandInterruption> limit;
-  const bool is_recommended = std::holds_alternative<Recommended>(options.method);
-  if (is_recommended)
-    options.max_seconds = request.most_seconds;
-  if (!is_integral(options.method) || options.rtol)
-    limit.emplace(is_recommended ? std::nullopt : request.most_seconds);
+  std::optional<cli::CommandInterruption> interruption;
+  if (!is_integral(method))
+    interruption.emplace();
   const auto start = std::chrono::steady_clock::now();
+  const auto elapsed = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  };
+  const auto is_late = [&] { return options.max_seconds && elapsed() >= *options.max_seconds; };
+  const auto reason = [&] {
+    return interruption && interruption->is_asked_for()
+               ? std::string("interrupted")
+               : fmt::format("stopped after {:g} s", options.max_seconds.value_or(elapsed()));
+  };
   try {
     std::optional<cli::ProgressLine> progress;
     std::optional<ProgressScope> preparation;
-    if (std::holds_alternative<BoundaryElements>(options.method)) {
+    if (!is_integral(method)) {
       progress.emplace(rtol_of(options));
       options.before_refinement = [&](const RefinementLevel& level) { progress->show(level); };
-    } else if (options.rtol) {
-      progress.emplace(rtol_of(options));
       preparation.emplace([&](const std::string& text) { progress->show(text); });
     }
     const Evaluation& answer =
         of_file(request.scene, [&]() -> const Evaluation& { return live.evaluate(options); });
     preparation.reset();
     progress.reset();
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    const double seconds = elapsed();
     if (request.output)
       cli::write_vtu(live.scene(), integral_options(options), *request.output);
     const std::vector<std::string> found = remarks(live.scene(), options, answer);
     cli::print_remarks(found);
     const std::string text =
-        request.json ? json_text(with_remarks(capacitance_answer(answer, options, elapsed.count()), found))
-                     : table_of(answer, options, elapsed.count());
+        request.json ? json_text(with_remarks(capacitance_answer(answer, options, seconds), found))
+                     : table_of(answer, options, seconds);
     if (answer.reached)
       return {text, answered};
-    const std::optional<int> ended = limit ? limit->status() : std::nullopt;
-    const bool is_late = is_recommended && request.most_seconds && elapsed.count() >= *request.most_seconds;
+    const bool is_asked_to_end = interruption && interruption->is_asked_for();
     fmt::print(stderr, "fringe: {}: {}an error of {} was not reached\n", request.scene,
-               ended     ? limit->reason() + ": "
-               : is_late ? fmt::format("stopped after {:g} s: ", *request.most_seconds)
-                         : "",
-               rtol_of(options));
-    return {text, ended.value_or(not_reached)};
+               is_asked_to_end || is_late() ? reason() + ": " : "", rtol_of(options));
+    return {text, is_asked_to_end ? cli::interrupted : not_reached};
   } catch (const Interrupted&) {
-    fmt::print(stderr, "fringe: {}: {} before there was an answer\n", request.scene, limit->reason());
-    return {"", limit->status().value_or(cli::failed)};
+    fmt::print(stderr, "fringe: {}: {} before there was an answer\n", request.scene, reason());
+    return {"", interruption && interruption->is_asked_for() ? cli::interrupted : not_reached};
   }
 }
 
@@ -192,14 +186,15 @@ std::string answer_sense(const Request& request) {
 int run(int argument_count, char** arguments) {
   if (argument_count > 1 && arguments[1] == std::string_view("import"))
     return cli::run_import(argument_count, arguments);
+  cli::refuse_former_options({arguments + 1, arguments + argument_count});
   CLI::App program("fringe: what a capacitive proximity sensor feels of the objects around it");
   program.set_version_flag("--version", version());
   program.require_subcommand(1);
   Request request;
   CLI::App* capacitance_command = add_command(
       program, request, "capacitance",
-      "Capacitance and output voltage of every sensor by the triangle-integral model, or the Maxwell "
-      "matrix by boundary elements");
+      "What every sensor feels, and its readings, by the triangle-integral model, by boundary elements or by "
+      "what is between them");
   cli::add_method_options(*capacitance_command, request.method);
   capacitance_command->add_option("--frame", request.frame,
                                   "The frame of a motion, by its name or number, whose poses the links take");
@@ -207,12 +202,6 @@ int run(int argument_count, char** arguments) {
       ->add_option("--motion", request.motion,
                    "The motion file (if not given, SCENE.motion.toml); only with --frame")
       ->type_name("FILE");
-  capacitance_command
-      ->add_option("--max-seconds", request.most_seconds,
-                   "End after this time with the best answer so far, as Ctrl-C does; not with methods that "
-                   "answer at once. recommended does not begin what would take longer")
-      ->type_name("S")
-      ->check(CLI::PositiveNumber);
   capacitance_command
       ->add_option("--output", request.output,
                    "Also write the triangles with what each adds to every sensor's capacitance, for ParaView")

@@ -32,16 +32,16 @@ std::size_t column_width(const std::vector<std::string>& names, std::size_t leas
 
 }  // namespace
 
-std::string maxwell_table(const MaxwellMatrix& matrix, const answers::MaxwellRequest& request,
-                          double seconds) {
+std::string maxwell_table(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
+  const MaxwellMatrix& matrix = answer.matrix.value();
   const std::size_t width = column_width(matrix.conductors, entry_width);
   const std::size_t names_width = column_width(matrix.conductors, 12);
-  std::string text = fmt::format(
-      "Maxwell matrix by boundary elements{}, pF: charge on the row's conductor per volt on the column's\n"
-      "rtol {} {}{}, {} unknowns, {:.3g} s\n\n{:<{}}",
-      request.method == "boundary-elements" ? "" : fmt::format(" ({})", request.method), request.rtol,
-      matrix.reached ? "reached" : "NOT reached", request.only_readings ? " in the readings" : "",
-      matrix.unknowns, seconds, "", names_width);
+  std::string text =
+      fmt::format("Maxwell matrix by {}, pF: charge on the row's conductor per volt on the column's\n"
+                  "rtol {} {}{}, {} unknowns, {:.3g} s\n\n{:<{}}",
+                  answer.answered_by, rtol_of(options), answer.reached ? "reached" : "NOT reached",
+                  options.entries == Entries::of_readings ? " in the readings" : "", matrix.unknowns, seconds,
+                  "", names_width);
   for (const std::string& name : matrix.conductors)
     text += fmt::format("{:>{}}", name, width);
   text += '\n';

@@ -2,12 +2,11 @@
 
 #include <string>
 
-#include "answers/answers.hpp"
+#include "fringe/evaluation.hpp"
 
 namespace fringe::cli {
 
-/// Formats a Maxwell matrix as a table in pF.
-std::string maxwell_table(const MaxwellMatrix& matrix, const answers::MaxwellRequest& request,
-                          double seconds);
+/// Formats the Maxwell matrix of an evaluation that has one as a table in pF.
+std::string maxwell_table(const Evaluation& answer, const EvaluationOptions& options, double seconds);
 
 }  // namespace fringe::cli

@@ -24,7 +24,7 @@ std::string text_of(const Estimate& estimate) {
 /// Appends blanks up to a width; "±" is one character of two bytes.
 std::string padded(const std::string& text, std::size_t width) {
   const std::size_t length = text.find("±") == std::string::npos ? text.size() : text.size() - 1;
-  return text + std::string(width - std::min(width, length), ' ');
+  return text + std::string(std::max(width, length + 1) - length, ' ');
 }
 
 /// Formats a derivative that is given in F/m or F/rad.

@@ -1,6 +1,7 @@
 #include "sweep.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <set>
 #include <unistd.h>
@@ -19,6 +20,7 @@
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
 #include "interruption.hpp"
+#include "numeric/infinity.hpp"
 #include "program.hpp"
 #include "sweep_table.hpp"
 #include "units.hpp"
@@ -49,7 +51,7 @@ std::string summary(const Scene& scene, const std::vector<Frame>& motion, const 
       continue;
     text += fmt::format("{}, threshold {:.6g} fF{}:", described[k].name,
                         *described[k].threshold * femtofarads_per_farad,
-                        names_method ? ", by " + sweeper.request.method : "");
+                        names_method ? ", by " + *sweeper.request.method : "");
     std::string before;
     for (std::size_t frame = 0; frame < sweeper.noticed.size(); ++frame) {
       const Noticed now = sweeper.noticed[frame][k];
@@ -74,6 +76,31 @@ void show_progress(std::size_t frame, std::size_t frames, const std::string& met
     fmt::print(stderr, "\rfringe: frame {} of {}, {:<64}", frame, frames, method);
 }
 
+/// Seconds that an answer gets at least: a limit must be positive.
+constexpr double least_seconds = 1e-3;
+
+/// What ends a sweep before its motion: Ctrl-C or a time.
+class End {
+ public:
+  explicit End(std::optional<double> most_seconds) : most_seconds_(most_seconds) {}
+
+  double seconds_left() const {
+    using Clock = std::chrono::steady_clock;
+    return most_seconds_.value_or(detail::infinity) -
+           std::chrono::duration<double>(Clock::now() - start_).count();
+  }
+  bool is_near() const { return interruption_.is_asked_for() || seconds_left() <= 0; }
+  int status() const { return interruption_.is_asked_for() ? interrupted : not_reached; }
+  std::string reason() const {
+    return interruption_.is_asked_for() ? "interrupted" : fmt::format("stopped after {:g} s", *most_seconds_);
+  }
+
+ private:
+  std::optional<double> most_seconds_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  CommandInterruption interruption_;
+};
+
 /// The answers of all methods for one frame, and how many of them were kept from earlier or refused.
 struct FrameAnswers {
   std::vector<FrameRows> rows;
@@ -86,12 +113,12 @@ struct FrameAnswers {
 std::optional<FrameAnswers> answer_frame(LiveScene& live, const std::vector<Sweeper>& sweepers,
                                          const EarlierRows& earlier, const SweepKey& key,
                                          const std::vector<Frame>& motion, std::size_t frame,
-                                         const CommandInterruption& limit) {
+                                         const End& end) {
   const std::string& name = motion[frame].name;
   live.set_poses(motion[frame].poses);
   FrameAnswers answers;
   for (const Sweeper& sweeper : sweepers) {
-    const std::string& method = sweeper.request.method;
+    const std::string& method = *sweeper.request.method;
     const std::string own = key.of(motion[frame], sweeper.request);
     std::optional<FrameRows> rows = earlier.find(live.scene(), frame + 1, name, method, own);
     answers.found += rows.has_value() ? 1 : 0;
@@ -101,9 +128,12 @@ std::optional<FrameAnswers> answer_frame(LiveScene& live, const std::vector<Swee
     });
     try {
       if (!rows) {
-        const Evaluation& answer = live.evaluate(sweeper.options);
-        // An answer that Ctrl-C cut short is none of the sweep's.
-        if (limit.status() && !answer.reached)
+        EvaluationOptions options = sweeper.options;
+        if (options.max_seconds)
+          options.max_seconds = std::max(end.seconds_left(), least_seconds);
+        const Evaluation& answer = live.evaluate(options);
+        // An answer that was cut short is none of the sweep's.
+        if (end.is_near() && !answer.reached)
           return std::nullopt;
         rows = answered_rows(live.scene(), frame + 1, name, method, answer, own);
         // Not on every frame: that may take longer than its answer.
@@ -124,29 +154,20 @@ std::optional<FrameAnswers> answer_frame(LiveScene& live, const std::vector<Swee
   return answers;
 }
 
-/// Returns the methods of a sweep of a scene with their options. Where the formula takes no accuracy, it
-/// answers in closed form if others take it.
-std::vector<Sweeper> sweepers_of(const SweepRequest& request, const Scene& scene) {
-  std::vector<MethodRequest> methods = requests_of(request.methods, request.options);
-  const auto is_of_integral = [](const MethodRequest& method) {
-    return is_integral(options_of(method).method);
-  };
-  const bool others_take_rtol = !std::ranges::all_of(methods, is_of_integral);
+/// Returns the methods of a sweep with their options.
+std::vector<Sweeper> sweepers_of(const SweepRequest& request) {
   std::vector<Sweeper> sweepers;
-  for (MethodRequest& method : methods) {
-    if (others_take_rtol && is_of_integral(method) && !formula_takes_rtol(scene)) {
-      method.rtol.reset();
-      method.prepared.reset();
-    }
+  const std::vector<std::string> usual{request.options.rtol ? "auto" : "exact"};
+  for (MethodRequest& method :
+       requests_of(request.methods.empty() ? usual : request.methods, request.options))
     sweepers.push_back({.request = method, .options = options_of(method)});
-  }
   return sweepers;
 }
 
 /// Says on standard error what was refused, and which errors were not reached.
 void tell(const std::string& scene, const std::vector<Sweeper>& sweepers) {
   for (const Sweeper& sweeper : sweepers) {
-    const std::string by = sweepers.size() > 1 ? fmt::format("{}: ", sweeper.request.method) : "";
+    const std::string by = sweepers.size() > 1 ? fmt::format("{}: ", *sweeper.request.method) : "";
     if (!sweeper.refused.empty())
       fmt::print(stderr, "fringe: {}: {}no answer in frames {}: {}\n", scene, by,
                  fmt::join(sweeper.refused, ", "), sweeper.reason);
@@ -172,11 +193,10 @@ CLI::App* add_sweep_command(CLI::App& program, SweepRequest& request) {
   command
       ->add_option("--method", request.methods,
                    "One or more methods of fringe capacitance, separated by commas or each with a --method "
-                   "of its own; "
-                   "the other options go to those methods that have them")
+                   "of its own; the other options go to those methods that have them")
       ->delimiter(',')
-      ->default_str("exact");
-  add_refining_options(*command, request.options);
+      ->default_str("auto with --rtol, else exact");
+  add_accuracy_options(*command, request.options);
   command
       ->add_option("--output", request.output,
                    "Write the CSV to this file, after every frame, and print a summary. Frames that it "
@@ -188,9 +208,8 @@ CLI::App* add_sweep_command(CLI::App& program, SweepRequest& request) {
 
 int run_sweep(const SweepRequest& request) {
   // Wrong options are told before the scene is read, which may take long.
-  requests_of(request.methods, request.options);
+  std::vector<Sweeper> sweepers = sweepers_of(request);
   LiveScene live(load_scene(request.scene));
-  std::vector<Sweeper> sweepers = sweepers_of(request, live.scene());
   const std::vector<Frame> motion = load_motion(motion_file(request.scene, request.motion), live.scene());
   const SweepKey key(request.scene, live.scene());
   EarlierRows earlier;
@@ -201,11 +220,11 @@ int run_sweep(const SweepRequest& request) {
   }
   std::string table = sweep_header;
   std::size_t kept = 0, finished = 0;
-  const CommandInterruption limit(std::nullopt);
-  for (std::size_t frame = 0; frame < motion.size() && !limit.status(); ++frame) {
+  const End end(request.options.max_seconds);
+  for (std::size_t frame = 0; frame < motion.size() && !end.is_near(); ++frame) {
     try {
       const std::optional<FrameAnswers> answers =
-          answer_frame(live, sweepers, earlier, key, motion, frame, limit);
+          answer_frame(live, sweepers, earlier, key, motion, frame, end);
       if (!answers)
         break;
       // A frame needs the answer of at least one method.
@@ -239,8 +258,9 @@ int run_sweep(const SweepRequest& request) {
   if (!earlier.empty() && kept == 0)
     fmt::print(stderr, "fringe: {}: its frames were of another scene, motion or options, and are replaced\n",
                request.output->string());
-  if (limit.status())
-    fmt::print(stderr, "fringe: {}: {} after {} of {} frames\n", request.scene, limit.reason(), finished,
+  const bool is_cut_short = finished < motion.size();
+  if (is_cut_short)
+    fmt::print(stderr, "fringe: {}: {} after {} of {} frames\n", request.scene, end.reason(), finished,
                motion.size());
   tell(request.scene, sweepers);
   std::string text = table;
@@ -251,7 +271,9 @@ int run_sweep(const SweepRequest& request) {
       text += summary(live.scene(), motion, sweeper, sweepers.size() > 1);
   }
   print(text);
-  return limit.status().value_or(std::ranges::all_of(sweepers, &Sweeper::reached) ? answered : not_reached);
+  if (is_cut_short)
+    return end.status();
+  return std::ranges::all_of(sweepers, &Sweeper::reached) ? answered : not_reached;
 }
 
 }  // namespace fringe::cli

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "correction/company_readings.hpp"
 #include "csv_text.hpp"
 #include "fringe/reading.hpp"
 #include "fringe/triangulation.hpp"
@@ -63,7 +62,7 @@ Noticed noticed(const ReadingAnswer& answer, const std::optional<double>& thresh
   const Estimate& change = answer.change;
   if (!threshold || !change.value)
     return Noticed::not_known;
-  if (!change.error && answer.answered_by == detail::CompanyReadings::name)
+  if (!change.error && !is_integral(method_of(with_method({}, answer.answered_by))))
     return Noticed::unsure;
   const double error = change.error.value_or(0), size = std::abs(*change.value);
   if (size - error > *threshold)
@@ -165,9 +164,7 @@ SweepKey::SweepKey(const std::filesystem::path& file, const Scene& scene) : scen
 std::string SweepKey::of(const Frame& frame, const MethodRequest& request) const {
   const auto option = [](const auto& given) { return given ? fmt::format("{}", *given) : std::string("-"); };
   std::uint64_t hash =
-      hashed(fmt::format("{} {} {} {} {} {}", request.method, option(request.plates), option(request.faces),
-                         option(request.correction), option(request.tolerance), option(request.rtol)),
-             scene_);
+      hashed(fmt::format("{} {}", request.method.value_or("-"), option(request.rtol)), scene_);
   for (const Eigen::Isometry3d& pose : frame.poses)
     hash = hashed(bytes_of(pose.matrix().data(), 16), hash);
   return fmt::format("{:016x}", hash);

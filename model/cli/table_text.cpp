@@ -71,15 +71,17 @@ std::string reading_line(const Reading& reading) {
 
 }  // namespace
 
-std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceOptions& options,
+std::string capacitance_table(const Evaluation& evaluation, const EvaluationOptions& options,
                               double seconds) {
-  std::string text = fmt::format(
-      "The model's estimate of mutual, the charge on a grounded object per volt on the sensor\n"
-      "method {}, plates {}, faces {}, tolerance {}{}, {} triangles evaluated, {:.3g} s\n",
-      to_string(options.method), to_string(options.plates), to_string(options.faces), options.tolerance,
-      options.correction == Correction::none ? std::string()
-                                             : fmt::format(", correction {}", to_string(options.correction)),
-      answer.counts.triangles_evaluated, seconds);
+  const SceneCapacitance& answer = evaluation.capacitance;
+  const bool has_tolerance = std::holds_alternative<Exact>(method_of(options));
+  std::string text =
+      fmt::format("What each object adds to a sensor: an estimate of mutual, the charge on the grounded "
+                  "object per volt on "
+                  "the sensor\n"
+                  "method {}{}, {} triangles evaluated, {:.3g} s\n",
+                  method_text(options), has_tolerance ? fmt::format(", tolerance {}", options.tolerance) : "",
+                  answer.counts.triangles_evaluated, seconds);
   for (const SensorCapacitance& sensor : answer.sensors) {
     text += fmt::format("\nsensor {}{}\n", sensor.name, sensor.contact ? " (contact)" : "");
     for (const ObjectCapacitance& object : sensor.objects)

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "fringe/capacitance.hpp"
+#include "fringe/evaluation.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_sensing.hpp"
@@ -11,8 +11,8 @@
 /// Formats the answers as tables for people: capacitances in pF, distances in mm.
 namespace fringe::cli {
 
-std::string capacitance_table(const SceneCapacitance& answer, const CapacitanceOptions& options,
-                              double seconds);
+/// Of an evaluation without a Maxwell matrix.
+std::string capacitance_table(const Evaluation& evaluation, const EvaluationOptions& options, double seconds);
 
 std::string readings_table(const std::vector<DistanceReading>& readings);
 

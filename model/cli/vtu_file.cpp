@@ -78,9 +78,9 @@ class Arrays {
 }  // namespace
 
 void write_vtu(const Scene& scene, const CapacitanceOptions& options, const fs::path& target) {
-  if (options.tolerance > 0 || options.correction != Correction::none)
-    throw InputError("--output cannot be combined with a tolerance or a correction, which do not evaluate "
-                     "single triangles");
+  if (options.tolerance > 0)
+    throw InputError(
+        "--output cannot be combined with a tolerance, which does not evaluate single triangles");
   std::vector<double> points;
   std::vector<std::int32_t> bodies;
   for (const Conductor& conductor : conductors(scene)) {

@@ -12,7 +12,6 @@
 
 #include "arrays.hpp"
 #include "fringe/bounding_volume.hpp"
-#include "fringe/correction.hpp"
 #include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
@@ -171,14 +170,6 @@ Array plate_integral_derivatives_of(const Array& triangles, const Array& corner,
   return result;
 }
 
-py::list corrections_list() {
-  py::list list;
-  for (const CorrectionInfo& info : corrections())
-    list.append(py::dict("name"_a = info.name, "formula"_a = info.formula, "source"_a = info.source,
-                         "constants"_a = info.constants, "cost"_a = info.cost));
-  return list;
-}
-
 }  // namespace
 
 PYBIND11_MODULE(fringe, module) {
@@ -260,10 +251,6 @@ for each element.)");
 
 A triangle farther away than ten times its radius counts as a point. With the charges of Scene.surface_charges it gives
 the potential: fringe.triangle_potentials(points, panels) @ charges.)");
-
-  module.def("corrections", &corrections_list,
-             "The registry of corrections: a list of dictionaries with \"name\", \"formula\", \"source\", "
-             "\"constants\" and \"cost\".");
 
   python::add_interruption(module);
   python::add_scene(module);

@@ -24,17 +24,19 @@
 #include "answers/scene_roles.hpp"
 #include "arrays.hpp"
 #include "fringe/conductors.hpp"
-#include "fringe/correction.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
+#include "fringe/formula_terms.hpp"
 #include "fringe/machine_potentials.hpp"
 #include "fringe/motion.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/reading.hpp"
 #include "fringe/remarks.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/surface_charges.hpp"
 #include "python_object.hpp"
+#include "readings.hpp"
 #include "scene_text.hpp"
 #include "shared_scene.hpp"
 
@@ -57,136 +59,85 @@ py::dict dictionary(const FormulaTerms& terms) {
                                                  terms.on_object.remaining));
 }
 
-/// Evaluates a scene and describes the answer by `describe`, a function of the evaluation and the seconds it
-/// took.
-template <typename Describe>
-py::dict described_evaluation(SharedScene& shared, const EvaluationOptions& options,
-                              const Describe& describe) {
+/// The options of the methods as keywords of Python.
+struct Asked {
+  std::optional<std::string> method;
+  std::optional<double> rtol;
+  bool entries = false;
+  std::optional<double> max_seconds;
+  bool derivatives = false;
+  std::optional<std::filesystem::path> prepared;
+  double tolerance = 0;
+};
+
+/// Reads the options. Throws InputError for those that are unknown or cannot be combined.
+EvaluationOptions options_of(const Asked& asked) {
+  EvaluationOptions options;
+  if (asked.method)
+    options = with_method(std::move(options), *asked.method);
+  options.tolerance = asked.tolerance;
+  options.rtol = asked.rtol;
+  options.entries = asked.entries ? Entries::of_sensors : Entries::of_readings;
+  options.max_seconds = asked.max_seconds;
+  options.derivatives = asked.derivatives;
+  options.prepared = asked.prepared;
   validate(options);
+  return options;
+}
+
+/// Refuses keywords that the functions had before, and any others.
+void refuse(const py::kwargs& others) {
+  /// What to write now.
+  static const std::map<std::string, std::string> former{
+      {"correction", "method=\"formula\", or \"auto\" for what was recommended"},
+      {"plates", "+nearest after the method, as in \"exact+nearest\""},
+      {"faces", "+facing after the method, as in \"exact+facing\""},
+  };
+  for (const auto& [key, value] : others) {
+    const auto name = key.cast<std::string>();
+    const auto known = former.find(name);
+    throw py::type_error(known != former.end() ? fmt::format("{} is gone: write {}", name, known->second)
+                                               : fmt::format("there is no keyword \"{}\"", name));
+  }
+}
+
+py::dict maxwell_of(SharedScene& shared, const std::string& method, std::optional<double> rtol,
+                    std::optional<double> max_seconds) {
+  EvaluationOptions options = options_of({.method = method, .rtol = rtol, .max_seconds = max_seconds});
+  return python_object(shared.locked([&](LiveScene& live) {
+    const auto start = std::chrono::steady_clock::now();
+    const MaxwellMatrix& matrix = live.maxwell(options);
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    return with_remarks(maxwell_answer(matrix, rtol_of(options), elapsed.count()),
+                        shared.remarks_once("", [&] { return remarks(live.scene()); }));
+  }));
+}
+
+py::dict capacitance_of(SharedScene& shared, const std::optional<std::string>& method,
+                        std::optional<double> rtol, bool entries, std::optional<double> max_seconds,
+                        bool derivatives, const std::optional<std::filesystem::path>& prepared,
+                        double tolerance, const py::kwargs& others) {
+  refuse(others);
+  const EvaluationOptions options =
+      options_of({method, rtol, entries, max_seconds, derivatives, prepared, tolerance});
   return python_object(shared.locked([&](LiveScene& live) {
     const auto start = std::chrono::steady_clock::now();
     const Evaluation& answer = live.evaluate(options);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
-    const std::string faces = to_string(options.faces.value_or(FaceRule::all));
-    return with_remarks(describe(answer, elapsed.count()),
-                        shared.remarks_once(answer.answered_by + " " + faces,
-                                            [&] { return remarks(live.scene(), options, answer); }));
+    return with_remarks(
+        capacitance_answer(answer, options, elapsed.count()),
+        shared.remarks_once(answer.answered_by, [&] { return remarks(live.scene(), options, answer); }));
   }));
 }
 
-py::dict maxwell_of(SharedScene& scene, const std::string& method, std::optional<double> rtol) {
-  const EvaluationOptions options{.method = parse_method(method), .rtol = rtol, .entries = Entries::all};
-  if (is_integral(options.method) || std::holds_alternative<Recommended>(options.method))
-    throw InputError(fmt::format(
-        "method '{}' finds no Maxwell matrix: it must be boundary-elements or reduced:K", method));
-  return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
-    return maxwell_answer(answer, rtol_of(options), seconds);
-  });
-}
-
-/// Reads the options of the triangle-integral methods.
-EvaluationOptions options_of(const std::string& method, const std::optional<std::string>& plates,
-                             const std::optional<std::string>& faces, std::optional<double> tolerance,
-                             std::optional<double> rtol, const std::optional<std::string>& correction,
-                             const std::optional<std::filesystem::path>& prepared, bool derivatives = false) {
-  EvaluationOptions options{.method = parse_method(method),
-                            .tolerance = tolerance,
-                            .rtol = rtol,
-                            .derivatives = derivatives,
-                            .prepared = prepared};
-  if (plates)
-    options.plates = parse_plate_rule(*plates);
-  if (faces)
-    options.faces = parse_face_rule(*faces);
-  if (correction)
-    options.correction = parse_correction(*correction);
-  return options;
-}
-
-py::dict capacitance_of(SharedScene& scene, const std::string& method,
-                        const std::optional<std::string>& plates, const std::optional<std::string>& faces,
-                        std::optional<double> tolerance, std::optional<double> rtol,
-                        const std::optional<std::string>& correction, bool derivatives,
-                        const std::optional<std::filesystem::path>& prepared,
-                        std::optional<double> max_seconds) {
-  EvaluationOptions options =
-      options_of(method, plates, faces, tolerance, rtol, correction, prepared, derivatives);
-  options.max_seconds = max_seconds;
-  return described_evaluation(scene, options, [&](const Evaluation& answer, double seconds) {
-    return capacitance_answer(answer, options, seconds);
-  });
-}
-
-/// The answer of a reading as an object of Python: `Reading`.
-struct PythonReading {
-  std::optional<double> value, background, change;
-  std::map<std::string, std::optional<double>> error;
-  std::string answered_by;
-  std::map<std::string, PoseDerivatives> derivatives;  ///< by link
-  std::map<std::string, std::optional<PoseDerivatives>> derivative_errors;
-};
-
-/// Readings by their names.
-using PythonReadings = std::map<std::string, PythonReading>;
-
-PythonReadings python_readings(const Evaluation& answer) {
-  PythonReadings result;
-  for (const ReadingAnswer& reading : answer.readings) {
-    PythonReading& entry = result[reading.name] = {reading.value.value,
-                                                   reading.background.value,
-                                                   reading.change.value,
-                                                   {{"value", reading.value.error},
-                                                    {"background", reading.background.error},
-                                                    {"change", reading.change.error}},
-                                                   reading.answered_by,
-                                                   {},
-                                                   {}};
-    for (const LinkDerivatives& of_link : reading.derivatives) {
-      entry.derivatives[of_link.link] = of_link.change;
-      entry.derivative_errors[of_link.link] = of_link.error;
-    }
-  }
-  return result;
-}
-
-PythonReadings readings_of(SharedScene& scene, const std::string& method,
-                           const std::optional<std::string>& plates, const std::optional<std::string>& faces,
-                           std::optional<double> tolerance, std::optional<double> rtol,
-                           const std::optional<std::string>& correction, bool derivatives,
-                           const std::optional<std::filesystem::path>& prepared,
-                           std::optional<double> max_seconds) {
-  EvaluationOptions options =
-      options_of(method, plates, faces, tolerance, rtol, correction, prepared, derivatives);
-  options.max_seconds = max_seconds;
-  options.entries = Entries::of_readings;
-  validate(options);
-  return scene.locked([&](LiveScene& live) { return python_readings(live.evaluate(options)); });
-}
-
-/// A frame of a sweep as a tuple of Python: its name and its readings.
-using PythonFrame = std::tuple<std::string, PythonReadings>;
-
-std::vector<PythonFrame> sweep_of(SharedScene& scene, const std::filesystem::path& motion,
-                                  const std::string& method, const std::optional<std::string>& plates,
-                                  const std::optional<std::string>& faces, std::optional<double> tolerance,
-                                  std::optional<double> rtol, const std::optional<std::string>& correction,
-                                  const std::optional<std::filesystem::path>& prepared) {
-  EvaluationOptions options = options_of(method, plates, faces, tolerance, rtol, correction, prepared);
-  options.entries = Entries::of_readings;
-  validate(options);
-  std::vector<PythonFrame> frames;
-  std::vector<Frame> poses;
-  scene.locked([&](const LiveScene& live) { poses = load_motion(motion, live.scene()); });
-  for (const Frame& frame : poses) {
-    // Ctrl-C ends the sweep between two frames.
-    if (PyErr_CheckSignals() != 0)
-      throw py::error_already_set();
-    scene.locked([&](LiveScene& live) {
-      live.set_poses(frame.poses);
-      frames.emplace_back(frame.name, python_readings(live.evaluate(options)));
-    });
-  }
-  return frames;
+std::map<std::string, PythonReading> readings_of(SharedScene& scene, const std::string& method,
+                                                 std::optional<double> rtol, bool entries,
+                                                 std::optional<double> max_seconds, bool derivatives,
+                                                 const std::optional<std::filesystem::path>& prepared,
+                                                 const py::kwargs& others) {
+  refuse(others);
+  const EvaluationOptions options = options_of({method, rtol, entries, max_seconds, derivatives, prepared});
+  return scene.locked([&](LiveScene& live) { return python_readings(live.readings(options)); });
 }
 
 /// Returns the pose in the 16 numbers of a (4, 4) matrix.
@@ -214,49 +165,23 @@ std::vector<Frame> frames_of(const py::object& motion, const Scene& scene) {
   return frames;
 }
 
-/// Returns estimates of readings (columns) in frames (rows); NaN for those that are not known.
-template <std::optional<double> Estimate::*part>
-Eigen::MatrixXd table_of(const std::vector<std::vector<ReadingAnswer>>& answers,
-                         Estimate ReadingAnswer::*estimate) {
-  Eigen::MatrixXd table(static_cast<Eigen::Index>(answers.size()),
-                        static_cast<Eigen::Index>(answers.empty() ? 0 : answers.front().size()));
-  for (Eigen::Index frame = 0; frame < table.rows(); ++frame)
-    for (Eigen::Index reading = 0; reading < table.cols(); ++reading)
-      table(frame, reading) =
-          (answers[static_cast<std::size_t>(frame)][static_cast<std::size_t>(reading)].*estimate.*part)
-              .value_or(std::numeric_limits<double>::quiet_NaN());
-  return table;
-}
-
-py::dict readings_of_motion(SharedScene& scene, const py::object& motion, const std::string& method,
-                            std::optional<double> rtol, const std::optional<std::string>& correction,
-                            std::size_t threads, const std::optional<std::filesystem::path>& prepared) {
-  const EvaluationOptions options = options_of(method, {}, {}, {}, rtol, correction, prepared);
-  validate(options);
-  std::vector<Frame> frames;
-  {
-    const Scene present = scene.locked([](const LiveScene& live) { return live.scene(); });
-    frames = frames_of(motion, present);
-  }
-  const std::vector<std::vector<ReadingAnswer>> answers =
-      scene.locked([&](LiveScene& live) { return live.readings_of(frames, options, threads); });
-  std::vector<std::string> names, readings;
+MotionTable readings_of_motion(SharedScene& scene, const py::object& motion, const std::string& method,
+                               std::optional<double> rtol, bool entries, std::optional<double> max_seconds,
+                               const std::optional<std::filesystem::path>& prepared, std::size_t threads,
+                               const py::kwargs& others) {
+  refuse(others);
+  const EvaluationOptions options = options_of(
+      {.method = method, .rtol = rtol, .entries = entries, .max_seconds = max_seconds, .prepared = prepared});
+  const Scene present = scene.locked([](const LiveScene& live) { return live.scene(); });
+  const std::vector<Frame> frames = frames_of(motion, present);
+  std::vector<std::string> names, of_readings;
   for (const Frame& frame : frames)
     names.push_back(frame.name);
-  std::vector<std::vector<std::string>> answered_by;
-  for (const std::vector<ReadingAnswer>& frame : answers) {
-    answered_by.emplace_back();
-    for (const ReadingAnswer& reading : frame)
-      answered_by.back().push_back(reading.answered_by);
-  }
-  if (!answers.empty())
-    for (const ReadingAnswer& reading : answers.front())
-      readings.push_back(reading.name);
-  return py::dict("frames"_a = names, "readings"_a = readings, "answered_by"_a = answered_by,
-                  "value"_a = table_of<&Estimate::value>(answers, &ReadingAnswer::value),
-                  "background"_a = table_of<&Estimate::value>(answers, &ReadingAnswer::background),
-                  "change"_a = table_of<&Estimate::value>(answers, &ReadingAnswer::change),
-                  "error"_a = table_of<&Estimate::error>(answers, &ReadingAnswer::change));
+  for (const Reading& reading : readings(present))
+    of_readings.push_back(reading.name);
+  return motion_table(std::move(names), of_readings, scene.locked([&](LiveScene& live) {
+    return live.readings_of(frames, options, threads);
+  }));
 }
 
 /// Describes an answer by `describe`, a function of the scene, with the remarks on the scene.
@@ -527,20 +452,7 @@ void add_scene(py::module_& module) {
       "entries"_a,
       R"(The entries of a list of an answer by their names: fringe.by_name(answer["sensors"])["front"].)");
 
-  py::class_<PythonReading>(module, "Reading",
-                            "The answer of a reading (F); None is what the method does not know.")
-      .def_readonly("value", &PythonReading::value)
-      .def_readonly("background", &PythonReading::background)
-      .def_readonly("change", &PythonReading::change)
-      .def_readonly("error", &PythonReading::error,
-                    R"(Estimates of the errors: {"value", "background", "change"}.)")
-      .def_readonly("answered_by", &PythonReading::answered_by, "The method.")
-      .def_readonly(
-          "derivatives", &PythonReading::derivatives,
-          R"(The derivatives of the change by the pose of each link, {link: (6,) array}, if asked for.)")
-      .def_readonly("derivative_errors", &PythonReading::derivative_errors,
-                    "Estimates of their errors, {link: (6,) array}; None where the method states none.");
-
+  add_readings(module);
   add_machine_potentials(module);
   py::class_<SharedScene>(module, "Scene", "A scene of links, sensors and objects (geometries/SCENE.md).")
       .def_static("load", &SharedScene::load, "path"_a, py::call_guard<py::gil_scoped_release>(),
@@ -587,83 +499,62 @@ InputError for an unknown object, for an electrode, and when nothing would be le
 
 Links stay where they are. Raises InputError, with the scene as it was, for a text with which the scene would be wrong.)")
       .def("__repr__", &representation)
-      .def("capacitance", &capacitance_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
-           "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(), "derivatives"_a = false, "prepared"_a = py::none(),
-           "max_seconds"_a = py::none(),
+      .def("capacitance", &capacitance_of, "method"_a = py::none(), "rtol"_a = py::none(),
+           "entries"_a = false, "max_seconds"_a = py::none(), "derivatives"_a = false,
+           "prepared"_a = py::none(), "tolerance"_a = 0.0,
            R"(What every sensor feels, as the dictionary that `fringe capacitance --json` prints; F and V.
 
-method: "exact", "split:N" or "gauss:K", as for plate_integral; or "boundary-elements", for every shape, or "reduced:K",
-the same in microseconds for moving scenes; or "recommended", the first of "reduced:K", "boundary-elements" (1,000 unknowns
-at most) and the correction "formula" that states the error asked for.
-plates: "sum", every plate of a sensor counts every point of a surface; "nearest", only the plate nearest to it does.
-faces: "all", or "facing": only triangles whose outward side sees the plate, and those in contact with it; of the shape
-"plate" the side that faces.
+method: "exact", "split:N" or "gauss:K", as for plate_integral, each with "+nearest" (only the plate of a sensor that is
+nearest to a point counts it) and "+facing" (only triangles whose outward side sees the plate count, and those in contact with
+it; of the shape "plate" the side that faces) after it; or one of readings(). If not given, "auto" where rtol is given, else
+"exact".
 tolerance: what may be left out of a sensor's total, relative to it; each object's "bound" says how much of it was left
-out at most. 0: nothing is left out but by "nearest", 1e-12. Only with the method "exact".
-rtol: the error of every entry in the sensors' rows of the Maxwell matrix to be reached. Only with "boundary-elements" (if not given 1e-3),
-"reduced:1", 2, 3 (1e-2, 1e-3, 3e-4) and "recommended" (1e-2, of the sensors' own entries and the objects' capacitances); and the
-correction "formula", of the changes of readings (model/CORRECTIONS.md, section 8).
-correction: "none", or what takes the place of the integral, "formula" or "recommended" (fringe.corrections()).
-derivatives: also those of the readings' changes, as readings() explains them.
-prepared: a folder in which what takes long to prepare is kept, and found again for the same bodies, readings, poses and
-accuracy, also by another process; with the correction "formula" and "recommended", both with an rtol. The answers are the
-same, to the bit.
-max_seconds: end after this time with the best answer so far, as "answered_by" names it, its errors as stated. "recommended"
-does not begin what would take longer than what is left, and answers by the formula in closed form where it has nothing
-better. Methods that answer at once refuse it; where there is no answer by then, RuntimeError is raised.
+out at most. 0: nothing is left out but by "+nearest", 1e-12. Only with "exact".
+The other options are those of readings().
 
-plates, faces, tolerance and correction are options of "exact", "split:N" and "gauss:K"; None is the first value named.
 Asked again with the same options, only what moved since is evaluated; "counts" says what that was.
 
-Raises InputError (a ValueError) for unknown or inconsistent options and for objects that are not grounded.)")
-      .def("readings", &readings_of, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
-           "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-           "correction"_a = py::none(), "derivatives"_a = false, "prepared"_a = py::none(),
-           "max_seconds"_a = py::none(),
-           R"(What the scene's readings measure, {name: Reading}; options as for capacitance(). F.
+Raises InputError (a ValueError) for unknown or inconsistent options and for objects that the method does not know.)")
+      .def("readings", &readings_of, "method"_a = "auto", "rtol"_a = py::none(), "entries"_a = false,
+           "max_seconds"_a = py::none(), "derivatives"_a = false, "prepared"_a = py::none(),
+           R"(What the scene's readings measure in the present poses, {name: Reading}; F.
 
 A scene without readings has one for every sensor, which senses and drives it. A reading's value is the charge on what it
 senses per volt on what it drives, times -1 if it does not drive that, too; background is the same without the targets,
-the objects that are marked as such, or all but electrodes; change is value - background. "boundary-elements" finds both
-on the same elements, so that errors common to both cancel; the triangle-integral methods know only the change of a reading
-that drives the sensor it senses, the sum over the targets. The correction "formula" knows the change of every reading: the machine, prepared at
-the first call and whenever its parts move relative to each other, is known to it ("answered_by" is "formula in company").
+the objects that are marked as such, or all but electrodes; change is value - background.
 
+method: "formula", in closed form; "reduced", the reduced boundary element method, which prepares the scene once and then
+takes micro- to milliseconds for each pose; "boundary-elements"; or "auto", the cheapest of these that states the accuracy
+asked for. "exact", "split:N" and "gauss:K" know only the change of a reading that drives the sensor it senses, the sum over
+the targets, and no error.
+rtol: the largest relative error of value and change asked for, from 1e-6 to 0.5; if not given, 1e-2. What was not reached
+is stated by the errors.
+entries: whether each entry of the Maxwell matrix in the rows of sensors and electrodes is to be as accurate, too.
+max_seconds: end after this time with the best answer so far; RuntimeError is raised where there is none.
 derivatives: fill in Reading.derivatives, {link: (6,) array}, the derivatives of the change as the link moves with all
 links that hang on it: in F/m along the axes of the world, then in F/rad about the axes of the world through the link's
-origin. They are NaN in contact, and Reading.derivative_errors estimates their errors where the method knows them. Only with
-"exact" without a correction, where `tolerance` does not apply to them, "boundary-elements", "reduced:K" and the correction
-"formula" with an rtol.
+origin. They are NaN in contact, and Reading.derivative_errors estimates their errors where the method knows them. Not with
+"formula", "split:N" and "gauss:K".
+prepared: a folder in which "reduced" and "auto" keep what takes long to prepare, and find it again for the same bodies,
+readings, poses and accuracy, also in another process. The answers are the same, to the bit.
 
-Raises InputError as capacitance() does.)")
+Raises InputError (a ValueError) for unknown or inconsistent options and for scenes that the method refuses.)")
       .def(
-          "sweep", &sweep_of, "motion"_a, "method"_a = "exact", py::kw_only(), "plates"_a = py::none(),
-          "faces"_a = py::none(), "tolerance"_a = py::none(), "rtol"_a = py::none(),
-          "correction"_a = py::none(), "prepared"_a = py::none(),
-          R"(The readings in every frame of a motion file: a list of (name of the frame, {name: Reading}); options as for readings().
+          "readings_of", &readings_of_motion, "motion"_a, "method"_a = "auto", "rtol"_a = py::none(),
+          "entries"_a = false, "max_seconds"_a = py::none(), "prepared"_a = py::none(), "threads"_a = 0,
+          R"(The readings in every frame of a motion, MotionReadings: a file, or an array (frames, links, 4, 4) of the links' poses
+relative to their parents. Options as for readings(); max_seconds is for all frames together.
 
-The scene stays in the poses of the last frame, and begins in those that it has. Raises InputError for a file that cannot
-be used with the scene, and as readings() does.)")
-      .def(
-          "readings_of", &readings_of_motion, "motion"_a, "method"_a = "exact", py::kw_only(),
-          "rtol"_a = py::none(), "correction"_a = py::none(), "threads"_a = 0, "prepared"_a = py::none(),
-          R"(The readings in every frame of a motion, a file or an array (frames, links, 4, 4) of the links' poses relative to their
-parents, as a dictionary of arrays (frames, readings) in F: "value", "background", "change" and "error", an estimate of the error of the
-change; NaN is what the method does not know. "frames" and "readings" are their names, "answered_by" the methods.
+"formula" and "reduced" prepare for all frames at once and answer them by all processors if threads is 0, with the same bits
+for any number. The scene stays in the poses of the last frame. Raises InputError for a file that cannot be used with the
+scene, and as readings() does.)")
+      .def("maxwell", &maxwell_of, "method"_a = "boundary-elements", "rtol"_a = py::none(),
+           "max_seconds"_a = py::none(),
+           R"(The Maxwell matrix of the sensors and objects in free space. F.
 
-With correction "formula" many frames are answered at once, by all processors if threads is 0, with the same bits for any number; the
-target is prepared for all of them. rtol: the relative error asked of the changes. The scene stays in the poses of the last
-frame. Raises InputError as sweep() does.)")
-      .def("maxwell", &maxwell_of, py::kw_only(), "method"_a = "boundary-elements", "rtol"_a = py::none(),
-           R"(The Maxwell matrix of the sensors and objects in free space, by boundary elements. F.
-
-method: "boundary-elements"; or "reduced:K", K from 1 to 3, which seeks every body's charge among few distributions that
-follow its pose. What it prepares of a body, in milliseconds, of triangles in seconds, is kept while set_pose moves
-links; a pose takes microseconds.
+method: "boundary-elements", "reduced" or "auto", as for readings().
 rtol: the error to be reached in every entry, relative to it (to 1e-3 of the geometric mean of its diagonal entries
-where that is larger); from 1e-6 to 0.5, if not given 1e-3. With "reduced:K" from
-1e-4, if not given 1e-2, 1e-3 and 3e-4 for K = 1, 2 and 3.
+where that is larger); from 1e-6 to 0.5, if not given 1e-2.
 
 Returns "conductors" (names, the sensors first), "maxwell" and "error" (n, n): charge on the row's conductor per volt on
 the column's, and an estimate of its error; "delta_self" by sensor, its own entry less what it is without the objects;
@@ -671,12 +562,12 @@ the column's, and an estimate of its error; "delta_self" by sensor, its own entr
 a row; "reached", whether the errors are within rtol; "unknowns", "seconds"; "members", the sensor or the objects of each
 conductor, and "charges", for each conductor the charges on its members (rows) per volt on each conductor.
 
-Grounded objects that touch, overlap or contain each other are one conductor. "reduced:K" prepares them together, again
+Grounded objects that touch, overlap or contain each other are one conductor. "reduced" prepares them together, again
 for every pose in which they have moved relative to each other, which takes seconds.
 
-Round shapes are the polyhedra of their triangles here. Raises InputError (a ValueError) for conductors that may have
-different potentials and touch, cross or are inside each other, with "reduced:K" also for dielectric objects that touch
-several conductors or another link, and for bodies of more than 2,500 triangles, those that touch them included.)")
+Raises InputError (a ValueError) for conductors that may have different potentials and touch, cross or are inside each
+other, with "reduced" also for dielectric objects that touch several conductors or another link, and for bodies of more than
+2,500 triangles, those that touch them included.)")
       .def(
           "formula_terms",
           [](SharedScene& shared) {
@@ -690,7 +581,7 @@ several conductors or another link, and for bodies of more than 2,500 triangles,
             }
             return sensors;
           },
-          "What the correction \"formula\" is combined from, for every sensor and object "
+          "What the pair formula is combined from, for every sensor and object "
           "(model/CORRECTIONS.md).")
       .def(
           "sense", &sense_of, "method"_a = "field_of_view",

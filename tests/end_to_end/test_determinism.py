@@ -37,13 +37,16 @@ PLATES = SPHERE.replace(
 # What is asked, in words of the command; a machine of four processors shows more than one of two.
 QUESTIONS = {
     "exact": (SPHERE, ["capacitance"]),
-    "nearest plates": (SPHERE, ["capacitance", "--plates", "nearest"]),
-    "facing": (SPHERE, ["capacitance", "--faces", "facing"]),
+    "nearest plates": (SPHERE, ["capacitance", "--method", "exact+nearest"]),
+    "facing": (SPHERE, ["capacitance", "--method", "exact+facing"]),
     "with a tolerance": (SPHERE, ["capacitance", "--tolerance", "1e-3"]),
     "split": (SPHERE, ["capacitance", "--method", "split:3"]),
-    "corrected": (SPHERE, ["capacitance", "--correction", "formula"]),
-    "boundary elements": (PLATES, ["capacitance", "--method", "boundary-elements"]),
-    "reduced": (PLATES, ["capacitance", "--method", "reduced:2"]),
+    "formula": (SPHERE, ["capacitance", "--method", "formula"]),
+    "boundary elements": (
+        PLATES,
+        ["capacitance", "--method", "boundary-elements", "--rtol", "1e-3", "--entries"],
+    ),
+    "reduced": (PLATES, ["capacitance", "--method", "reduced", "--rtol", "1e-3", "--entries"]),
     "collisions": (SPHERE, ["collide"]),
     "distances": (SPHERE, ["sense"]),
 }

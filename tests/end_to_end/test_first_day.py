@@ -200,14 +200,14 @@ def test_row_13_rectangles_of_six_digits_are_squared(place: Place) -> None:
 def test_row_14_a_sheet_seen_from_behind_is_remarked_on(place: Place) -> None:
     sheet = np.array([[[-0.04, -0.05, 0], [0.04, -0.05, 0], [0.04, 0.05, 0]]])
     place.stl(sheet)
-    assert "sees only backs" in place.remarks(SENSOR + MESH_HAND, "--faces", "facing")
+    assert "sees only backs" in place.remarks(SENSOR + MESH_HAND, "--method", "exact+facing")
     place.stl(sheet[:, ::-1])
-    assert "sees only backs" not in place.remarks(SENSOR + MESH_HAND, "--faces", "facing")
+    assert "sees only backs" not in place.remarks(SENSOR + MESH_HAND, "--method", "exact+facing")
     # A plate has two sides, of which the one that faces the sensor counts.
     plate = HAND.replace('"cuboid", size = [0.08, 0.1, 0.02]', '"plate", size = [0.08, 0.1]')
     turned = plate + "rotation = { axis = [1, 0, 0], degrees = 180 }\n"
-    facing = place.total(SENSOR + plate, "--faces", "facing")
-    assert facing == pytest.approx(place.total(SENSOR + turned, "--faces", "facing"), rel=1e-9)
+    facing = place.total(SENSOR + plate, "--method", "exact+facing")
+    assert facing == pytest.approx(place.total(SENSOR + turned, "--method", "exact+facing"), rel=1e-9)
     assert facing > 0
 
 
@@ -310,7 +310,7 @@ def test_row_24_ctrl_c_ends_boundary_elements(place: Place) -> None:
     [
         (("capacitance", "scene.toml", "--methd", "exact"), "--methd"),
         (("capacitance", "scene.toml", "--method", "bem"), "boundary-elements"),
-        (("capacitance", "scene.toml", "--correction", "best"), "recommended"),
+        (("capacitance", "scene.toml", "--method", "best"), "auto"),
         (("capacity", "scene.toml"), "capacity"),
     ],
 )

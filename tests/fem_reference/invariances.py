@@ -327,7 +327,7 @@ def compared(scene: Scene, number: int, folder: Path) -> Compared | None:
         answers["field, changed"] = by_the_field(after, error, change is not unchanged)
     except InputError:
         return None
-    for method in ("boundary-elements", "reduced:2"):
+    for method in ("boundary-elements", "reduced"):
         for path, words in ((before, method), (after, f"{method}, changed")):
             found = by_panels(path, method)
             if found is not None:

@@ -31,14 +31,14 @@ _TOGETHER = 25
 _MOST_SECONDS = 4.0
 _OPTIONS: tuple[dict[str, Any], ...] = (
     {"method": "exact"},
-    {"method": "exact", "correction": "formula"},
-    {"method": "exact", "correction": "formula", "rtol": 0.1},
-    {"method": "exact", "correction": "formula", "rtol": 0.1, "derivatives": True},
-    {"method": "reduced:1"},
-    {"method": "reduced:1", "derivatives": True},
+    {"method": "formula"},
+    {"method": "reduced", "rtol": 0.1},
+    {"method": "reduced", "rtol": 0.1, "derivatives": True},
+    {"method": "reduced", "entries": True},
+    {"method": "reduced", "entries": True, "derivatives": True},
     {"method": "boundary-elements", "rtol": 0.1},
-    {"method": "recommended", "max_seconds": 2.0},
-    {"method": "recommended", "rtol": 0.1, "max_seconds": 2.0},
+    {"method": "auto", "entries": True, "max_seconds": 2.0},
+    {"method": "auto", "rtol": 0.1, "max_seconds": 2.0},
 )
 
 

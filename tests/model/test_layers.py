@@ -13,7 +13,7 @@ HEADERS = ROOT / "model" / "include"
 # From the bottom to the top. Arithmetic and quadrature rules need nothing. Vector registers compute with numbers; shapes and poses are
 # made of both. Files, integrals over triangles and collisions know shapes, but not each other. Boundary elements integrate with the
 # quadratures of the integrals and measure gaps by collision; the reduced method compresses boundary elements. A sensing cone is a shape
-# that collision measures; the correction `recommended` asks the reduced method; a scene asks them all.
+# that collision measures; a scene asks them all.
 LAYERS = (
     {"numeric"},
     {"simd"},
@@ -26,7 +26,7 @@ LAYERS = (
 )
 LAYER = {room: height for height, rooms in enumerate(LAYERS) for room in rooms}
 
-# Its options, counts and constants are plain types that the integrals, the corrections and the reduced method share with a scene.
+# Its options, counts and constants are plain types that the integrals, the formula and the reduced method share with a scene.
 TYPES_FOR_ALL = {"fringe/capacitance.hpp"}
 
 # It gathers the kernels of all rooms for the files that are compiled for one instruction set each (simd/avx2.cpp and so on). No

@@ -54,7 +54,7 @@ def scene(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(
-    "options", [[], ["--method", "split:2"], ["--plates", "nearest"], ["--faces", "facing"]]
+    "options", [[], ["--method", "split:2"], ["--method", "exact+nearest"], ["--method", "exact+facing"]]
 )
 def test_the_triangles_of_an_object_add_up_to_its_capacitance(
     fringe_command: Command, scene: Path, options: list[str]
@@ -128,9 +128,9 @@ def test_more_triangles_than_are_evaluated_at_once_come_in_their_order(
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (["--tolerance", "1e-3"], "--output cannot be combined with a tolerance or a correction"),
-        (["--correction", "formula"], "--output cannot be combined with a tolerance or a correction"),
-        (["--method", "boundary-elements"], "--output is an option of the triangle-integral methods"),
+        (["--tolerance", "1e-3"], "--output cannot be combined with a tolerance"),
+        (["--method", "formula"], "--output is an option of exact, split:N and gauss:K, not of formula"),
+        (["--method", "boundary-elements"], "--output is an option of exact, split:N and gauss:K"),
         (["--output", "shares.txt"], "'shares.txt' does not end in .vtu"),
     ],
 )

@@ -26,16 +26,16 @@ def reading(value: float, change: float, error: float) -> SimpleNamespace:
 
 def test_a_change_beyond_its_error_is_seen() -> None:
     truth = reading(10, 0.5, 0.001)
-    right = random_readings.compared("self", "reduced:1", reading(10, 0.505, 0.01), truth)
+    right = random_readings.compared("self", "reduced, 0.01", reading(10, 0.505, 0.01), truth)
     assert right.ratio < 1 and right.stated == pytest.approx(0.02) and right.difference == pytest.approx(0.01)
-    wrong = random_readings.compared("self", "reduced:1", reading(10, 0.52, 0.01), truth)
+    wrong = random_readings.compared("self", "reduced, 0.01", reading(10, 0.52, 0.01), truth)
     assert wrong.ratio > 1
 
 
 def test_the_summary_counts_what_is_wrong() -> None:
-    right = Compared("self", "reduced:1", change=1e-13, stated=0.02, difference=0.01, ratio=0.5)
+    right = Compared("self", "reduced, 0.01", change=1e-13, stated=0.02, difference=0.01, ratio=0.5)
     wrong = dataclasses.replace(right, ratio=1.5)
-    text = random_readings.summary([right, right, wrong], "reduced:1")
+    text = random_readings.summary([right, right, wrong], "reduced, 0.01")
     assert "3 readings, 1 wrong, largest ratio 1.50; stated % median 2" in text
 
 

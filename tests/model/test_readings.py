@@ -64,7 +64,7 @@ def test_long_names_and_large_errors_keep_the_tables_columns_apart(tmp_path: Pat
     )
     (tmp_path / "scene.toml").write_text(text.replace("[0, 0, -0.07]", "[0, 0, -0.0602]"))
     done = subprocess.run(
-        [COMMAND, "capacitance", tmp_path / "scene.toml", "--method", "reduced:1"],
+        [COMMAND, "capacitance", tmp_path / "scene.toml", "--method", "reduced", "--entries"],
         capture_output=True,
         text=True,
     )
@@ -103,7 +103,7 @@ def test_without_readings_and_targets_the_model_has_the_total_as_the_change(tmp_
         '[[object]]\nname = "plate"\nshape = { type = "plate", size = [0.1, 0.1] }\ntranslation = [0.05, 0.05, 0.03]\n'
     )
     scene = model_stage.model_module().Scene.load(path)
-    reading = scene.readings()["front"]
+    reading = scene.readings("exact")["front"]
     assert reading.change == scene.capacitance()["sensors"][0]["total"]
     assert reading.value is None and reading.background is None and reading.error["change"] is None
 
@@ -122,7 +122,7 @@ translation = [0, 0, 0.06]
 target = true
 """
     )
-    command = [COMMAND, "capacitance", scene, "--correction", "formula"]
+    command = [COMMAND, "capacitance", scene, "--method", "formula"]
     done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
     document = json.loads(done.stdout)
     (reading,) = document["readings"]
@@ -130,5 +130,5 @@ target = true
     assert any("is not known" in remark for remark in document["remarks"])
     printed_table = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     assert "±" not in printed_table.split("Readings, pF")[1]
-    found = model_stage.model_module().Scene.load(scene).readings(correction="formula")["front"]
+    found = model_stage.model_module().Scene.load(scene).readings("formula")["front"]
     assert found.error["change"] is None

@@ -76,7 +76,7 @@
     if (!state.reduced) return;
     // The page is drawn first, as the preparation may take a second.
     requestAnimationFrame(() => setTimeout(() => {
-      const start = performance.now(), first = scene.capacitance("reduced:1", state.rtol);
+      const start = performance.now(), first = scene.capacitance("reduced", state.rtol);
       state.preparation = performance.now() - start;
       state.prepared = true;
       if (first.refused) byId("said").textContent = `The reduced method has no answer: ${first.refused}`;

@@ -5,7 +5,7 @@
 const METHODS = [
   { name: "model", method: "exact", dash: [] },
   { name: "formula", method: "formula", dash: [7, 4] },
-  { name: "reduced", method: "reduced:1", dash: [2, 3] },
+  { name: "reduced", method: "reduced", dash: [2, 3] },
 ];
 const CHART = { low: 1e-16, high: 1e-10 };  // F, the ends of the scale
 

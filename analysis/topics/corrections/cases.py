@@ -1,4 +1,4 @@
-"""Every set-up as plain data: its scene, its truth and the estimate of every correction."""
+"""Every set-up as plain data: its scene, its truth and the estimate of every method."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def documents(module: Any, found: Estimates, chosen: list[SetUp]) -> list[Docume
             "sensor_size": _sensor_size(set_up.scene),
             "truth": float(found.truth[index]),
             "error": truths[set_up.name].error,
-            "estimates": {name: float(values[index]) for name, values in found.by_correction.items()},
+            "estimates": {name: float(values[index]) for name, values in found.by_method.items()},
             "scene": set_up.text,
         }
         for index, set_up in enumerate(chosen)

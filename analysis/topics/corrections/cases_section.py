@@ -13,13 +13,14 @@ from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.store import Document
 from analysis.results.units import CENTIMETRE, PICOFARAD, measured, percent, signed_percent, too
+from analysis.topics.corrections.estimates import FORMULA, PLAIN, REDUCED
 from analysis.topics.corrections.truths import RTOL
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 
-SHOWN = ("formula", "recommended")
-"""The corrections whose errors are plotted set-up by set-up."""
+SHOWN = (FORMULA, REDUCED)
+"""The methods whose errors are plotted set-up by set-up."""
 _PERCENT = 100.0
 _WITHIN = 0.05
 
@@ -40,13 +41,13 @@ def section(cases: list[Document], set_ups: str) -> Markup:
 
 
 def finding(cases: list[Document]) -> str:
-    """Tells for how many set-ups the best closed formula is nearly right, and where it and the recommended correction are worst."""
-    best, recommended = SHOWN
+    """Tells for how many set-ups the best closed formula is nearly right, and where it and the reduced method are worst."""
+    best, reduced = SHOWN
     near = sum(abs(_error(case, best)) <= _WITHIN for case in cases)
     worst = {name: max(cases, key=lambda case: abs(_error(case, name))) for name in SHOWN}
     return (
         f"The {best} is within {percent(_WITHIN)} in {near} of {len(cases)} set-ups and worst in {_told_worst(worst[best], best)}; "
-        f"{recommended} is worst in {_told_worst(worst[recommended], recommended)}."
+        f"{reduced} is worst in {_told_worst(worst[reduced], reduced)}."
     )
 
 
@@ -55,7 +56,7 @@ def _told_worst(case: Document, name: str) -> str:
 
 
 def worst(cases: list[Document], name: str, sealed: bool) -> str:
-    """Returns the name of the set-up in which a correction is worst, among the sealed ones or all."""
+    """Returns the name of the set-up in which a method is worst, among the sealed ones or all."""
     chosen = [case for case in cases if case["sealed"] or not sealed]
     return str(max(chosen, key=lambda case: abs(_error(case, name)))["name"])
 
@@ -89,8 +90,9 @@ def set_ups_document(cases: list[Document], back: str, back_title: str, inputs: 
         ("method", "mutual (pF)", "off by"),
         "mutual = −M[sensor, target]. The truth's error is what boundary elements state.",
         (
-            *(f"--correction {name}" for name in SHOWN),
-            f"--method boundary-elements --rtol {RTOL:g}",
+            f"--method {FORMULA}",
+            f"--method {REDUCED} --entries",
+            f"--method boundary-elements --rtol {RTOL:g} --entries",
         ),
     )
     return set_ups_page.document(around, [_shown(case) for case in cases], inputs, script)
@@ -101,7 +103,7 @@ def _shown(case: Document) -> Shown:
     kept = "sealed: no constant was fitted on it" if case["sealed"] else "open to the fit of constants"
     truth, error = case["truth"] / PICOFARAD, case["error"] / PICOFARAD
     off = ", ".join(f"{name} is {too(_error(case, name))}" for name in SHOWN)
-    finding_ = f"mutual: {measured(truth, error)} pF by boundary elements; {off}, the plain model {too(_error(case, 'none'))}."
+    finding_ = f"mutual: {measured(truth, error)} pF by boundary elements; {off}, the plain model {too(_error(case, PLAIN))}."
     rows = [("boundary elements", measured(truth, error), "")]
     rows += [
         (name, f"{value / PICOFARAD:.6g}", signed_percent(value / case["truth"] - 1))

@@ -1,4 +1,4 @@
-"""The estimate of every correction for every set-up, and its error."""
+"""The estimate of every method for every set-up, and its error."""
 
 from __future__ import annotations
 
@@ -9,25 +9,29 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.pipeline.model_stage import options
 from analysis.topics.corrections.set_ups import SetUp, set_ups
 from analysis.topics.corrections.truths import Truth, load
 
 Array = NDArray[np.float64]
+PLAIN, FORMULA, REDUCED = "exact", "formula", "reduced"
+METHODS = (PLAIN, FORMULA, REDUCED)
+"""The plain model, and what comes closer."""
 
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """`mutual` in farads: the truth of each set-up (n,), and each correction's estimates (n,) by its name."""
+    """`mutual` in farads: the truth of each set-up (n,), and each method's estimates (n,) by its name."""
 
     names: tuple[str, ...]
     families: tuple[str, ...]
     sealed: NDArray[np.bool_]
     truth: Array
-    by_correction: dict[str, Array]
+    by_method: dict[str, Array]
 
-    def errors(self, correction: str) -> Array:
+    def errors(self, method: str) -> Array:
         """Returns (estimate − truth)/truth."""
-        return np.asarray(self.by_correction[correction] / self.truth - 1)
+        return np.asarray(self.by_method[method] / self.truth - 1)
 
 
 @dataclass(frozen=True)
@@ -52,26 +56,21 @@ class Errors:
         )
 
 
-def names(module: Any) -> tuple[str, ...]:
-    """Returns all corrections, the plain model first."""
-    return tuple(str(entry["name"]) for entry in module.corrections())
-
-
-def estimate(module: Any, corrections: Sequence[str], chosen: Sequence[SetUp] | None = None) -> Estimates:
-    """Evaluates corrections on the set-ups, all of them if none are given."""
+def estimate(module: Any, chosen: Sequence[SetUp] | None = None) -> Estimates:
+    """Asks every method for the set-ups, all of them if none are given."""
     truths = load()
     asked = list(set_ups(module)) if chosen is None else list(chosen)
-    values: dict[str, list[float]] = {correction: [] for correction in corrections}
+    values: dict[str, list[float]] = {method: [] for method in METHODS}
     for set_up in asked:
         scene = module.Scene.loads(set_up.text)
-        for correction in corrections:
-            values[correction].append(scene.capacitance(correction=correction)["sensors"][0]["total"])
+        for method in METHODS:
+            values[method].append(scene.capacitance(**options(method))["sensors"][0]["total"])
     return Estimates(
         tuple(set_up.name for set_up in asked),
         tuple(set_up.family for set_up in asked),
         np.array([set_up.sealed for set_up in asked]),
         np.array([_truth(truths, set_up).mutual for set_up in asked]),
-        {correction: np.array(numbers) for correction, numbers in values.items()},
+        {method: np.array(numbers) for method, numbers in values.items()},
     )
 
 

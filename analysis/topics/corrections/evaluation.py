@@ -1,4 +1,4 @@
-"""Errors of the corrections over all set-ups: by family, with fits that left a family out, and over the sealed third."""
+"""Errors of the methods over all set-ups: by family, with fits that left a family out, and over the sealed third."""
 
 from __future__ import annotations
 
@@ -9,18 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.topics.corrections import fit
-from analysis.topics.corrections.estimates import Array, Errors, Estimates
+from analysis.topics.corrections.estimates import FORMULA, REDUCED, Array, Errors, Estimates
 from analysis.topics.corrections.set_ups import SetUp
-
-_FORMULA, _WITHOUT_CONSTANTS = "formula", "recommended"
 
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One correction. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others.
+    """One method. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others.
 
     `left_out`: errors of cross-validation by family, over all families. The constants of the formula, and a factor on
-    the plain model, are fitted to the open set-ups of the other families; `recommended` has nothing to fit.
+    the plain model, are fitted to the open set-ups of the other families; `reduced` has nothing to fit.
     """
 
     name: str
@@ -32,14 +30,14 @@ class Evaluation:
 
 
 def evaluations(module: Any, found: Estimates, chosen: list[SetUp]) -> tuple[Evaluation, ...]:
-    """Returns the errors of all corrections in the set-ups, whose estimates are given."""
+    """Returns the errors of all methods in the set-ups, whose estimates are given."""
     families = np.array(found.families)
     left_out = {
-        name: _factor_left_out(found.errors(name), families, found.sealed) for name in found.by_correction
+        name: _factor_left_out(found.errors(name), families, found.sealed) for name in found.by_method
     }
-    left_out[_WITHOUT_CONSTANTS] = found.errors(_WITHOUT_CONSTANTS)
-    left_out[_FORMULA] = _formula_left_out(module, chosen, families, found.sealed)
-    return tuple(_evaluation(found, name, left_out[name]) for name in found.by_correction)
+    left_out[REDUCED] = found.errors(REDUCED)
+    left_out[FORMULA] = _formula_left_out(module, chosen, families, found.sealed)
+    return tuple(_evaluation(found, name, left_out[name]) for name in found.by_method)
 
 
 def _evaluation(found: Estimates, name: str, left_out: Array) -> Evaluation:

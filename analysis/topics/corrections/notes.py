@@ -27,13 +27,13 @@ _HEADER = (
 
 
 def errors_table(found: Sequence[Evaluation]) -> list[str]:
-    """Returns a row for each correction, per cent of the truth."""
+    """Returns a row for each method, per cent of the truth."""
     return [*_HEADER, *(_row(each) for each in found)]
 
 
 def by_family(found: Sequence[Evaluation]) -> str:
     """Returns the formula's errors by family."""
-    (formula,) = (each for each in found if each.name == "formula")
+    (formula,) = (each for each in found if each.name == estimates.FORMULA)
     phrases = (f"{family} {_both(errors)}" for family, errors in formula.families.items())
     return f"The formula by family, rms / worst: {', '.join(phrases)}."
 
@@ -56,18 +56,18 @@ def _per_cent(value: float) -> str:
 def figures(module: Any) -> list[str]:
     """Returns all lines; takes half a minute."""
     chosen = list(set_ups(module))
-    asked = estimates.estimate(module, estimates.names(module), chosen)
+    asked = estimates.estimate(module, chosen)
     found = evaluation.evaluations(module, asked, chosen)
     return [
         *errors_table(found),
-        f"{near_misses(asked)} of {len(chosen)} set-ups are more than 1 % off by recommended",
+        f"{near_misses(asked)} of {len(chosen)} set-ups are more than 1 % off by reduced",
         by_family(found),
     ]
 
 
 def near_misses(found: estimates.Estimates) -> int:
-    """Counts the set-ups in which the recommended correction is off by more than 1 %."""
-    return int(np.sum(np.abs(found.errors("recommended")) > 0.01))
+    """Counts the set-ups in which the reduced method is off by more than 1 %."""
+    return int(np.sum(np.abs(found.errors(estimates.REDUCED)) > 0.01))
 
 
 def measure(_: argparse.Namespace) -> int:

@@ -1,9 +1,8 @@
-"""The section on the corrections: their cost and remaining error, as a sentence, a plot and tables."""
+"""The section on what corrects the model: its cost and remaining error, as a sentence, a plot and tables."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from operator import itemgetter
 
 import plotly.graph_objects as go
 from markupsafe import Markup
@@ -13,10 +12,10 @@ from analysis.report.plot import Panel, figure, power_axis, series_colour
 from analysis.results.store import Document
 from analysis.results.units import percent
 from analysis.topics.corrections import cases_section, stage
+from analysis.topics.corrections.estimates import FORMULA, PLAIN, REDUCED
 
 TITLE = "Corrections of the model (mutual)"
 ABSENT = f"The corrections were not evaluated yet: {stage.COMMAND} does it in a minute."
-_PLAIN, _BEST, _RECOMMENDED = "none", "formula", "recommended"
 
 
 def section(document: Document, set_ups: str) -> Markup:
@@ -25,27 +24,26 @@ def section(document: Document, set_ups: str) -> Markup:
         TITLE,
         page.finding(finding(document)),
         page.figures(_panels(document), set_ups=set_ups),
-        page.soft("A click on a triangle opens the set-up in which that correction is worst."),
+        page.soft("A click on a triangle opens the set-up in which that method is worst."),
         _table(document),
         _families(document),
         cases_section.section(document["cases"], set_ups),
-        page.folded("Formulas, sources, constants", _registry(document)),
         page.soft(_explanation(document)),
     )
 
 
 def finding(document: Document) -> str:
     """Tells the error that the best closed formula leaves on unseen set-ups, and its cost."""
-    plain, best = _entry(document, _PLAIN), _entry(document, _BEST)
-    ratios = {shape: times[_BEST] / times[_PLAIN] for shape, times in document["nanoseconds"].items()}
-    recommended = _entry(document, _RECOMMENDED)
+    plain, best = _entry(document, PLAIN), _entry(document, FORMULA)
+    ratios = {shape: times[FORMULA] / times[PLAIN] for shape, times in document["nanoseconds"].items()}
+    reduced = _entry(document, REDUCED)
     return (
         f"In the {best['sealed']['count']} set-ups never used to find it, the formula is {percent(best['sealed']['rms'])} off (rms) and "
         f"{percent(best['sealed']['worst'])} at worst, where the plain model is {percent(plain['sealed']['rms'])} and "
         f"{percent(plain['sealed']['worst'])}, at {min(ratios.values()):.1f} to {max(ratios.values()):.1f} times its time per "
-        "triangle. Recommended is the reduced method, which has no fitted constant: "
-        f"{percent(recommended['all']['rms'])} off (rms) and {percent(recommended['all']['worst'])} at worst in all "
-        f"{recommended['all']['count']}."
+        "triangle. The reduced method has no fitted constant: "
+        f"{percent(reduced['all']['rms'])} off (rms) and {percent(reduced['all']['worst'])} at worst in all "
+        f"{reduced['all']['count']}."
     )
 
 
@@ -79,15 +77,15 @@ def _panels(document: Document) -> list[Panel]:
     return panels
 
 
-def _worst_cases(document: Document, corrections: list[Document]) -> list[str]:
-    """Names, for each of these corrections, the sealed set-up in which it is worst."""
-    return [cases_section.worst(document["cases"], entry["name"], sealed=True) for entry in corrections]
+def _worst_cases(document: Document, methods: list[Document]) -> list[str]:
+    """Names, for each of these methods, the sealed set-up in which it is worst."""
+    return [cases_section.worst(document["cases"], entry["name"], sealed=True) for entry in methods]
 
 
 def _table(document: Document) -> Markup:
     return page.table_of(
         document["corrections"],
-        ("correction", lambda entry: page.code(entry["name"])),
+        ("method", lambda entry: page.code(entry["name"])),
         ("rms", _error("all", "rms")),
         ("median", _error("all", "median")),
         ("95 %", _error("all", "percentile_95")),
@@ -97,7 +95,7 @@ def _table(document: Document) -> Markup:
         ("family left out: rms", _error("left_out", "rms")),
         ("worst", _error("left_out", "worst")),
         *((f"ns, {shape}", _time(known)) for shape, known in document["nanoseconds"].items()),
-        strong=frozenset({_names(document).index(_RECOMMENDED)}),
+        strong=frozenset({_names(document).index(REDUCED)}),
     )
 
 
@@ -122,21 +120,11 @@ def _in_family(family: str) -> Callable[[Document], str]:
     return lambda entry: " / ".join(percent(entry["families"][family][name]) for name in ("rms", "worst"))
 
 
-def _registry(document: Document) -> Markup:
-    told = ("formula", "source", "constants", "cost")
-    return page.table_of(
-        document["corrections"],
-        ("correction", lambda entry: page.code(entry["name"])),
-        *((name, itemgetter(name)) for name in told),
-        text_columns=5,
-    )
-
-
 def _explanation(document: Document) -> str:
     return (
         f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); {document['sealed']} of them are sealed "
         "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Family left out: each family with "
-        "the formula's constants fitted to the others, recommended as it is; for the plain model, with the others' mean factor divided out. Times: one "
+        "the formula's constants fitted to the others, the reduced method as it is; for the plain model, with the others' mean factor divided out. Times: one "
         f"core, one run, new pose each time. Repeat: {stage.COMMAND}."
     )
 

@@ -1,4 +1,4 @@
-"""`python3 -m analysis corrections`: evaluates all corrections and measures their run times, stored as one document."""
+"""`python3 -m analysis corrections`: evaluates the model, the formula and the reduced method and measures their run times, stored as one document."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ _SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json")
 
 @dataclass(frozen=True)
 class Evaluated:
-    """The one stage, by which all corrections are evaluated."""
+    """The one stage, by which all methods are evaluated."""
 
     name: str = "corrections"
 
@@ -41,10 +41,11 @@ class Evaluated:
         return run_all(outdated([stage(folder)]), 1, shown=False)
 
     def load(self, folder: Path, _: Iterable[Whole]) -> dict[str, Document]:
-        """Returns the document in a folder, also one of an earlier form of the code; none without single set-ups, or with corrections that
-        failed."""
+        """Returns the document in a folder, also one of an earlier form of the code; none without single set-ups, or with other
+        methods."""
         document = read_json(folder / DOCUMENT) or {}
-        return {Whole().id: document} if "cases" in document and "discrepancy" not in document else {}
+        evaluated_ = [entry["name"] for entry in document.get("corrections", ())]
+        return {Whole().id: document} if evaluated_ == list(estimates.METHODS) else {}
 
 
 def stage(folder: Path) -> Stage:
@@ -71,16 +72,15 @@ def _answer(_: Processes) -> Document:
 
 
 def evaluated(module: Any) -> Document:
-    """Returns the errors of every correction with what is known of it, as a document; half a minute."""
+    """Returns the errors of every method as a document; half a minute."""
     chosen = list(set_ups(module))
-    found = estimates.estimate(module, estimates.names(module), chosen)
-    known = {str(entry["name"]): entry for entry in module.corrections()}
+    found = estimates.estimate(module, chosen)
     return {
         "truths": FILE.relative_to(ROOT).as_posix(),
         "set_ups": len(found.names),
         "sealed": int(found.sealed.sum()),
         "corrections": [
-            {**known[entry.name], **{name.rstrip("_"): value for name, value in asdict(entry).items()}}
+            {name.rstrip("_"): value for name, value in asdict(entry).items()}
             for entry in evaluation.evaluations(module, found, chosen)
         ],
         "cases": cases.documents(module, found, chosen),
@@ -88,7 +88,7 @@ def evaluated(module: Any) -> Document:
 
 
 def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
-    """Measures the processor time per triangle of every correction of the module (second key) on every shape, all in one run in random
+    """Measures the processor time per triangle of every method (second key) on every shape, all in one run in random
     order; the least of three."""
     with temporary_folder() as folder:
         answer = folder / "answer.json"
@@ -109,8 +109,8 @@ def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
     times: dict[str, dict[str, float]] = {}
     for entry in sorted(entries, key=lambda entry: int(entry["family_index"])):
         if entry["run_type"] == "iteration":
-            shape, correction = entry["name"].split("/")[:2]
+            shape, method = entry["name"].split("/")[:2]
             time = 1e9 * float(entry["per_triangle"])
             of_shape = times.setdefault(shape, {})
-            of_shape[correction] = min(time, of_shape.get(correction, time))
+            of_shape[method] = min(time, of_shape.get(method, time))
     return times

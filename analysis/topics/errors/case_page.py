@@ -51,7 +51,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
             "From the project's folder: the truth, the model, and the parts of every set-up that has none yet."
         ),
         page.command(
-            f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {stage.RTOL:g}"
+            f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {stage.RTOL:g} --entries"
         ),
         page.command(f"{installation.model_command()} capacitance {scene}"),
         page.command(

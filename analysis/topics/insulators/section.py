@@ -19,7 +19,7 @@ ABSENT = "This version of the model has no study of insulators yet: python3 -m a
 _WHAT = (
     "Change: the reading with the hand less that without it, the insulator as it is; a blanket comes with the hand. Factor: the change with the insulator over that "
     "without it, and of an insulating target over that of a grounded one of the same shape. False change: what the insulator by itself adds to the reading, over the "
-    "change by the hand without it. Layer rule: a covered plate counts as moved to the front by its cover's thickness times (1 − 1/permittivity), and the formula in company "
+    "change by the hand without it. Layer rule: a covered plate counts as moved to the front by its cover's thickness times (1 − 1/permittivity), and the formula "
     "keeps the plate behind it. Insulating targets: the formula has bounds, the changes without them and with conductors in their place, and an estimate "
     "between both. Mattresses belong to the machine; the formula refuses them. Definitions: analysis/topics/experiments/EXPERIMENTS.md."
 )
@@ -99,7 +99,7 @@ def rule_finding(found: list[Entry]) -> str:
                 f"under a {family} {percent(ruled.rms)} rms and {signed_percent(ruled.worst)} at worst ({percent(ignoring.rms)} and "
                 f"{signed_percent(ignoring.worst)} without regard to the layer)"
             )
-    return f"The formula in company, with the layer rule, is off by: {'; '.join(phrases)}."
+    return f"The formula, with the layer rule, is off by: {'; '.join(phrases)}."
 
 
 def _name(family: str) -> str:

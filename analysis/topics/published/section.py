@@ -54,7 +54,7 @@ def set_ups_document(published: Published, back: str, back_title: str, inputs: s
         ("quantity (pF)", "best value", "proven: low", "high"),
         "mutual = −M[sensor, target], self = M[s,s] or M[t,t], delta_self = M[s,s] − M0[s,s], M0 without the target. To make the whole "
         f"table anew: {installation.command('analysis')} table",
-        (f"--method boundary-elements --rtol {min(stage.RTOLS):g}",),
+        (f"--method boundary-elements --rtol {min(stage.RTOLS):g} --entries",),
     )
     return set_ups_page.document(around, [_shown(row, texts[row.case]) for row in found], inputs, script)
 

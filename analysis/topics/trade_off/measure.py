@@ -25,7 +25,7 @@ TRUTH_RTOL = 3e-6
 """Relative accuracy of the truth: about the best that boundary elements reach; where they miss it, the truth's error says so."""
 LEVELS = tuple(range(9))
 RTOLS = ("1e-2", "1e-3", "1e-4", "1e-5")
-STEPS = (1, 2, 3)
+RTOLS_OF_REDUCED = ("1e-2", "1e-3", "3e-4")
 _TURNS = 5
 _POSES = 5
 """Poses per turn: the second one finds code and bodies in the processor's caches, as a moving scene does."""
@@ -38,7 +38,7 @@ _ELSEWHERE = ((0.0, 0.0, 0.01), (1.0, 0.0, 0.0, 0.0))
 
 @dataclass(frozen=True)
 class Method:
-    """`kind` is thesis, model, correction, reduced or boundary elements; `ask` returns mutual (F) and the seconds it took. It is asked
+    """`kind` is thesis, model, formula, reduced or boundary elements; `ask` returns mutual (F) and the seconds it took. It is asked
     for so many `poses` in each of its `turns`."""
 
     kind: str
@@ -54,13 +54,10 @@ def methods(module: Any) -> list[Method]:
         Method("thesis", f"split:{level}", _TURNS, _POSES, _integral(f"split:{level}")) for level in LEVELS
     ]
     found.append(Method("model", "exact", _TURNS, _POSES, _integral("exact")))
-    names = [str(entry["name"]) for entry in module.corrections()]
+    found.append(Method("formula", "formula", _TURNS, _POSES, _integral("formula")))
     found += [
-        Method("correction", name, _TURNS, _POSES, _corrected(name)) for name in names if name != "none"
-    ]
-    found += [
-        Method("reduced", f"reduced:{steps}", _TURNS, _POSES, _matrix(method=f"reduced:{steps}"))
-        for steps in STEPS
+        Method("reduced", f"reduced {rtol}", _TURNS, _POSES, _matrix(method="reduced", rtol=float(rtol)))
+        for rtol in RTOLS_OF_REDUCED
     ]
     found += [
         Method("boundary elements", rtol, _TURNS_OF_BOUNDARY_ELEMENTS[rtol], 1, _matrix(rtol=float(rtol)))
@@ -114,10 +111,6 @@ def _in_turn(module: Any, path: Path, known: list[Method]) -> list[tuple[float, 
 
 def _integral(method: str) -> Callable[[Any], tuple[float, float]]:
     return lambda scene: _mutual_and_seconds(scene.capacitance(method=method))
-
-
-def _corrected(correction: str) -> Callable[[Any], tuple[float, float]]:
-    return lambda scene: _mutual_and_seconds(scene.capacitance(correction=correction))
 
 
 def _mutual_and_seconds(answer: Document) -> tuple[float, float]:

@@ -19,8 +19,8 @@ TITLE = "Run time against error of all methods"
 _SERIES = {
     "thesis": ("split:N, the thesis' method", 0, "circle", "lines+markers+text"),
     "model": ("exact, the same integral", 6, "star", "markers+text"),
-    "correction": ("corrections of it", 1, "square", "markers+text"),
-    "reduced": ("reduced:K", 2, "triangle-up", "lines+markers+text"),
+    "formula": ("formula", 1, "square", "markers+text"),
+    "reduced": ("reduced by rtol", 2, "triangle-up", "lines+markers+text"),
     "boundary elements": ("boundary elements by rtol", 4, "diamond", "lines+markers+text"),
     points.MESH: (points.MESH, 3, "x", "lines+markers+text"),
     points.ANSWER: (points.ANSWER, 3, "star", "markers"),
@@ -47,13 +47,12 @@ def section(document: Document | None, results: Results, cases: str) -> Markup:
 def finding(found: list[Point], document: Document, results: Results) -> str:
     """Tells time and error from the plain model to the field solver, and compares the reduced method with an equally accurate mesh."""
     named = {point.name: point for point in found}
-    exact, fast = named["exact"], named["reduced:2"]
-    corrections = [point for point in found if point.kind == "correction"]
-    best = min(corrections, key=lambda point: point.error)
+    exact, fast = named["exact"], named["reduced 1e-3"]
+    best = named["formula"]
     seconds = [point.seconds for point in found]
     sentence = (
         f"Over {len(document['truths'])} set-ups the plain model takes {duration(exact.seconds, 2)} and is {percent(exact.error)} off in mutual "
-        f"(medians), the correction {best.name} {duration(best.seconds, 2)} and {percent(best.error)}, {fast.name} "
+        f"(medians), the {best.name} {duration(best.seconds, 2)} and {percent(best.error)}, {fast.name} "
         f"{duration(fast.seconds, 2)} and {percent(fast.error)}"
     )
     meshes = [point for point in found if point.kind == points.MESH]
@@ -85,11 +84,10 @@ def advice(document: Document | None, results: Results) -> str:
 
 
 def _in_words(point: Point) -> str:
-    if point.kind == "correction":
-        return f"the correction {point.name}"
     if point.kind == "reduced":
         return f"{point.name}, also of a robot that moves"
-    return {"model": "the plain model", "thesis": "the plain model"}.get(point.kind, point.kind)
+    named = {"model": "the plain model", "thesis": "the plain model", "formula": "the formula"}
+    return named.get(point.kind, point.kind)
 
 
 def plot(found: list[Point], known_to: float) -> go.Figure:
@@ -141,7 +139,7 @@ def _series(
         },
         mode=mode,
         text=[_label(point, plain) for point in members],
-        textposition="bottom center" if members[0].kind == "correction" else "top right",
+        textposition="bottom center" if members[0].kind == "formula" else "top right",
         textfont={"size": 10},
         customdata=[point.worst for point in members],
         hovertext=[point.name for point in members],
@@ -158,12 +156,12 @@ def _series(
 
 
 def _label(point: Point, plain: float) -> str:
-    """Writes the label of a point; `plain` is the error of the model without a correction."""
-    if point.kind == "correction" and point.error > _BETTER_THAN_PLAIN * plain:
+    """Writes the label of a point; `plain` is the error of the plain model."""
+    if point.kind == "formula" and point.error > _BETTER_THAN_PLAIN * plain:
         return ""
     if point.kind == "thesis":
         return point.name.partition(":")[2] if point.name in _NAMED_OF_SPLITS else ""
-    return point.name.removeprefix("reduced:")
+    return point.name.removeprefix("reduced ")
 
 
 def _caption(document: Document) -> str:
@@ -178,7 +176,7 @@ def _explanation(document: Document, results: Results) -> str:
     )
     return (
         "A click on a point opens the case in which that method is worst. "
-        f"{truth} Times of the model, the corrections, reduced:K and boundary elements: one core, one run, methods taking turns at "
+        f"{truth} Times of the model, the formula, the reduced method and boundary elements: one core, one run, methods taking turns at "
         "every pose, after a move, with prepared bodies; the smallest of several. Those of the field solver are the seconds of each mesh when "
         f"the study was solved, and of the whole answer. {document['processor']} with {document['instruction_sets']}. Again, from the "
         f"project's folder: {stage.command(results.folder)}"

@@ -11,6 +11,7 @@
 #include "export/panel_files.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
+#include "fringe/live_scene.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
 #include "program.hpp"
@@ -48,23 +49,16 @@ ExportedFiles list_of(const ExportRequest& request) {
 }
 
 ExportedFiles matrix_of(const ExportRequest& request, bool is_circuit) {
-  const EvaluationOptions options{.method = parse_method(request.method.value_or("boundary-elements")),
-                                  .rtol = request.rtol};
-  if (is_integral(options.method))
-    throw InputError(fmt::format("--method {} finds no Maxwell matrix: boundary-elements, reduced:K and "
-                                 "recommended do",
-                                 to_string(options.method)));
-  validate(options);
-  const Scene scene = load_scene(request.source);
+  EvaluationOptions options{.method = BoundaryElements{}, .rtol = request.rtol};
+  if (request.method)
+    options = with_method(options, *request.method);
+  LiveScene live(load_scene(request.source));
+  const Scene& scene = live.scene();
   try {
-    const Evaluation answer = evaluate(scene, options);
-    if (!answer.matrix)
-      throw InputError(fmt::format("{} found no Maxwell matrix: ask for --method boundary-elements",
-                                   to_string(options.method)));
-    const MaxwellMatrix& matrix = *answer.matrix;
-    const std::string remark = fmt::format("Maxwell matrix by {}, rtol {} {}", answer.answered_by,
-                                           rtol_of(options), answer.reached ? "reached" : "NOT reached");
-    ExportedFiles result{{}, remark, answer.reached};
+    const MaxwellMatrix& matrix = live.maxwell(options);
+    const std::string remark = fmt::format("Maxwell matrix by {}, rtol {} {}", method_text(options),
+                                           rtol_of(options), matrix.reached ? "reached" : "NOT reached");
+    ExportedFiles result{{}, remark, matrix.reached};
     result.files[request.target] = is_circuit ? spice_subcircuit(matrix, grounded_conductors(scene, matrix),
                                                                  request.target.stem().string(), remark)
                                               : matrix_csv(matrix);
@@ -88,9 +82,10 @@ CLI::App* add_export_command(CLI::App& program, ExportRequest& request) {
                    "beside it; .cir, a SPICE subcircuit; .csv, the Maxwell matrix. Missing folders are made")
       ->required();
   command->add_option("--method", request.method,
-                      "Of .cir and .csv: boundary-elements (if not given), reduced:K or recommended");
-  command->add_option("--rtol", request.rtol,
-                      "Of .cir and .csv: the relative error to be reached, as in fringe capacitance");
+                      "Of .cir and .csv: boundary-elements (if not given), reduced or auto");
+  command->add_option(
+      "--rtol", request.rtol,
+      "Of .cir and .csv: the relative error to be reached in every entry (if not given, 0.01)");
   return command;
 }
 

@@ -19,8 +19,8 @@ enum class Entries {
   all,
   of_sensors,  ///< in rows of sensors and electrodes, where targets are marked only those with each other and
                ///< with targets; all where there are no sensors and electrodes
-  of_readings  ///< no entry for itself, but the readings and, where the scene asks for them, their changes;
-               ///< all where there are no sensors and electrodes
+  of_readings  ///< no entry for itself, but the readings and their changes; all where there are no sensors
+               ///< and electrodes
 };
 
 /// A solution that is not accurate enough.
@@ -32,7 +32,7 @@ struct RefinementLevel {
 struct BoundaryElementOptions {
   /// Largest error of the entries asked for, relative to the entry or to 1e-3 of the geometric mean of its
   /// row's and its column's diagonal entries, whichever is larger; from 1e-6 to 0.5.
-  double rtol = 1e-3;
+  double rtol = 1e-2;
   Entries entries = Entries::all;
   /// Refinement stops at this number of unknowns, or where the matrix would take a quarter of the memory.
   std::size_t most_unknowns = 1'000'000;

@@ -6,7 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "fringe/correction.hpp"
 #include "fringe/method.hpp"
 #include "fringe/scene.hpp"
 
@@ -33,24 +32,18 @@ enum class FaceRule {
 /// faces, so that each of its points counts once.
 FaceRule rule_for(const Shape& shape, FaceRule rule);
 
-/// Reads "sum" or "nearest". Throws InputError for anything else.
-PlateRule parse_plate_rule(std::string_view text);
-/// Reads "all" or "facing". Throws InputError for anything else.
-FaceRule parse_face_rule(std::string_view text);
-/// Returns the text from which the rule is read.
+/// Returns the rule's name.
 std::string to_string(PlateRule rule);
 std::string to_string(FaceRule rule);
 
 struct CapacitanceOptions {
-  Method method = Exact{};  ///< one that integrates over triangles
+  Method method = Exact{};  ///< one that integrates over triangles, or the pair formula in their place
   PlateRule plates = PlateRule::sum;
   FaceRule faces = FaceRule::all;
   /// Largest part of a sensor's total that the evaluation may omit, relative to the total; the bounds of its
   /// objects state how much was omitted at most. 0: nothing except what the division among nearest plates
   /// needs, 1e-12. Only with the method Exact.
   double tolerance = 0;
-  /// The replacement for ε∫dA/d. A correction other than `none` requires the defaults of the other options.
-  Correction correction = Correction::none;
 };
 
 /// Throws InputError for options that are out of range or cannot be combined.
@@ -63,7 +56,7 @@ struct ObjectCapacitance {
                        ///< the sensor.
   double bound;        ///< F; largest amount that the evaluation omitted on purpose. 0: nothing.
   bool skipped;        ///< whether the object was not integrated at all
-  std::string answered_by = {};  ///< the method; "formula" for the correction of that name
+  std::string answered_by = {};  ///< the method
   /// F; what the method states of the difference from the true capacitance. None: it states nothing, as the
   /// triangle integrals and the formula.
   std::optional<double> error = {};

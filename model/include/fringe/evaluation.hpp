@@ -4,91 +4,75 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "fringe/boundary_elements.hpp"
 #include "fringe/capacitance.hpp"
-#include "fringe/correction.hpp"
 #include "fringe/method.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 
 namespace fringe {
 
-/// The method that evaluates the sensors of a scene, and its options. An option that is left empty has the
-/// method's default; one that the method does not have must be left empty.
+/// The method that evaluates the sensors of a scene, and its options. An option that the method does not have
+/// must keep its default.
 struct EvaluationOptions {
-  Method method = Exact{};
-  std::optional<PlateRule> plates = {};       ///< of the triangle-integral methods; default sum
-  std::optional<FaceRule> faces = {};         ///< of the triangle-integral methods; default all
-  std::optional<double> tolerance = {};       ///< of the triangle-integral methods; default 0
-  std::optional<Correction> correction = {};  ///< of the triangle-integral methods; default none
-  /// Largest relative error asked for: of boundary elements (default 1e-3), of the reduced method (1e-2, 1e-3
-  /// and 3e-4 for 1, 2 and 3 steps) and of `recommended` (1e-2); and, in the changes of readings in company,
-  /// of the correction `formula` (no default: without it that answers in closed form).
+  /// None: Auto where an rtol is given, Exact where not.
+  std::optional<Method> method = {};
+  PlateRule plates = PlateRule::sum;  ///< of the triangle-integral methods
+  FaceRule faces = FaceRule::all;     ///< of the triangle-integral methods
+  double tolerance = 0;               ///< of Exact (CapacitanceOptions)
+  /// Largest relative error asked for of the value and the change of every reading, each sensor's own where
+  /// the scene names none; from 1e-6 to 0.5. None: 1e-2, and no accuracy is asked of the formula. The
+  /// triangle integrals, which state no error, have none.
   std::optional<double> rtol = {};
-  /// Seconds after which the best answer so far is to do: of `recommended`, which does not begin what would
-  /// take longer than what is left, and answers by the correction `formula` in closed form, in about a
-  /// second and within ten, where it has nothing better. Boundary elements answer with their best matrix; the
-  /// reduced method and the correction `formula` with an rtol throw Interrupted, as boundary elements do
-  /// before their first matrix.
+  /// Which entries of the Maxwell matrix the error is asked of, too: those of sensors tell what each object
+  /// adds to a sensor. Of the methods that find a matrix.
+  Entries entries = Entries::of_readings;
+  /// Seconds after which the best answer so far is to do; Interrupted is thrown where there is none by then.
+  /// Not of the triangle-integral methods, which answer at once.
   std::optional<double> max_seconds = {};
-  bool derivatives = false;  ///< also of the readings' changes with respect to poses; of exact without a
-                             ///< correction, boundary elements, the reduced method and formula with an rtol
-  Entries entries = Entries::of_sensors;  ///< that boundary elements refine
+  /// Whether the derivatives of the readings' changes with respect to poses are asked for, too; not of the
+  /// formula, Split and Gauss.
+  bool derivatives = false;
   /// Is called before each refinement of boundary elements; may be empty.
   std::function<void(const RefinementLevel&)> before_refinement = {};
-  /// Folder in which what takes long to prepare is kept, and found again for the same bodies, readings, poses
-  /// and accuracy: of the correction `formula` and of `recommended`, both with an rtol. It is made if there
-  /// is none. The answers are the same, to the bit.
+  /// Folder in which the reduced method keeps what takes long to prepare, and finds it again for the same
+  /// bodies, readings, poses and accuracy; it is made if there is none. The answers are the same, to the bit.
   std::optional<std::filesystem::path> prepared = {};
 };
+
+/// Returns the method asked for.
+Method method_of(const EvaluationOptions& options);
+
+/// Returns the options with the method of a text that parse_method() reads, and with its rules: "+nearest"
+/// and "+facing" after a triangle-integral method. Throws InputError for anything else.
+EvaluationOptions with_method(EvaluationOptions options, std::string_view text);
+
+/// Returns the text from which with_method() reads the method and its rules.
+std::string method_text(const EvaluationOptions& options);
 
 /// Throws InputError for options that are out of range, cannot be combined or belong to another method.
 void validate(const EvaluationOptions& options);
 
-/// Tells whether the correction `formula` takes an rtol in a scene: where this asks for the changes of
-/// readings, has no dielectric objects and no room.
-bool formula_takes_rtol(const Scene& scene);
-
-/// Returns the options of a triangle-integral method, defaults filled in. Throws InputError for another
-/// method, and for options that are out of range or cannot be combined.
+/// Returns the options of a triangle-integral method or the formula. Throws InputError for another method.
 CapacitanceOptions integral_options(const EvaluationOptions& options);
 
-/// Returns the relative error asked for. Throws InputError for a method that has none, for one out of range
-/// and for options that the method does not have.
+/// Returns the relative error asked for, or the default one.
 double rtol_of(const EvaluationOptions& options);
 
-/// The capacitances of a scene's sensors, by any method.
+/// What the sensors of a scene feel, by any method.
 struct Evaluation {
   SceneCapacitance capacitance;
-  std::optional<MaxwellMatrix> matrix;  ///< of boundary elements and the reduced method
-  /// What the readings of the scene measure, in their order. The triangle-integral methods
-  /// know the change of a reading that drives the sensor it senses: the sum over the targets. The corrections
-  /// know the change of every reading in company (model/CORRECTIONS.md, section 8); asked for
-  /// Entries::of_readings, they leave `capacitance` empty there.
+  std::optional<MaxwellMatrix> matrix;  ///< of boundary elements, and of the reduced method where it has one
+  /// What the readings of the scene measure, in their order. The triangle-integral methods know only the
+  /// change of a reading that drives the sensor it senses: the sum over the targets.
   std::vector<ReadingAnswer> readings;
-  /// The method that answered; "formula" for the correction of that name (model/CORRECTIONS.md).
-  std::string answered_by;
-  /// Tells whether the stated errors are within the error asked for. With `recommended` these are the errors
-  /// of each sensor's own entry and of each object's capacitance, and of the readings' changes if the scene
-  /// marks a target or has readings; `matrix->reached` means the same;
-  /// otherwise those of the entries that were refined. True for methods of which no error can be asked.
+  std::string answered_by;  ///< the method that answered
+  /// Tells whether the stated errors are within the error asked for; true where none was asked for.
   bool reached = true;
+  double expected_seconds = 0;  ///< what was expected, before it began, of the method that answered
 };
-
-/// Evaluates every sensor of a scene by any method. `recommended` answers by the first of these that states
-/// errors within the one asked for:
-///
-/// - the reduced method, if there are at most 30 bodies, and 4,000 triangles on those of them that are
-///   neither plates nor boxes;
-/// - boundary elements of at most 1,000 unknowns;
-///
-/// else by the one of the two that states the smaller error, if that is at most 10 %, else by the correction
-/// `formula`, which states none.
-///
-/// @throws InputError for scenes that the method refuses, `recommended` for those that all three refuse; and
-/// for options that are out of range, cannot be combined or belong to another method.
-Evaluation evaluate(const Scene& scene, const EvaluationOptions& options = {});
 
 }  // namespace fringe

@@ -45,15 +45,35 @@ class LiveScene {
   /// finite.
   void set_joint(std::string_view joint, double position);
 
-  /// Evaluates every sensor as fringe::evaluate() does; valid until the next call. The counts are the work of
-  /// this call. Boundary elements begin anew every time. After an interruption (InterruptionScope) the
-  /// preparations of the reduced method are made again.
+  /// Evaluates every sensor and the readings; valid until the next call. The counts are the work of this
+  /// call. Boundary elements begin anew every time. After an interruption (InterruptionScope) what was
+  /// prepared is prepared again. Where the reduced method knows no matrix, each object's capacitance is that
+  /// of the formula.
+  ///
+  /// `Auto` answers by the method that is expected to state the accuracy first: the formula or the reduced
+  /// method if it is prepared or quickly prepared, else boundary elements; and by the reduced method once
+  /// boundary elements have taken as long in other poses as it takes to prepare. If none states the accuracy,
+  /// the answer is the one that states the smallest error.
+  ///
+  /// @throws InputError for scenes that the method refuses, and for options that are out of range, cannot be
+  /// combined or belong to another method.
   const Evaluation& evaluate(const EvaluationOptions& options = {});
 
-  /// Returns the readings in each frame of a motion, as evaluate() finds them; the scene stays in the poses
-  /// of the last one. The corrections that know company answer many frames at once, prepared for all of them,
-  /// on up to so many threads (0: as many as this process may run at once), with the same bits for any
-  /// number; other methods answer one frame after the other.
+  /// Returns the readings alone, as evaluate() does; valid until the next call.
+  const std::vector<ReadingAnswer>& readings(const EvaluationOptions& options = {});
+
+  /// Returns the parts that the objects add to the sensors, as evaluate() does; valid until the next call.
+  const SceneCapacitance& capacitance(const EvaluationOptions& options = {});
+
+  /// Returns the Maxwell matrix, each of its entries within the accuracy asked for if it is reached, by
+  /// boundary elements (the default), the reduced method or the cheaper of both; valid until the next call.
+  /// @throws InputError for other methods, and as evaluate() does.
+  const MaxwellMatrix& maxwell(const EvaluationOptions& options = {});
+
+  /// Returns the readings in each frame of a motion; the scene stays in the poses of the last one. The
+  /// formula and the reduced method answer many frames at once, prepared for all of them, on up to so many
+  /// threads (0: as many as this process may run at once), with the same bits for any number; boundary
+  /// elements answer one frame after the other.
   std::vector<std::vector<ReadingAnswer>> readings_of(const std::vector<Frame>& motion,
                                                       const EvaluationOptions& options = {},
                                                       std::size_t threads = 0);

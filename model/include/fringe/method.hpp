@@ -20,22 +20,21 @@ struct Gauss {
   int points;
 };
 
-/// The Maxwell matrix by boundary elements (fringe/boundary_elements.hpp).
+/// The pair formula in closed form, which takes the place of ∫dA/d (model/CORRECTIONS.md).
+struct Formula {};
+
+/// The reduced boundary element method: prepared once, then microseconds to milliseconds for each pose.
+struct Reduced {};
+
+/// Boundary elements (fringe/boundary_elements.hpp).
 struct BoundaryElements {};
 
-/// The Maxwell matrix of rigid bodies by the reduced method (fringe/reduced_capacitance.hpp). `steps` is the
-/// least number of times that each body responds to the charges of the others.
-struct Reduced {
-  int steps;
-};
-
-/// The first of these that states the accuracy asked for: the reduced method, boundary elements within a
-/// limit of work, the correction `formula` (fringe/evaluation.hpp).
-struct Recommended {};
+/// The cheapest of formula, reduced method and boundary elements that states the accuracy asked for.
+struct Auto {};
 
 /// The method that finds what the sensors of a scene feel. The first three evaluate ∫dA/d over each triangle,
 /// and only they apply to triangles without a scene.
-using Method = std::variant<Exact, Split, Gauss, BoundaryElements, Reduced, Recommended>;
+using Method = std::variant<Exact, Split, Gauss, Formula, Reduced, BoundaryElements, Auto>;
 
 /// Largest number of levels: 4^10 is a million centroids per triangle, where rounding begins to outweigh what
 /// a further level gains.
@@ -45,14 +44,12 @@ constexpr int most_split_levels = 10;
 /// more.
 constexpr int most_gauss_points = 64;
 
-/// Largest number of steps of the reduced method; the least is 1.
-constexpr int most_reduced_steps = 3;
-
 /// Returns whether the method evaluates ∫dA/d over triangles.
 bool is_integral(const Method& method);
 
-/// Reads "exact", "split:N" (N from 0 to 10), "gauss:K" (K from 1 to 64), "boundary-elements", "reduced:K" (K
-/// from 1 to 3) or "recommended". Throws InputError for anything else.
+/// Reads "exact", "split:N" (N from 0 to 10), "gauss:K" (K from 1 to 64), "formula", "reduced",
+/// "boundary-elements" or "auto". Throws InputError for anything else; for the names that methods had before,
+/// it says what to write now.
 Method parse_method(std::string_view text);
 
 /// Returns the text from which parse_method reads the method.

@@ -36,7 +36,7 @@ struct ReadingAnswer {
   Estimate value;
   Estimate background;           ///< the value without the targets
   Estimate change;               ///< value − background; errors common to both cancel
-  std::string answered_by = {};  ///< the method; "formula" for the correction of that name
+  std::string answered_by = {};  ///< the method
   /// In the order of the links; empty unless they were asked for, and where the change is not known.
   std::vector<LinkDerivatives> derivatives = {};
 };

@@ -17,7 +17,11 @@ class InterruptionScope:
     def __enter__(self) -> InterruptionScope: ...
     def __exit__(self, *raised: object) -> None: ...
 
+_Quantity = Literal["value", "background", "change"]
+
 class Reading:
+    @property
+    def name(self) -> str: ...
     @property
     def value(self) -> float | None: ...
     @property
@@ -25,13 +29,35 @@ class Reading:
     @property
     def change(self) -> float | None: ...
     @property
-    def error(self) -> dict[Literal["value", "background", "change"], float | None]: ...
+    def error(self) -> dict[_Quantity, float | None]: ...
     @property
     def answered_by(self) -> str: ...
     @property
     def derivatives(self) -> dict[str, _Array]: ...
     @property
     def derivative_errors(self) -> dict[str, _Array | None]: ...
+    def _repr_html_(self) -> str: ...
+
+class MotionReadings:
+    @property
+    def frames(self) -> list[str]: ...
+    @property
+    def readings(self) -> list[str]: ...
+    @property
+    def answered_by(self) -> list[list[str]]: ...
+    @property
+    def value(self) -> _Array: ...
+    @property
+    def background(self) -> _Array: ...
+    @property
+    def change(self) -> _Array: ...
+    @property
+    def error(self) -> dict[_Quantity, _Array]: ...
+    def __len__(self) -> int: ...
+    def _repr_html_(self) -> str: ...
+    def to_pandas(self) -> Any: ...
+    def to_xarray(self) -> Any: ...
+    def plot(self, quantity: _Quantity = "change", axes: Any = None) -> Any: ...
 
 class Scene:
     @staticmethod
@@ -59,53 +85,39 @@ class Scene:
     def add(self, description: str | dict[str, Any]) -> None: ...
     def capacitance(
         self,
-        method: str = "exact",
-        *,
-        plates: str | None = None,
-        faces: str | None = None,
-        tolerance: float | None = None,
+        method: str | None = None,
         rtol: float | None = None,
-        correction: str | None = None,
+        entries: bool = False,
+        max_seconds: float | None = None,
         derivatives: bool = False,
         prepared: str | PathLike[str] | None = None,
-        max_seconds: float | None = None,
+        tolerance: float = 0.0,
     ) -> dict[str, Any]: ...
     def readings(
         self,
-        method: str = "exact",
-        *,
-        plates: str | None = None,
-        faces: str | None = None,
-        tolerance: float | None = None,
+        method: str = "auto",
         rtol: float | None = None,
-        correction: str | None = None,
+        entries: bool = False,
+        max_seconds: float | None = None,
         derivatives: bool = False,
         prepared: str | PathLike[str] | None = None,
-        max_seconds: float | None = None,
     ) -> dict[str, Reading]: ...
-    def sweep(
-        self,
-        motion: str | PathLike[str],
-        method: str = "exact",
-        *,
-        plates: str | None = None,
-        faces: str | None = None,
-        tolerance: float | None = None,
-        rtol: float | None = None,
-        correction: str | None = None,
-        prepared: str | PathLike[str] | None = None,
-    ) -> list[tuple[str, dict[str, Reading]]]: ...
     def readings_of(
         self,
         motion: str | PathLike[str] | ArrayLike,
-        method: str = "exact",
-        *,
+        method: str = "auto",
         rtol: float | None = None,
-        correction: str | None = None,
-        threads: int = 0,
+        entries: bool = False,
+        max_seconds: float | None = None,
         prepared: str | PathLike[str] | None = None,
+        threads: int = 0,
+    ) -> MotionReadings: ...
+    def maxwell(
+        self,
+        method: str = "boundary-elements",
+        rtol: float | None = None,
+        max_seconds: float | None = None,
     ) -> dict[str, Any]: ...
-    def maxwell(self, *, method: str = "boundary-elements", rtol: float | None = None) -> dict[str, Any]: ...
     def formula_terms(self) -> list[list[dict[str, Any]]]: ...
     def sense(
         self, method: Literal["field_of_view", "cone_equation"] = "field_of_view"
@@ -168,5 +180,4 @@ def cone_closest(
 ) -> tuple[float, _Array, int] | None: ...
 def single_layer(triangles: ArrayLike, tolerance: float = 1e-4) -> _Array: ...
 def triangle_potentials(points: ArrayLike, triangles: ArrayLike) -> NDArray[np.float32]: ...
-def corrections() -> list[dict[str, str]]: ...
 def by_name(entries: list[dict[str, Any]]) -> dict[str, dict[str, Any]]: ...

@@ -92,7 +92,8 @@ void choose_asked(Entries entries, ChargedBodies& bodies) {
 }
 
 MaxwellMatrix solve_conductors(const Scene& scene, const BoundaryElementOptions& options) {
-  ChargedBodies bodies = detail::charged_bodies(scene, options.derivatives);
+  ChargedBodies bodies =
+      detail::charged_bodies(scene, options.derivatives || options.entries == Entries::of_readings);
   choose_asked(options.entries, bodies);
   std::optional<detail::LinkPoses> poses;
   if (options.derivatives)
@@ -110,7 +111,7 @@ MaxwellMatrix solve_conductors(const Scene& scene, const BoundaryElementOptions&
 MaxwellMatrix solve_with_insulators(const Scene& scene, const BoundaryElementOptions& options) {
   if (options.derivatives)
     throw InputError("boundary elements know no derivatives in scenes with dielectric bodies");
-  detail::InsulatedBodies bodies = detail::insulated_bodies(scene);
+  detail::InsulatedBodies bodies = detail::insulated_bodies(scene, options.entries == Entries::of_readings);
   choose_asked(options.entries, bodies.conductors);
   MaxwellMatrix answer = detail::insulated_maxwell(bodies, options);
   answer.reached = detail::largest_error(answer, bodies.conductors) <= options.rtol;

@@ -12,7 +12,7 @@
 namespace fringe::detail {
 
 /// Conductors that keep their poses, solved by boundary elements of triangles: what surface_charges() and the
-/// formula in company (model/CORRECTIONS.md, section 8) prepare from.
+/// readings before a machine (model/CORRECTIONS.md, section 8) prepare from.
 class ConductorsAtRest : private AdaptiveProblem {
  public:
   /// Solves for every conductor at unit potential, the others grounded. Panels are refined until the stated

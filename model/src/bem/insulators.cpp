@@ -157,7 +157,7 @@ void refuse_thick_covers(const Scene& scene) {
           conductors);
 }
 
-InsulatedBodies insulated_bodies(const Scene& scene) {
+InsulatedBodies insulated_bodies(const Scene& scene, bool with_readings) {
   InsulatedBodies result;
   result.conductors = charged_bodies(without_insulators(scene));
   ChargedBodies& conductors = result.conductors;
@@ -170,7 +170,7 @@ InsulatedBodies insulated_bodies(const Scene& scene) {
         body.is_target = are_targets[k];
   }
   conductors.readings.clear();
-  if (asks_for_changes(scene))
+  if (with_readings || asks_for_changes(scene))
     conductors.readings = charged_readings(readings(scene), drivable_conductors(conductors));
   const std::vector<Eigen::Isometry3d> link_poses = world_poses(scene.links);
   for (std::size_t k = 0; k < scene.objects.size(); ++k) {

@@ -78,7 +78,7 @@ void refuse_thick_covers(const Scene& scene);
 
 /// Returns the bodies of a scene in world coordinates. Throws InputError as charged_bodies() does, for a
 /// dielectric body whose surface is not closed, and for a sensor's cover that a conductor reaches into.
-InsulatedBodies insulated_bodies(const Scene& scene);
+InsulatedBodies insulated_bodies(const Scene& scene, bool with_readings = false);
 
 /// Which bodies are there.
 struct Presence {

@@ -17,7 +17,7 @@
 #include "geometry/link_motion.hpp"
 #include "geometry/wrench.hpp"
 
-/// Parts of the preparation of machines for the formula in company, at rest or with links that move
+/// Parts of the preparation of machines for its readings, at rest or with links that move
 /// (model/CORRECTIONS.md, section 8).
 namespace fringe::detail {
 

@@ -106,8 +106,8 @@ void write_derivatives(const LinkPoses& poses, std::span<const PairWrench> pairs
   /// Ratio of the relative errors of derivatives and changes, that of boundary elements.
   constexpr double error_per_error = 10;
   answer.derivatives.clear();
-  // In contact there are none.
-  if (!answer.change.value || std::isinf(*answer.change.value))
+  // In contact there are none; and of a change that may be anything nothing is known.
+  if (!answer.change.value || std::isinf(*answer.change.value) || !answer.change.error)
     return;
   answer.derivatives = derivatives_by_link(poses, pairs);
   const double relative = error_per_error * *answer.change.error / std::abs(*answer.change.value);
@@ -269,7 +269,6 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
   answers.resize(charged_readings_.size());
   for (std::size_t k = 0; k < answers.size(); ++k) {
     answers[k].name = charged_readings_[k].name;
-    answers[k].answered_by = name;
     answers[k].value = answers[k].background = answers[k].change = {};
     answers[k].derivatives.clear();
   }

@@ -25,16 +25,13 @@ struct TargetContacts;
 /// Tells whether the stated errors of all changes are within `rtol` of these.
 bool are_within(const std::vector<ReadingAnswer>& answers, double rtol);
 
-/// The readings of a scene by the formula in company (model/CORRECTIONS.md, section 8), while links move. The
-/// machine is prepared when it is first needed, and again when its parts have moved relative to each other;
-/// the targets likewise.
+/// The readings of a scene with surrounding conductors (model/CORRECTIONS.md, section 8), while links move.
+/// The machine is prepared when it is first needed, and again when its parts have moved relative to each
+/// other; the targets likewise.
 class CompanyReadings {
  public:
   /// Prepares nothing yet; the scene's links have the poses given.
   explicit CompanyReadings(std::shared_ptr<LinkPoses> poses);
-
-  /// The name of the formula as a method.
-  static constexpr const char* name = "formula in company";
 
   /// Keeps what is prepared for an accuracy in files from now on; null: in none.
   void keep_in(const std::shared_ptr<const PreparedFiles>& files) {

@@ -5,12 +5,12 @@
 #include <Eigen/Geometry>
 
 #include "correction/charged_surface.hpp"
-#include "fringe/correction.hpp"
+#include "fringe/formula_terms.hpp"
 #include "fringe/rectangle.hpp"
 
 namespace fringe::detail {
 
-/// Computes the terms of the correction `formula` (model/CORRECTIONS.md).
+/// Computes the terms of the pair formula (model/CORRECTIONS.md).
 ///
 /// @param sensor_pose maps the sensor's frame to the object's
 /// @param plates the sensor's plates in the object's frame

@@ -8,7 +8,7 @@ namespace fringe {
 
 std::vector<std::vector<FormulaTerms>> formula_terms(const Scene& scene) {
   // Throws for the scenes that the correction refuses.
-  capacitance(scene, {.correction = Correction::formula});
+  capacitance(scene, {.method = Formula{}});
   const Scene bare = detail::without_covers(scene, detail::CoveredPlate::moved);
   const std::vector<Eigen::Isometry3d> link_poses = world_poses(bare.links);
   std::vector<std::vector<FormulaTerms>> result;

@@ -89,8 +89,8 @@ void InsulatedReadings::prepare(const Scene& scene, std::optional<double> rtol) 
   has_insulators_ = std::ranges::any_of(
       scene.objects, [](const Object& object) { return std::holds_alternative<Dielectric>(object.role); });
   if (rtol && has_insulators_)
-    throw InputError("rtol is an option of the correction formula for scenes without dielectric objects: ask "
-                     "boundary-elements for an accuracy beside these");
+    throw InputError("the reduced method knows no accuracy of readings before a machine beside dielectric "
+                     "objects: boundary-elements does");
   if (upper_)
     return;
   const std::vector<bool> enclosed = are_enclosed(scene);

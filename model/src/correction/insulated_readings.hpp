@@ -18,11 +18,11 @@ namespace fringe::detail {
 /// least the medium's permittivity, in a scene that asks for changes.
 std::vector<bool> are_enclosed(const Scene& scene);
 
-/// The readings by the formula in company of scenes that may have covers and dielectric targets, while links
-/// move (model/CORRECTIONS.md, section 9). Covers follow the layer rule. More permittivity anywhere raises
-/// the energy at given potentials, so that the change lies between those without the dielectric targets and
-/// with conductors in their place: floating ones, or grounded ones where these touch others. The error states
-/// that.
+/// The readings with surrounding conductors of scenes that may have covers and dielectric targets, while
+/// links move (model/CORRECTIONS.md, section 9). Covers follow the layer rule. More permittivity anywhere
+/// raises the energy at given potentials, so that the change lies between those without the dielectric
+/// targets and with conductors in their place: floating ones, or grounded ones where these touch others. The
+/// error states that.
 class InsulatedReadings {
  public:
   /// Prepares nothing yet; the scene's links have the poses given.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -384,7 +385,7 @@ const std::vector<CompanyFormula::Change>& MovingFormula::solved(const MovingMac
   prepare(machine, target);
   add_given(machine);
   if (!factorise(machine, target)) {
-    solved_.assign(machine.readings().size(), {0, infinity});
+    solved_.assign(machine.readings().size(), {std::numeric_limits<double>::quiet_NaN(), infinity});
     return solved_;
   }
   solve(target);

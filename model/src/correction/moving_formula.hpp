@@ -21,8 +21,8 @@ namespace fringe::detail {
 /// pose since the last pose are kept, and arrays are used again: after the first pose no memory is allocated.
 class MovingFormula {
  public:
-  /// Returns the changes of all readings in m, to be multiplied by 4πε, and the errors stated; infinite ones
-  /// where the equations cannot be solved, as where charges of two bodies lie in each other.
+  /// Returns the changes of all readings in m, to be multiplied by 4πε, and the errors stated; NaN where the
+  /// equations cannot be solved, as where charges of two bodies lie in each other.
   ///
   /// @param tables with what is met in this pose
   const std::vector<CompanyFormula::Change>& solved(const MovingMachine& machine, const LinkTables& tables,

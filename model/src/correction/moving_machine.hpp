@@ -8,7 +8,7 @@
 #include "correction/company.hpp"
 #include "io/prepared_files.hpp"
 
-/// The formula in company for machines whose links move against each other (model/CORRECTIONS.md, section 8,
+/// Surrounding conductors for machines whose links move against each other (model/CORRECTIONS.md, section 8,
 /// "Links that move").
 namespace fringe::detail {
 

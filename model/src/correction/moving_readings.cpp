@@ -215,7 +215,6 @@ void MovingReadings::write_pose(MovingFormula& formula, const PoseOfMachine& pos
   answers.resize(readings_.size());
   for (std::size_t k = 0; k < answers.size(); ++k) {
     answers[k].name = readings_[k].name;
-    answers[k].answered_by = CompanyReadings::name;
     answers[k].value = answers[k].background = answers[k].change = {};
     answers[k].derivatives.clear();
   }

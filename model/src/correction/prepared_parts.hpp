@@ -7,7 +7,7 @@
 #include "fringe/scene.hpp"
 #include "io/prepared_files.hpp"
 
-/// Keeps machine, links and targets of the formula in company in files, found by all that they depend on.
+/// Keeps machine, links and targets of readings before a machine in files, found by all that they depend on.
 namespace fringe::detail {
 
 /// Returns all of some bodies that the charges on them depend on.

@@ -1,5 +1,6 @@
 #include "fringe/method.hpp"
 
+#include <array>
 #include <charconv>
 #include <optional>
 
@@ -37,16 +38,21 @@ Method parse_method(std::string_view text) {
     return Split{*levels};
   if (const auto points = parameter(text, "gauss:", 1, most_gauss_points))
     return Gauss{*points};
-  if (text == "boundary-elements")
-    return BoundaryElements{};
-  if (const auto steps = parameter(text, "reduced:", 1, most_reduced_steps))
-    return Reduced{*steps};
+  for (const Method& method :
+       {Method(Formula{}), Method(Reduced{}), Method(BoundaryElements{}), Method(Auto{})})
+    if (text == to_string(method))
+      return method;
   if (text == "recommended")
-    return Recommended{};
-  throw InputError(fmt::format(
-      "method '{}' is not known: it must be exact, split:N (N from 0 to {}), gauss:K (K from 1 to {}), "
-      "boundary-elements, reduced:K (K from 1 to {}) or recommended",
-      text, most_split_levels, most_gauss_points, most_reduced_steps));
+    throw InputError("method 'recommended' is now called auto: write auto");
+  if (text.starts_with("reduced:"))
+    throw InputError(
+        fmt::format("method '{}' is now called reduced, and follows the accuracy asked for: write "
+                    "reduced with rtol",
+                    text));
+  throw InputError(fmt::format("method '{}' is not known: it must be exact, split:N (N from 0 to {}), "
+                               "gauss:K (K from 1 to {}), formula, "
+                               "reduced, boundary-elements or auto",
+                               text, most_split_levels, most_gauss_points));
 }
 
 std::string to_string(const Method& method) {
@@ -54,11 +60,9 @@ std::string to_string(const Method& method) {
     return fmt::format("split:{}", split->levels);
   if (const auto* gauss = std::get_if<Gauss>(&method))
     return fmt::format("gauss:{}", gauss->points);
-  if (const auto* reduced = std::get_if<Reduced>(&method))
-    return fmt::format("reduced:{}", reduced->steps);
-  if (std::holds_alternative<BoundaryElements>(method))
-    return "boundary-elements";
-  return std::holds_alternative<Recommended>(method) ? "recommended" : "exact";
+  /// In the order of the variant.
+  constexpr std::array names{"exact", "split", "gauss", "formula", "reduced", "boundary-elements", "auto"};
+  return names[method.index()];
 }
 
 }  // namespace fringe

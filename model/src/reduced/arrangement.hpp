@@ -10,9 +10,9 @@
 
 #include "bem/bodies.hpp"
 #include "bem/contact.hpp"
-#include "fringe/reduced_capacitance.hpp"
 #include "geometry/link_motion.hpp"
 #include "reduced/node_pair.hpp"
+#include "reduced/reduced_capacitance.hpp"
 #include "reduced/rigid_bodies.hpp"
 
 namespace fringe::detail {

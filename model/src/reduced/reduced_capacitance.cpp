@@ -1,4 +1,4 @@
-#include "fringe/reduced_capacitance.hpp"
+#include "reduced/reduced_capacitance.hpp"
 
 #include <algorithm>
 #include <array>
@@ -37,8 +37,11 @@ using Eigen::VectorXd;
 constexpr double strictest_reduced_rtol = 1e-4;
 constexpr double loosest_reduced_rtol = 0.5;
 
-/// Default rtol for 1 to most_reduced_steps steps, relative.
-constexpr std::array<double, most_reduced_steps> rtols{1e-2, 1e-3, 3e-4};
+/// Least number of times that each body responds to the charges of the others: the accuracy that 1 and 2 of
+/// them mostly have. More are taken if the error requires it.
+int first_steps(double rtol) {
+  return rtol >= 1e-2 ? 1 : rtol >= 1e-3 ? 2 : 3;
+}
 
 /// Estimated error per contribution of the highest functions. This contribution is estimated from each body
 /// alone, and somewhat too large; in random poses the error was mostly a quarter of it, and once 1.13 times
@@ -62,32 +65,21 @@ const Scene& in_free_space(const Scene& scene) {
 /// Largest number of steps. Near contact, more steps are needed than are asked for.
 constexpr int most_steps = 12;
 
-double rtol_or_default(const ReducedOptions& options) {
-  return options.rtol.value_or(rtols[static_cast<std::size_t>(options.steps - 1)]);
-}
-
-void validate_options(const ReducedOptions& options) {
-  if (options.steps < 1 || options.steps > most_reduced_steps)
-    throw InputError(fmt::format("{} reduced steps must be from 1 to {}", options.steps, most_reduced_steps));
-  const double rtol = rtol_or_default(options);
-  if (!(rtol >= strictest_reduced_rtol && rtol <= loosest_reduced_rtol))
-    throw InputError(
-        fmt::format("rtol {} must be from {} to {}", rtol, strictest_reduced_rtol, loosest_reduced_rtol));
+double valid_rtol(const ReducedOptions& options) {
+  if (!(options.rtol >= strictest_reduced_rtol && options.rtol <= loosest_reduced_rtol))
+    throw InputError(fmt::format("rtol {} must be from {} to {}", options.rtol, strictest_reduced_rtol,
+                                 loosest_reduced_rtol));
+  return options.rtol;
 }
 
 }  // namespace
-
-double rtol_of(const ReducedOptions& options) {
-  validate_options(options);
-  return rtol_or_default(options);
-}
 
 class ReducedEvaluator::Implementation {
  public:
   /// `readings` are those whose changes are asked for.
   Implementation(const Scene& scene, const ReducedOptions& options, std::vector<Reading> readings,
                  std::shared_ptr<detail::LinkPoses> poses)
-      : options_(options), rtol_(rtol_of(options)), readings_(std::move(readings)),
+      : rtol_(valid_rtol(options)), readings_(std::move(readings)),
         bodies_(in_free_space(scene), options.contacts, triangle_share * rtol_, std::move(poses)) {
     factor_ = 4 * std::numbers::pi * vacuum_permittivity * scene.medium.relative_permittivity;
   }
@@ -182,7 +174,7 @@ class ReducedEvaluator::Implementation {
 
   void refine_until_reached() {
     double digits = first_digits();
-    int steps = options_.steps;
+    int steps = first_steps(rtol_);
     choose_levels();
     while (true) {
       lay_nodes(digits);
@@ -438,7 +430,6 @@ class ReducedEvaluator::Implementation {
     answer_.unknowns = 0;
   }
 
-  ReducedOptions options_;
   double rtol_;
   std::vector<Reading> readings_;
   bool with_derivatives_ = false;  ///< if the answer has them
@@ -459,7 +450,7 @@ ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& opt
 ReducedEvaluator::ReducedEvaluator(const Scene& scene, const ReducedOptions& options,
                                    std::shared_ptr<detail::LinkPoses> poses)
     : options_(options), poses_(std::move(poses)), scene_(scene) {
-  if (asks_for_changes(scene))
+  if (options.with_changes || asks_for_changes(scene))
     readings_ = readings(scene);
   implementation_ = std::make_unique<Implementation>(scene_, options, readings_, poses_);
 }
@@ -514,7 +505,7 @@ void ReducedEvaluator::subtract_background(MaxwellMatrix& matrix, bool with_deri
       for (const Link& link : poses_->links())
         reading.derivatives.push_back(
             {link.name, PoseDerivatives::Constant(std::numeric_limits<double>::quiet_NaN()), {}});
-  if ((detail::errors_of_changes(matrix.readings).array() > rtol_of(options_)).any())
+  if ((detail::errors_of_changes(matrix.readings).array() > options_.rtol).any())
     matrix.reached = false;
 }
 

@@ -1,7 +1,7 @@
 #include "fringe/capacitance.hpp"
 
 #include "bem/insulators.hpp"
-#include "fringe/scene_evaluator.hpp"
+#include "scene/scene_evaluator.hpp"
 
 namespace fringe {
 

@@ -8,34 +8,22 @@
 
 #include <fmt/format.h>
 
-#include "bem/insulators.hpp"
-#include "correction/insulated_readings.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
-#include "fringe/reduced_capacitance.hpp"
-#include "fringe/scene_evaluator.hpp"
 #include "geometry/link_motion.hpp"
 #include "io/prepared_files.hpp"
 #include "numeric/time_limit.hpp"
-#include "scene/readings_of_objects.hpp"
-#include "scene/recommended_method.hpp"
+#include "scene/automatic.hpp"
+#include "scene/expected_seconds.hpp"
+#include "scene/methods.hpp"
 
 namespace fringe {
-namespace {
-
-bool same(const CapacitanceOptions& a, const CapacitanceOptions& b) {
-  return to_string(a.method) == to_string(b.method) && a.plates == b.plates && a.faces == b.faces &&
-         a.tolerance == b.tolerance && a.correction == b.correction;
-}
-
-}  // namespace
 
 class LiveScene::Implementation {
  public:
   explicit Implementation(Scene scene)
-      : scene_(std::move(scene)), poses_(std::make_shared<detail::LinkPoses>(scene_.links)),
-        readings_of_objects_(scene_), company_(poses_),
-        knows_company_(detail::InsulatedReadings::knows(scene_)) {}
+      : scene_(std::move(scene)), poses_(std::make_shared<detail::LinkPoses>(scene_.links)), size_(scene_),
+        methods_(scene_, size_, poses_) {}
 
   const Scene& scene() const { return scene_; }
 
@@ -44,24 +32,61 @@ class LiveScene::Implementation {
     fringe::set_pose(scene_, link, pose);
   }
 
-  const Evaluation& evaluate(const EvaluationOptions& options) {
-    uninterrupted([&] { choose_method(options); });
+  /// @param with_sensors whether more than the readings is asked for
+  const Evaluation& evaluate(const EvaluationOptions& options, bool with_sensors) {
+    validate(options);
+    keep_prepared(options);
+    std::optional<detail::TimeLimit> limit;
+    if (options.max_seconds)
+      limit.emplace(*options.max_seconds);
+    const Method method = method_of(options);
+    if (std::holds_alternative<Auto>(method)) {
+      answer_ =
+          automatic_.evaluate(methods_, scene_, size_, options, with_sensors, limit ? &*limit : nullptr);
+      return answer_;
+    }
+    const double expected = expected_seconds(method, options);
+    answer_by(method, options, with_sensors);
+    answer_.expected_seconds = expected;
     return answer_;
+  }
+
+  const MaxwellMatrix& find_matrix(EvaluationOptions options) {
+    if (!options.method)
+      options.method = BoundaryElements{};
+    const Method method = method_of(options);
+    if (is_integral(method) || std::holds_alternative<Formula>(method))
+      throw InputError(fmt::format("{} finds no Maxwell matrix: boundary-elements, reduced and auto do",
+                                   to_string(method)));
+    options.entries = Entries::all;
+    evaluate(options, true);
+    if (!answer_.matrix)
+      throw InputError("no method reaches a Maxwell matrix in this time");
+    return *answer_.matrix;
   }
 
   std::vector<std::vector<ReadingAnswer>> readings_of(std::size_t frames,
                                                       const std::function<void(std::size_t)>& pose,
-                                                      EvaluationOptions options, std::size_t threads) {
-    options.entries = Entries::of_readings;
-    std::vector<std::vector<ReadingAnswer>> answers;
-    if (is_integral(options.method) && knows_company(integral_options(options))) {
-      company_.keep_in(files_of(options));
-      uninterrupted([&] { answers = company_.write_frames(scene_, frames, pose, options.rtol, threads); });
-      return answers;
-    }
+                                                      const EvaluationOptions& options, std::size_t threads) {
+    validate(options);
+    keep_prepared(options);
+    std::optional<detail::TimeLimit> limit;
+    if (options.max_seconds)
+      limit.emplace(*options.max_seconds);
+    EvaluationOptions each = options;
+    each.max_seconds.reset();
+    std::vector<std::vector<ReadingAnswer>> answers = answers_together(frames, pose, options, threads);
+    const bool is_auto = std::holds_alternative<Auto>(method_of(options));
+    const double rtol = rtol_of(options);
     for (std::size_t frame = 0; frame < frames; ++frame) {
+      if (frame < answers.size() && (!is_auto || detail::are_within(answers[frame], rtol)))
+        continue;
       pose(frame);
-      answers.push_back(evaluate(options).readings);
+      const std::vector<ReadingAnswer>& found = evaluate(each, false).readings;
+      if (frame < answers.size())
+        answers[frame] = found;
+      else
+        answers.push_back(found);
     }
     return answers;
   }
@@ -81,148 +106,70 @@ class LiveScene::Implementation {
   }
 
  private:
-  /// Ends the preparations that an exception leaves incomplete: they must not serve the next answer.
-  template <typename Answer>
-  void uninterrupted(const Answer& answer) {
-    try {
-      answer();
-    } catch (const InputError&) {
-      throw;
-    } catch (...) {
-      reduced_.reset();
-      recommended_.reset();
-      company_ = detail::InsulatedReadings(poses_);
-      throw;
-    }
-  }
-
-  bool knows_company(const CapacitanceOptions& options) const {
-    return options.correction != Correction::none && knows_company_;
-  }
-
-  void choose_method(const EvaluationOptions& options) {
-    std::optional<detail::TimeLimit> limit;
-    if (options.max_seconds && !std::holds_alternative<Recommended>(options.method))
-      limit.emplace(*options.max_seconds);
-    if (is_integral(options.method))
-      integrate(options);
-    else if (std::holds_alternative<Recommended>(options.method))
-      choose(options);
+  void answer_by(const Method& method, const EvaluationOptions& options, bool with_sensors) {
+    if (std::holds_alternative<Formula>(method))
+      methods_.combine(scene_, options, with_sensors, answer_);
+    else if (std::holds_alternative<Reduced>(method))
+      methods_.reduce(scene_, options, with_sensors, ReducedContacts::all, answer_);
+    else if (std::holds_alternative<BoundaryElements>(method))
+      detail::Methods::solve(scene_, options, answer_);
     else
-      find_matrix(options);
+      methods_.integrate(scene_, options, answer_);
   }
 
-  /// Answers by a triangle-integral method or a correction.
-  void integrate(const EvaluationOptions& asked) {
-    const CapacitanceOptions options = integral_options(asked);
-    const bool in_company = knows_company(options);
-    detail::refuse_thick_covers(scene_);
-    answer_.matrix.reset();
-    answer_.reached = true;
-    if (in_company) {
-      company_.keep_in(files_of(asked));
-      company_.write(scene_, answer_.readings, asked.rtol, asked.derivatives);
-    }
-    if (asked.rtol) {
-      if (!in_company)
-        throw InputError("rtol is an option of the correction formula for the changes of readings, which "
-                         "this scene does not ask for");
-      answer_.reached = detail::are_within(answer_.readings, *asked.rtol);
-      if (asked.derivatives)
-        company_.write_derivatives(answer_.readings);
-    }
-    if (in_company && asked.entries == Entries::of_readings) {
-      answer_.answered_by = detail::CompanyReadings::name;
-      answer_.capacitance = {};
-      return;
-    }
-    if (!evaluator_ || !same(options, evaluator_options_)) {
-      evaluator_.emplace(scene_, options, poses_);
-      evaluator_options_ = options;
-      evaluator_name_ =
-          options.correction == Correction::none ? to_string(options.method) : to_string(options.correction);
-    }
-    answer_.answered_by = evaluator_name_;
-    answer_.capacitance = evaluator_->capacitance();
-    if (!in_company)
-      readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
-    if (asked.derivatives && !in_company)
-      readings_of_objects_.write_derivatives(*evaluator_, *poses_, answer_.readings);
+  double expected_seconds(const Method& method, const EvaluationOptions& options) const {
+    const double rtol = rtol_of(options);
+    const bool is_reduced = std::holds_alternative<Reduced>(method);
+    return detail::expected_seconds(
+        method, size_,
+        {.rtol = rtol,
+         .is_prepared = is_reduced && methods_.is_reduction_prepared(rtol, options.entries),
+         .is_by_matrix = methods_.reduces_to_matrix(options.entries),
+         .has_surroundings = methods_.knows_surroundings()});
   }
 
-  /// Answers by boundary elements or the reduced method.
-  void find_matrix(const EvaluationOptions& asked) {
-    const double rtol = rtol_of(asked);
-    answer_.answered_by = to_string(asked.method);
-    if (const auto* method = std::get_if<Reduced>(&asked.method)) {
-      const ReducedOptions options{method->steps, asked.rtol};
-      if (!reduced_ || options.steps != reduced_options_.steps || options.rtol != reduced_options_.rtol) {
-        reduced_.emplace(scene_, options, poses_);
-        reduced_options_ = options;
-      }
-      answer_.matrix = reduced_->maxwell(asked.derivatives);
-    } else {
-      answer_.matrix = maxwell(scene_, {.rtol = rtol,
-                                        .entries = asked.entries,
-                                        .derivatives = asked.derivatives,
-                                        .before_refinement = asked.before_refinement});
+  /// Returns the answers of all frames by a method that is prepared for all of them; none by others.
+  std::vector<std::vector<ReadingAnswer>> answers_together(std::size_t frames,
+                                                           const std::function<void(std::size_t)>& pose,
+                                                           const EvaluationOptions& options,
+                                                           std::size_t threads) {
+    const Method method = method_of(options);
+    const bool reduces = std::holds_alternative<Reduced>(method) ||
+                         (std::holds_alternative<Auto>(method) &&
+                          automatic_.prefers_reduction(methods_, size_, options, frames));
+    if (!reduces && !std::holds_alternative<Formula>(method))
+      return {};
+    const std::optional<double> rtol = reduces ? std::optional(rtol_of(options)) : std::nullopt;
+    try {
+      return methods_.readings_of(scene_, frames, pose, rtol, threads)
+          .value_or(std::vector<std::vector<ReadingAnswer>>());
+    } catch (const InputError&) {
+      if (!std::holds_alternative<Auto>(method))
+        throw;
+      return {};
     }
-    answer_.capacitance = capacitance(scene_, *answer_.matrix, answer_.answered_by);
-    answer_.reached = answer_.matrix->reached;
-    find_readings();
   }
 
-  /// Answers by the method `recommended`.
-  void choose(const EvaluationOptions& asked) {
-    const double rtol = rtol_of(asked);
-    const bool goes_on = asked.rtol.has_value();
-    if (!recommended_ || recommended_->rtol() != rtol || recommended_->goes_on() != goes_on)
-      recommended_.emplace(rtol, goes_on, poses_);
-    recommended_->keep_in(files_of(asked));
-    answer_ = recommended_->evaluate(scene_, asked.max_seconds);
-    if (answer_.matrix)
-      find_readings();
-    else if (answer_.readings.empty())
-      readings_of_objects_.write(answer_.capacitance, answer_.answered_by, answer_.readings);
-  }
-
-  /// Returns the files of the folder that is asked for, if one is.
-  std::shared_ptr<const detail::PreparedFiles> files_of(const EvaluationOptions& options) {
+  /// Keeps what is prepared in the folder that is asked for, if one is.
+  void keep_prepared(const EvaluationOptions& options) {
     if (!options.prepared)
       files_.reset();
     else if (!files_ || files_->folder() != *options.prepared)
       files_ = std::make_shared<const detail::PreparedFiles>(*options.prepared);
-    return files_;
-  }
-
-  /// Takes the readings from the matrix.
-  void find_readings() {
-    answer_.readings = answer_.matrix->readings;
-    for (ReadingAnswer& reading : answer_.readings)
-      reading.answered_by = answer_.answered_by;
+    methods_.keep_in(files_);
   }
 
   Scene scene_;
   std::shared_ptr<detail::LinkPoses> poses_;
-  detail::ReadingsOfObjects readings_of_objects_;
-  std::optional<SceneEvaluator> evaluator_;
-  CapacitanceOptions evaluator_options_;
-  std::string evaluator_name_;  ///< of its method or correction
-  std::optional<ReducedEvaluator> reduced_;
-  ReducedOptions reduced_options_;
-  std::optional<detail::RecommendedMethod> recommended_;
-  detail::InsulatedReadings company_;
-  bool knows_company_;
+  detail::SceneSize size_;
+  detail::Methods methods_;
+  detail::Automatic automatic_;
   std::shared_ptr<const detail::PreparedFiles> files_;
   std::optional<CollisionDetector> detector_;
   std::optional<SceneSensing> sensing_;
   ConeMethod sensing_method_ = ConeMethod::field_of_view;
   Evaluation answer_;
 };
-
-bool formula_takes_rtol(const Scene& scene) {
-  return detail::InsulatedReadings::takes_rtol(scene);
-}
 
 LiveScene::LiveScene(Scene scene) : implementation_(std::make_unique<Implementation>(std::move(scene))) {}
 LiveScene::~LiveScene() = default;
@@ -252,7 +199,19 @@ void LiveScene::set_joint(std::string_view joint, double position) {
 }
 
 const Evaluation& LiveScene::evaluate(const EvaluationOptions& options) {
-  return implementation_->evaluate(options);
+  return implementation_->evaluate(options, true);
+}
+
+const std::vector<ReadingAnswer>& LiveScene::readings(const EvaluationOptions& options) {
+  return implementation_->evaluate(options, false).readings;
+}
+
+const SceneCapacitance& LiveScene::capacitance(const EvaluationOptions& options) {
+  return implementation_->evaluate(options, true).capacitance;
+}
+
+const MaxwellMatrix& LiveScene::maxwell(const EvaluationOptions& options) {
+  return implementation_->find_matrix(options);
 }
 
 std::vector<std::vector<ReadingAnswer>> LiveScene::readings_of(const std::vector<Frame>& motion,

@@ -1,6 +1,7 @@
 #include "scene/readings_of_objects.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <variant>
@@ -59,13 +60,15 @@ void ReadingsOfObjects::write(const SceneCapacitance& capacitance, std::string_v
     const std::vector<ObjectCapacitance>& objects = capacitance.sensors[*changes_[k].sensor].objects;
     double change = 0;
     std::optional<double> error = 0;
+    bool is_certain = false;  // that a target in contact changes a reading without limit
     for (std::size_t object = 0; object < objects.size(); ++object) {
       if (!targets_[object])
         continue;
       change += objects[object].capacitance;
       error = error && objects[object].error ? std::optional(*error + *objects[object].error) : std::nullopt;
+      is_certain = is_certain || (std::isinf(objects[object].capacitance) && objects[object].error);
     }
-    answer.change = {change, error};
+    answer.change = {change, is_certain ? std::optional(0.0) : error};
   }
 }
 

@@ -8,8 +8,8 @@
 #include "fringe/capacitance.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
-#include "fringe/scene_evaluator.hpp"
 #include "geometry/link_motion.hpp"
+#include "scene/scene_evaluator.hpp"
 
 namespace fringe::detail {
 

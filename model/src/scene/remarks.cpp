@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "correction/company_readings.hpp"
+#include "correction/insulated_readings.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "geometry/winding_number.hpp"
@@ -252,7 +252,7 @@ void remark_on_shields(const Scene& scene, const std::vector<Body>& bodies, cons
       found.push_back(
           fmt::format("sensor \"{}\": {} close to it or in between, and the method {} knows nothing of "
                       "shielding: what it says "
-                      "of {} may be several times too much; compare with reduced:K or boundary-elements",
+                      "of {} may be several times too much; compare with auto",
                       evaluated.name, listed(shields) + (shields.size() == 1 ? " is" : " are"),
                       answer.answered_by, listed(hidden)));
   }
@@ -284,10 +284,10 @@ void remark_on_insulators(const Scene& scene, const Evaluation& answer, std::vec
                 "object {}: dielectric, of which the formula only knows between which conductors' changes "
                 "its change lies; the error says so. Compare with boundary-elements",
                 listed(enclosed))
-          : fmt::format(
-                "object {}: dielectric, of which the method {} knows no change; the correction formula "
-                "and boundary-elements do",
-                listed(enclosed), answer.answered_by));
+          : fmt::format("object {}: dielectric, of which the method {} knows no change; formula and "
+                        "boundary-elements "
+                        "do",
+                        listed(enclosed), answer.answered_by));
 }
 
 /// Remarks on a room, of which no method of the library knows more than that it is there.
@@ -298,18 +298,17 @@ void remark_on_room(const Scene& scene, const Evaluation& answer, std::vector<st
                                 answer.answered_by));
 }
 
-/// Remarks on changes that the formula in company cannot tell the error of.
+/// Remarks on changes that the formula cannot tell the error of.
 void remark_on_unknown_errors(const Evaluation& answer, std::vector<std::string>& found) {
   std::vector<std::string> unknown;
   for (const ReadingAnswer& reading : answer.readings)
-    if (reading.answered_by == detail::CompanyReadings::name && reading.change.value && !reading.change.error)
+    if (reading.change.value && !reading.change.error)
       unknown.push_back(reading.name);
   if (!unknown.empty())
     found.push_back(
         fmt::format("reading {}: how far off its change is, is not known: the {} is too coarse for "
-                    "it, and may be off by factors; ask for an accuracy with rtol, or "
-                    "boundary-elements",
-                    listed(unknown), detail::CompanyReadings::name));
+                    "it, and may be off by factors; auto reaches an accuracy",
+                    listed(unknown), answer.answered_by));
 }
 
 /// Remarks on derivatives that are asked for and not known.
@@ -352,11 +351,12 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
         scene.readings.empty()
             ? "the scene has no sensor, so that there is nothing to answer: add a [[sensor]] and its plates"
             : "the scene has no sensor, and this method does not know the electrodes of its readings: "
-              "boundary-elements and reduced:K do");
+              "boundary-elements, reduced and auto do");
   if (options.faces == FaceRule::facing)
     remark_on_backs(answer.capacitance, found);
   remark_on_room(scene, answer, found);
-  remark_on_unknown_errors(answer, found);
+  if (!is_integral(method_of(options)) && detail::InsulatedReadings::knows(scene))
+    remark_on_unknown_errors(answer, found);
   remark_on_insulators(scene, answer, found);
   remark_on_shields(scene, bodies, answer, found);
   return found;

@@ -1,4 +1,4 @@
-#include "fringe/scene_evaluator.hpp"
+#include "scene/scene_evaluator.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +10,8 @@
 
 #include "correction/formula.hpp"
 #include "correction/layer_rule.hpp"
-#include "correction/recommended.hpp"
 #include "fringe/error.hpp"
+#include "fringe/evaluation.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "geometry/link_motion.hpp"
@@ -49,20 +49,14 @@ Surface surface_of(const Object& object, const CapacitanceOptions& options) {
   // A mesh may have triangles twice. Where outward sides count, one that faces the other way is another
   // triangle. A mesh that is not finite is refused below, by the number that the triangle has in its file.
   if (std::holds_alternative<Mesh>(object.shape) && axis_aligned_box(triangles).sizes().allFinite())
-    triangles = without_duplicates(std::move(triangles),
-                                   options.faces == FaceRule::all && options.correction == Correction::none
-                                       ? Sides::alike
-                                       : Sides::distinct);
+    triangles = without_duplicates(
+        std::move(triangles),
+        options.faces == FaceRule::all && is_integral(options.method) ? Sides::alike : Sides::distinct);
   try {
     return detail::make_surface(std::move(triangles));
   } catch (const InputError& error) {
     throw InputError(fmt::format("object \"{}\": {}", object.name, error.what()));
   }
-}
-
-/// Returns the name of what answers with the options, unless another is noted for a pair.
-std::string answering(const CapacitanceOptions& options) {
-  return options.correction == Correction::none ? to_string(options.method) : to_string(Correction::formula);
 }
 
 /// A sensor's plates in the world.
@@ -104,7 +98,6 @@ struct PlacedObject {
 struct Pair {
   Enclosure enclosure;
   SurfaceIntegral integral;
-  std::optional<double> error = std::nullopt;  ///< m, of the correction `recommended` where it states one
   std::optional<detail::Wrench> wrench = std::nullopt;  ///< of the integral, in the object's frame
   bool known = false;
 };
@@ -122,13 +115,15 @@ class SceneEvaluator::Implementation {
       objects_.push_back(
           {object.link, object.pose, surface_of(object, options), rule_for(object.shape, options.faces)});
     pairs_.resize(sensors_.size() * objects_.size());
+    const std::string name =
+        method_text({.method = options.method, .plates = options.plates, .faces = options.faces});
     for (const Sensor& sensor : sensors_) {
       SensorCapacitance felt{sensor.name, 0, 0, 0, false, {}};
       for (const Object& object : scene.objects)
-        felt.objects.push_back({object.name, 0, 0, false, answering(options), std::nullopt});
+        felt.objects.push_back({object.name, 0, 0, false, name, std::nullopt});
       answer_.sensors.push_back(std::move(felt));
     }
-    if (options.correction == Correction::none)
+    if (is_integral(options.method))
       return;
     for (const Sensor& sensor : sensors_) {
       // Throws for invalid plates before they are used.
@@ -142,8 +137,6 @@ class SceneEvaluator::Implementation {
             fmt::format("object \"{}\" has no area, and so no charge to correct", scene.objects[i].name));
       charged_objects_.push_back(detail::make_charged_surface(surface.triangles));
     }
-    if (options.correction == Correction::recommended)
-      recommended_.emplace(scene, poses);
   }
 
   void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { motion_.set_pose(link, pose); }
@@ -152,8 +145,6 @@ class SceneEvaluator::Implementation {
     answer_.counts = {};
     motion_.update();
     place();
-    // In the Maxwell matrix every body affects every pair.
-    all_moved_ = recommended_ && recommended_->update();
     for (std::size_t sensor = 0; sensor < sensors_.size(); ++sensor)
       evaluate(sensor);
     motion_.settle();
@@ -162,8 +153,8 @@ class SceneEvaluator::Implementation {
   }
 
   PoseDerivatives derivatives(std::size_t sensor, std::size_t object) {
-    if (!std::holds_alternative<Exact>(options_.method) || options_.correction != Correction::none)
-      throw InputError("derivatives are known by the method exact without a correction");
+    if (!std::holds_alternative<Exact>(options_.method))
+      throw InputError("derivatives of an object's capacitance are known by the method exact");
     Pair& pair = pairs_.at(sensor * objects_.size() + object);
     PlacedObject& placed = objects_[object];
     if (!pair.wrench) {
@@ -211,7 +202,7 @@ class SceneEvaluator::Implementation {
     const std::span<Pair> pairs = std::span(pairs_).subspan(sensor * objects_.size(), objects_.size());
     for (std::size_t object = 0; object < pairs.size(); ++object) {
       Pair& pair = pairs[object];
-      pair.known = pair.known && !all_moved_ && motion_.rigid(sensors_[sensor].link, objects_[object].link);
+      pair.known = pair.known && motion_.rigid(sensors_[sensor].link, objects_[object].link);
       if (!pair.known)
         pair.wrench.reset();
       if (!pair.known && lumps())
@@ -220,10 +211,10 @@ class SceneEvaluator::Implementation {
     }
     const double allowance = allowance_per_object(pairs);
     for (std::size_t object = 0; object < pairs.size(); ++object)
-      if (options_.correction == Correction::none)
+      if (is_integral(options_.method))
         integrate(pairs[object], objects_[object], placed_sensors_[sensor].plates, allowance);
       else
-        correct(pairs[object], sensor, object);
+        combine(pairs[object], sensor, object);
     tell(sensor, pairs);
   }
 
@@ -268,8 +259,8 @@ class SceneEvaluator::Implementation {
     answer_.counts += pair.integral.counts;
   }
 
-  /// Computes the corrected value of one pair, or keeps the known one.
-  void correct(Pair& pair, std::size_t sensor, std::size_t object) {
+  /// Computes the formula's value of one pair, or keeps the known one.
+  void combine(Pair& pair, std::size_t sensor, std::size_t object) {
     const std::vector<Rectangle>& plates = placed_sensors_[sensor].plates;
     const PlacedObject& before = objects_[object];
     const std::size_t triangles = plates.size() * before.surface.triangles.size();
@@ -282,12 +273,6 @@ class SceneEvaluator::Implementation {
     ++answer_.counts.objects_evaluated;
     answer_.counts.triangles_evaluated += triangles;
     pair.integral = {};
-    pair.error.reset();
-    if (const auto mutual = recommended_ ? recommended_->mutual(sensor, object) : std::nullopt) {
-      pair.integral.value = mutual->value / permittivity_;
-      pair.error = mutual->error / permittivity_;
-      return;
-    }
     place_in_frame_of(before, plates);
     const Eigen::Isometry3d sensor_pose = before.from_world * motion_.world_pose(sensors_[sensor].link);
     // The integral detects contact; it is not needed if the object's bounding sphere is off the plates.
@@ -296,15 +281,6 @@ class SceneEvaluator::Implementation {
     if (!std::isinf(pair.integral.value))
       pair.integral.value = detail::formula(detail::formula_terms(
           charged_objects_[object], charged_sensors_[sensor], sensor_pose, in_object_frame_));
-  }
-
-  /// Notes which of its two methods the correction `recommended` used, and the error stated.
-  void note_answer(ObjectCapacitance& share, const Pair& pair) const {
-    if (pair.error.has_value() != share.error.has_value())
-      share.answered_by = pair.error ? detail::RecommendedCorrection::name() : to_string(Correction::formula);
-    share.error = pair.error;
-    if (share.error)
-      *share.error *= permittivity_;
   }
 
   /// Writes the results of one sensor into the answer.
@@ -317,8 +293,6 @@ class SceneEvaluator::Implementation {
       share.capacitance = permittivity_ * integral.value;
       share.bound = permittivity_ * integral.bound;
       share.skipped = integral.skipped;
-      if (recommended_)
-        note_answer(share, pairs[object]);
       felt.total += share.capacitance;
     }
     felt.voltage = divider_voltage(sensors_[sensor], felt.total);
@@ -332,11 +306,9 @@ class SceneEvaluator::Implementation {
   std::vector<Sensor> sensors_;
   std::vector<PlacedSensor> placed_sensors_;
   std::vector<PlacedObject> objects_;
-  std::vector<detail::ChargedSurface>
-      charged_sensors_;  ///< in the frames of their links; empty without a correction
-  std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames; empty without a correction
-  std::optional<detail::RecommendedCorrection> recommended_;
-  bool all_moved_ = false;
+  // Of the formula; empty for triangle integrals.
+  std::vector<detail::ChargedSurface> charged_sensors_;  ///< in the frames of their links
+  std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames
   std::vector<Pair> pairs_;  ///< those of the first sensor with every object, then those of the second
   std::vector<Rectangle> in_object_frame_;
   SceneCapacitance answer_;
@@ -344,26 +316,19 @@ class SceneEvaluator::Implementation {
 };
 
 /// Leaves electrodes out: to the triangle-integral model they are as other sensors are, of which it knows
-/// nothing. The correction `recommended`, which solves for all conductors, takes no scene that has any.
-/// Covers are replaced by the layer rule; in scenes that have any `recommended` is the formula.
+/// nothing. Covers are replaced by the layer rule.
 std::unique_ptr<SceneEvaluator::Implementation>
 SceneEvaluator::make_implementation(const Scene& scene, const CapacitanceOptions& options,
                                     const std::shared_ptr<detail::LinkPoses>& poses) {
   const std::vector<bool> are_known = detail::have_capacitances(scene);
-  const bool is_insulated = std::ranges::any_of(
-      scene.objects, [](const Object& object) { return std::holds_alternative<Dielectric>(object.role); });
-  if ((options.correction == Correction::recommended && !is_insulated) ||
-      std::find(are_known.begin(), are_known.end(), false) == are_known.end())
+  if (std::find(are_known.begin(), are_known.end(), false) == are_known.end())
     return std::make_unique<Implementation>(scene, options, poses);
   Scene known = detail::without_covers(scene, detail::CoveredPlate::moved);
   known.objects.clear();
   for (std::size_t k = 0; k < scene.objects.size(); ++k)
     if (are_known[k])
       known.objects.push_back(scene.objects[k]);
-  CapacitanceOptions chosen = options;
-  if (chosen.correction == Correction::recommended)
-    chosen.correction = Correction::formula;
-  return std::make_unique<Implementation>(known, chosen, poses);
+  return std::make_unique<Implementation>(known, options, poses);
 }
 
 SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options)

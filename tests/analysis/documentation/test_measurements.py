@@ -49,7 +49,7 @@ def test_the_tables_have_the_columns_that_the_program_prints(program: str, count
 def test_an_error_that_was_not_stated_is_no_table() -> None:
     printed = (
         "ball: 40 set-ups, 2 more whose truth was not found; the triangle integral takes 1.3 µs in the mean\n"
-        "  reduced:1 error % median 0.0330, worst 0.1800; reached 40, worst 0.1800; covered 39; µs mean 6.6, median 4.8, longest 26\n"
+        "  reduced, rtol 0.01: error % median 0.0330, worst 0.1800; reached 40, worst 0.1800; covered 39; µs mean 6.6, median 4.8, longest 26\n"
     )
     with pytest.raises(ValueError, match="39 of 40 within"):
         measurements.reduced_tables(printed)
@@ -58,8 +58,8 @@ def test_an_error_that_was_not_stated_is_no_table() -> None:
 def test_lines_of_the_reduced_benchmark_become_tables() -> None:
     lines = [
         "{}: 40 set-ups, 2 more whose truth was not found; the triangle integral takes 1.3 µs in the mean\n",
-        "  reduced:1 error % median 0.0330, worst 0.1800; reached 40, worst 0.1800; covered 40; µs mean 6.6, median 4.8, longest 26\n",
-        "  reduced:2 error % median 0.0061, worst 0.0150; reached 0, worst 0.0000; covered 40; µs mean 24.2, median 10.1, longest 14372\n",
+        "  reduced, rtol 0.01: error % median 0.0330, worst 0.1800; reached 40, worst 0.1800; covered 40; µs mean 6.6, median 4.8, longest 26\n",
+        "  reduced, rtol 0.001: error % median 0.0061, worst 0.0150; reached 0, worst 0.0000; covered 40; µs mean 24.2, median 10.1, longest 14372\n",
     ]
     groups = ("scene files", "plates, random poses", "boxes, random poses", "ball, random poses")
     first, second = measurements.tables(
@@ -67,8 +67,8 @@ def test_lines_of_the_reduced_benchmark_become_tables() -> None:
     )
     assert first.count("\n") == 8 and second.count("\n") == 4
     assert (
-        "| 40 set-ups of the default study (the triangle integral: 1.3 µs) | 1 | 0.033 / 0.18 | 40: 0.18 | 6.6 / 4.8 / 26 |"
+        "| 40 set-ups of the default study (the triangle integral: 1.3 µs) | 0.01 | 0.033 / 0.18 | 40: 0.18 | 6.6 / 4.8 / 26 |"
         in first
     )
-    assert "| ball, random poses, 40 (the triangle integral: 1.3 µs) | 1 |" in second
-    assert "|  | 2 | 0.0061 / 0.015 | 0 | 24 / 10 / 14372 |" in second
+    assert "| ball, random poses, 40 (the triangle integral: 1.3 µs) | 0.01 |" in second
+    assert "|  | 0.001 | 0.0061 / 0.015 | 0 | 24 / 10 / 14372 |" in second

@@ -11,15 +11,15 @@ from analysis.golden.gate import Comparison, Recorded, compared
 from analysis.honesty.methods import ANSWERED, ENDED, REFUSED, Answer, Stated
 from analysis.results.answers import Estimate
 
-NAME, CHANGE, FREE = "machines/one/reduced:1", "reading: change", "C[sensor, hand]"
+NAME, CHANGE, FREE = "machines/one/reduced:1e-2", "reading: change", "C[sensor, hand]"
 TRUE = Estimate(1.02e-12, 0.0)
 
 
 def recorded(**more: Any) -> Recorded:
     """A change that holds its truth, and a quantity that states no error."""
-    change = Stated(more.pop("value", 1e-12), more.pop("error", 3e-14), "reduced:1")
+    change = Stated(more.pop("value", 1e-12), more.pop("error", 3e-14), "reduced")
     values = {CHANGE: change, FREE: Stated(more.pop("free", 2e-12), None, "formula")}
-    return Recorded("reduced:1", Answer(ANSWERED, 1.0, values=values, reached=True), {CHANGE: TRUE})
+    return Recorded("reduced:1e-2", Answer(ANSWERED, 1.0, values=values, reached=True), {CHANGE: TRUE})
 
 
 def judged(new: Recorded, with_times: bool = True) -> Comparison:
@@ -77,6 +77,6 @@ def test_an_answer_in_place_of_a_refusal_passes() -> None:
 def test_more_time_warns_and_fails_only_if_asked() -> None:
     slow = recorded()
     slow = replace(slow, answer=replace(slow.answer, seconds=1.2))
-    words = "reduced:1: takes 1.20 times the time"
+    words = "reduced:1e-2: takes 1.20 times the time"
     assert judged(slow, with_times=False).warnings == [words] and not judged(slow, with_times=False).faults
     assert judged(slow, with_times=True).faults == [words]

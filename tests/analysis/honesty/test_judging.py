@@ -77,7 +77,7 @@ def test_the_most_independent_reference_that_is_accurate_enough_judges() -> None
 
 
 @pytest.mark.parametrize(
-    ("method", "by"), [("boundary-elements:1e-2", ""), ("recommended", "boundary-elements")]
+    ("method", "by"), [("boundary-elements:1e-2", ""), ("auto:1e-2", "boundary-elements")]
 )
 def test_boundary_elements_that_judge_themselves_are_called_so(method: str, by: str) -> None:
     found = only(record(1.0, 0.1, method, finer=(1.0, 0.01), by=by), method)

@@ -17,7 +17,7 @@ from analysis.pipeline import model_stage
 needs_model = pytest.mark.skipif(
     not model_stage.model_is_built(), reason="the model's Python module is not built"
 )
-QUICK = {"method": "reduced:1"}
+QUICK = {"method": "reduced"}
 PLATES = 0
 
 
@@ -54,12 +54,12 @@ def test_what_takes_too_long_has_no_answer(tmp_path: Path) -> None:
 
 @needs_model
 def test_two_scenes_are_asked_for_once(tmp_path: Path) -> None:
-    asked = run.options("plates,closed-forms", "reduced:1,boundary-elements:3e-2", scenes=2, jobs=1)
+    asked = run.options("plates,closed-forms", "reduced:1e-2,boundary-elements:3e-2", scenes=2, jobs=1)
     league = run.run(tmp_path, asked)
     before = (tmp_path / records.FILE).read_text()
     assert league.path.read_text() == league.text
     assert set(records.load(tmp_path)) == {0, list(KINDS).index("closed-forms")}
-    assert {row.method for row in league.rows if row.judged} == {"reduced:1", "boundary-elements:3e-2"}
+    assert {row.method for row in league.rows if row.judged} == {"reduced:1e-2", "boundary-elements:3e-2"}
     assert run.run(tmp_path, asked).text == league.text
     assert (tmp_path / records.FILE).read_text() == before
 
@@ -75,11 +75,11 @@ def test_every_option_of_the_command_acts(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(run, "field_answer", lambda *_: Answer(REFUSED, 0.0, "not today"))
-    place = ["--results", str(tmp_path), "--methods", "reduced:1", "--no-field-solver", "--seconds", "60"]
+    place = ["--results", str(tmp_path), "--methods", "reduced:1e-2", "--no-field-solver", "--seconds", "60"]
     few = ["--scenes", "1", "--first", "1", "--kinds", "plates", "--jobs", "1"]
     status = command_line.main(["honesty", *place, *few])
     told = capsys.readouterr().out
-    assert f"table: {tmp_path / run.TABLE}" in told and "| reduced:1 | plates | 1 |" in told
+    assert f"table: {tmp_path / run.TABLE}" in told and "| reduced:1e-2 | plates | 1 |" in told
     assert status in (0, 1)
     assert set(records.load(tmp_path)) == {len(KINDS)}
     field = ["--results", str(tmp_path), "--methods", "field-solver", "--field-solver", "1"]
@@ -87,7 +87,7 @@ def test_every_option_of_the_command_acts(
     assert "* field-solver, 1: not today" in capsys.readouterr().out
     assert command_line.main(["honesty", *place, "--only", "0"]) == 0
     told = capsys.readouterr().out
-    assert "# seed 0: plates" in told and "[[sensor]]" in told and "reduced:1: answered" in told
+    assert "# seed 0: plates" in told and "[[sensor]]" in told and "reduced:1e-2: answered" in told
 
 
 @pytest.mark.parametrize(

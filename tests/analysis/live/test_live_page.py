@@ -28,7 +28,7 @@ ANSWERS = """
     choosePath(arguments[0]);
     for (const at of arguments[1]) {
       goTo(at);
-      found.push({exact: scene.capacitance("exact"), formula: scene.capacitance("formula"), reduced: scene.capacitance("reduced:1", 0.3),
+      found.push({exact: scene.capacitance("exact"), formula: scene.capacitance("formula"), reduced: scene.capacitance("reduced", 0.3),
                   eyes: scene.distances(), pairs: scene.collisions()});
     }
     return found;"""
@@ -91,7 +91,7 @@ def test_models_and_geometry_are_those_of_the_native_library(
         answer = native.capacitance()
         np.testing.assert_allclose(totals(said["exact"]), totals(answer), rtol=ROUNDING)
         np.testing.assert_allclose(changes(said["exact"]), changes(answer), rtol=ROUNDING)
-        answer = native.capacitance(correction="formula")
+        answer = native.capacitance("formula")
         np.testing.assert_allclose(changes(said["formula"]), changes(answer), rtol=ITERATION)
         for reading, known in zip(said["formula"]["readings"], answer["readings"]):
             assert reading["error"]["change"] == pytest.approx(known["error"]["change"], rel=ITERATION)
@@ -144,9 +144,7 @@ def test_mouse_and_keyboard_move_the_hand_and_its_readings_follow(ready: Browser
     np.testing.assert_allclose(moved_hand(ready) - dragged, [0, 0, 0.005], atol=1e-12)
     native.set_pose("wrist", moved_hand(ready), np.array([1.0, 0, 0, 0]))
     said = ready.run("return window.livePage.scene.capacitance('formula')")
-    np.testing.assert_allclose(
-        changes(said), changes(native.capacitance(correction="formula")), rtol=ITERATION
-    )
+    np.testing.assert_allclose(changes(said), changes(native.capacitance("formula")), rtol=ITERATION)
     assert ready.complaints() == []
 
 
@@ -159,14 +157,14 @@ def test_a_floating_hand_is_asked_anew(ready: Browser) -> None:
     ready.run("document.getElementById('home').click()")
     name = "[...document.querySelectorAll('#floating button')].find(button => button.textContent === arguments[0]).click()"
     ask = "return window.livePage.scene.capacitance(arguments[0], 0.3)"
-    grounded = changes(ready.run(ask, "reduced:1"))
+    grounded = changes(ready.run(ask, "reduced"))
     ready.run(name, "floating")
-    floating = changes(ready.run(ask, "reduced:1"))
+    floating = changes(ready.run(ask, "reduced"))
     # Its field goes on to the ground behind it, so it is felt less, and the model does not know it.
     assert abs(floating[2]) < 0.7 * abs(grounded[2])
     assert np.isnan(changes(ready.run("return window.livePage.scene.capacitance('exact')"))).all()
     ready.run(name, "grounded")
-    np.testing.assert_allclose(changes(ready.run(ask, "reduced:1")), grounded, rtol=ROUNDING)
+    np.testing.assert_allclose(changes(ready.run(ask, "reduced")), grounded, rtol=ROUNDING)
 
 
 def test_the_guard_is_driven_or_grounded(ready: Browser) -> None:

@@ -281,7 +281,7 @@ def test_text_parameters_are_listed(capsys: pytest.CaptureFixture[str]) -> None:
         (HEAD.replace("1e-3", "2") + SWEEP, "reference.rtol", "a relative accuracy, less than 1"),
         (HEAD.replace('"exact", ', "") + SWEEP, "model.methods", '"exact"'),
         (HEAD.replace('"exact"', "3") + SWEEP, "model.methods", "list of strings"),
-        (HEAD.replace('"split:4"', '"kirchhoff"') + SWEEP, "model.methods", "reduced:K"),
+        (HEAD.replace('"split:4"', '"kirchhoff"') + SWEEP, "model.methods", "reduced"),
         (HEAD + SCENE, "sweep[0].file", "is not a file"),
         (HEAD + SWEEP.replace("parallel", "paralel"), "sweep[0].family", "unknown family"),
         (HEAD + SWEEP.replace("gap", "hinge_gap"), "sweep[0].gap", "is missing"),

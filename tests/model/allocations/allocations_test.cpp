@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "fringe/live_scene.hpp"
+#include "correction/surrounded.hpp"
 #include "fringe/pose.hpp"
 
 /// Memory that is allocated while something moves.
@@ -81,42 +81,42 @@ Eigen::Isometry3d hand_pose(int number) {
 }
 
 /// Evaluates poses of all links until they are known; then no memory is to be allocated.
-void expect_none_in_known_poses(LiveScene& live, const std::vector<std::vector<Eigen::Isometry3d>>& poses) {
-  const EvaluationOptions options{
-      .correction = Correction::formula, .rtol = 0.2, .entries = Entries::of_readings};
-  live.evaluate(options);
+void expect_none_in_known_poses(test::Surrounded& live,
+                                const std::vector<std::vector<Eigen::Isometry3d>>& poses) {
+  constexpr double rtol = 0.2;
+  live.answers(rtol);
   std::vector<double> first(poses.size());
   // Where the hand comes nearer than before it is prepared again, also for the other poses.
   for (int round = 0; round < 2; ++round)
     for (std::size_t k = 0; k < poses.size(); ++k) {
       live.set_poses(poses[k]);
-      first[k] = live.evaluate(options).readings[0].change.value.value();
+      first[k] = live.answers(rtol)[0].change.value.value();
     }
   for (std::size_t k = 0; k < poses.size(); ++k) {
     live.set_poses(poses[k]);
     const std::size_t before = allocations;
-    const Evaluation& answer = live.evaluate(options);
+    const std::vector<ReadingAnswer>& answers = live.answers(rtol);
     EXPECT_EQ(allocations - before, 0U) << "pose " << k;
-    EXPECT_NEAR(answer.readings[0].change.value.value(), first[k], 1e-3 * first[k]);
+    EXPECT_NEAR(answers[0].change.value.value(), first[k], 1e-3 * first[k]);
   }
 }
 
 class Allocations : public testing::TestWithParam<ElectricalRole> {};
 
-TEST_P(Allocations, TheFormulaInCompanyHasNoneAfterThePosesThatItKnows) {
+TEST_P(Allocations, ReadingsBeforeAMachineHaveNoneAfterThePosesThatItKnows) {
   if (!FRINGE_COUNTS_ALLOCATIONS)
     GTEST_SKIP() << "memory is allocated by another library";
-  LiveScene live(machine(GetParam()));
+  test::Surrounded live(machine(GetParam()));
   std::vector<std::vector<Eigen::Isometry3d>> poses;
   for (int k = 0; k < 5; ++k)
     poses.push_back({Eigen::Isometry3d::Identity(), hand_pose(k)});
   expect_none_in_known_poses(live, poses);
 }
 
-TEST_P(Allocations, TheFormulaInCompanyHasNoneOnLinksThatMove) {
+TEST_P(Allocations, ReadingsBeforeAMachineHaveNoneOnLinksThatMove) {
   if (!FRINGE_COUNTS_ALLOCATIONS)
     GTEST_SKIP() << "memory is allocated by another library";
-  LiveScene live(machine(GetParam()));
+  test::Surrounded live(machine(GetParam()));
   std::vector<std::vector<Eigen::Isometry3d>> poses;
   for (int k = 0; k < 5; ++k)
     poses.push_back({pose_from_axis({0, 1, 0}, 2.0 * k, {0, 0, 0.004}), hand_pose(k)});

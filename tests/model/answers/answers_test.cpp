@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include "evaluated.hpp"
+
 namespace fringe::answers::FRINGE_TEST_FILE {
 namespace {
 
@@ -48,7 +50,7 @@ TEST(CapacitanceAnswer, DescribesAMaxwellMatrixAsMaxwellAnswerDoes) {
   const Evaluation evaluation = evaluate(plate_at(0.02), options);
   const MaxwellMatrix& matrix = evaluation.matrix.value();
   const Json answer = capacitance_answer(evaluation, options, 0.5);
-  const Json alone = maxwell_answer(evaluation, 0.1, 0.5);
+  const Json alone = maxwell_answer(matrix, 0.1, 0.5);
   for (const char* key : {"seconds", "reached", "unknowns", "conductors", "members", "floating", "maxwell",
                           "charges", "error", "lower_bounds"})
     EXPECT_EQ(answer[key], alone[key]) << key;
@@ -63,13 +65,15 @@ TEST(CapacitanceAnswer, DescribesAMaxwellMatrixAsMaxwellAnswerDoes) {
   EXPECT_EQ(sensor["objects"][0]["error"], matrix.errors(0, 1));
 }
 
-TEST(CapacitanceAnswer, NamesTheCorrectionThatRecommendedFallsBackTo) {
-  const EvaluationOptions options{.method = Recommended{}};
+TEST(CapacitanceAnswer, TellsWhatWasAskedForAndWhoAnswered) {
+  const EvaluationOptions options{.rtol = 0.1, .entries = Entries::of_sensors};
   Scene in_a_room = plate_at(0.02);
   in_a_room.has_room = true;
   const Json answer = capacitance_answer(evaluate(in_a_room, options), options, 0.5);
-  EXPECT_EQ(answer["options"]["method"], "exact");
-  EXPECT_EQ(answer["options"]["correction"], "formula");
+  EXPECT_EQ(answer["options"], (Json{{"method", "auto"}, {"rtol", 0.1}, {"entries", true}}));
+  EXPECT_EQ(answer["answered_by"], "formula");
+  EXPECT_EQ(answer["reached"], false);
+  EXPECT_GE(answer["expected_seconds"], 0);
 }
 
 TEST(CollisionAnswer, NamesTheObjectsOfEveryPair) {

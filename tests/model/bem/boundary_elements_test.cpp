@@ -176,7 +176,7 @@ TEST(BoundaryElements, ABoxDoesNotDependOnWhichOfItsSidesIsWhich) {
   for (const Cuboid& box : {Cuboid{1, 2, 0.3}, Cuboid{0.3, 1, 2}, Cuboid{2, 0.3, 1}}) {
     Scene scene;
     scene.objects = {object("box", box, at(0, 0, 0))};
-    const double value = maxwell(scene).values(0, 0);
+    const double value = maxwell(scene, {.rtol = 1e-3}).values(0, 0);
     first = first == 0 ? value : first;
     EXPECT_NEAR(value, first, 1e-12 * first);
   }
@@ -192,7 +192,8 @@ TEST(BoundaryElements, AreInvariantUnderRigidMotion) {
     sensor.link = 0;
   for (Object& object : moved.objects)
     object.link = 0;
-  EXPECT_LT(relative_difference(maxwell(moved).values, maxwell(scene).values), 1e-9);
+  EXPECT_LT(relative_difference(maxwell(moved, {.rtol = 1e-3}).values, maxwell(scene, {.rtol = 1e-3}).values),
+            1e-9);
 }
 
 TEST(BoundaryElements, GrowWithTheScale) {
@@ -203,19 +204,21 @@ TEST(BoundaryElements, GrowWithTheScale) {
     large.sensors = {sensor("front", {square(scale, 0)})};
     large.objects = {
         object("box", Cuboid{0.5 * scale, 0.7 * scale, 0.2 * scale}, at(0.2 * scale, 0, 0.5 * scale))};
-    EXPECT_LT(relative_difference(maxwell(large).values, scale * maxwell(small).values), 1e-9);
+    EXPECT_LT(relative_difference(maxwell(large, {.rtol = 1e-3}).values,
+                                  scale * maxwell(small, {.rtol = 1e-3}).values),
+              1e-9);
   }
 }
 
 TEST(BoundaryElements, GrowWithThePermittivity) {
   Scene scene = inclined_box_and_plates();
-  const MatrixXd vacuum = maxwell(scene).values;
+  const MatrixXd vacuum = maxwell(scene, {.rtol = 1e-3}).values;
   scene.medium.relative_permittivity = 3;
-  EXPECT_LT(relative_difference(maxwell(scene).values, 3 * vacuum), 1e-14);
+  EXPECT_LT(relative_difference(maxwell(scene, {.rtol = 1e-3}).values, 3 * vacuum), 1e-14);
 }
 
 TEST(BoundaryElements, AreReciprocalAndPositiveDefinite) {
-  const MaxwellMatrix answer = maxwell(inclined_box_and_plates());
+  const MaxwellMatrix answer = maxwell(inclined_box_and_plates(), {.rtol = 1e-3});
   EXPECT_LT(relative_difference(answer.values, answer.values.transpose()), 1e-13);
   EXPECT_EQ(answer.values.llt().info(), Eigen::Success);
   for (Eigen::Index i = 0; i < answer.values.rows(); ++i)
@@ -229,8 +232,8 @@ TEST(BoundaryElements, ExchangingTheConductorsExchangesTheEntries) {
   std::swap(exchanged.objects[0], exchanged.objects[1]);
   Eigen::PermutationMatrix<4> order;
   order.indices() << 1, 0, 3, 2;
-  const MatrixXd permuted = order * maxwell(exchanged).values * order;
-  EXPECT_LT(relative_difference(permuted, maxwell(scene).values), 1e-7);
+  const MatrixXd permuted = order * maxwell(exchanged, {.rtol = 1e-3}).values * order;
+  EXPECT_LT(relative_difference(permuted, maxwell(scene, {.rtol = 1e-3}).values), 1e-7);
 }
 
 /// The space of more functions contains that of fewer: every C_ii grows, by less each time.
@@ -279,9 +282,9 @@ TEST(BoundaryElements, TheStatedErrorCoversTheStricterAnswer) {
 
 TEST(BoundaryElements, DeltaSelfIsWhatTheObjectsAdd) {
   Scene scene = inclined_box_and_plates();
-  const MaxwellMatrix with = maxwell(scene);
+  const MaxwellMatrix with = maxwell(scene, {.rtol = 1e-3});
   scene.objects.clear();
-  const MaxwellMatrix without = maxwell(scene);
+  const MaxwellMatrix without = maxwell(scene, {.rtol = 1e-3});
   for (Eigen::Index s = 0; s < 2; ++s) {
     EXPECT_GT(with.delta_self[s], 0);
     EXPECT_NEAR(with.delta_self[s], with.values(s, s) - without.values(s, s),
@@ -309,7 +312,7 @@ TEST(BoundaryElements, AFloatingObjectHasNoChargeAndNoRow) {
 
 TEST(BoundaryElements, TheSensorFeelsTheMutualCapacitances) {
   const Scene scene = inclined_box_and_plates();
-  const MaxwellMatrix matrix = maxwell(scene);
+  const MaxwellMatrix matrix = maxwell(scene, {.rtol = 1e-3});
   const SensorCapacitance felt = capacitance(scene, matrix).sensors.at(1);
   EXPECT_EQ(felt.name, "right");
   EXPECT_EQ(felt.objects.at(0).capacitance, -matrix.values(1, 2));

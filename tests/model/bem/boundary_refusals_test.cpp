@@ -93,7 +93,7 @@ TEST(BoundaryElementRefusals, OptionsOutOfRange) {
   const auto nothing = [](Scene&) {};
   for (const double rtol : {0.0, -1e-3, 1e-7, 0.6, std::numeric_limits<double>::quiet_NaN()})
     EXPECT_THAT(refusal(nothing, {.rtol = rtol}), HasSubstr("must be from 1e-06 to 0.5"));
-  EXPECT_THAT(refusal(nothing, {.most_unknowns = 90}), HasSubstr("needs at least 98 unknowns"));
+  EXPECT_THAT(refusal(nothing, {.rtol = 1e-3, .most_unknowns = 90}), HasSubstr("needs at least 98 unknowns"));
 }
 
 TEST(BoundaryElementRefusals, AnEmptyScene) {

@@ -13,7 +13,7 @@
 #include "correction/charged_surface.hpp"
 #include "correction/formula.hpp"
 #include "fringe/boundary_elements.hpp"
-#include "fringe/correction.hpp"
+#include "fringe/formula_terms.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/triangulation.hpp"
 

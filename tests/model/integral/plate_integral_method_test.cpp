@@ -86,7 +86,7 @@ TEST(EveryMethod, IsFiniteForATriangleInThePlatesPlaneBesideIt) {
 TEST(EveryMethod, RefusesParametersOutOfRange) {
   const Triangle& triangle = triangles.front().triangle;
   for (const Method& method : {Method{Split{-1}}, Method{Split{11}}, Method{Gauss{0}}, Method{Gauss{65}},
-                               Method{BoundaryElements{}}, Method{Reduced{2}}, Method{Recommended{}}})
+                               Method{BoundaryElements{}}, Method{Reduced{}}, Method{Formula{}}})
     EXPECT_THROW(plate_integral(triangle, plate, method), InputError);
 }
 

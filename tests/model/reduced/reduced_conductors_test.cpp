@@ -12,9 +12,9 @@
 #include "bem/scenes.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
-#include "fringe/reduced_capacitance.hpp"
 #include "random_poses.hpp"
 #include "reduced/arrangement.hpp"
+#include "reduced/reduced_capacitance.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
@@ -34,7 +34,7 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 /// Options for which few triangles suffice, so that bodies are prepared quickly.
-const ReducedOptions loose{.steps = 1, .rtol = 0.1};
+const ReducedOptions loose{.rtol = 0.1};
 
 const Object foot = box("foot", {0, 0, 0}, {6, 2, 2});
 const Object leg = box("leg", {0, 2, 0}, {2, 5, 2});
@@ -87,11 +87,11 @@ void expect_charges(const MaxwellMatrix& answer, const MaxwellMatrix& truth, dou
 }
 
 TEST(ReducedConductorsAtLength, OfTouchingBoxesAnswerAsOneMesh) {
-  expect_the_clean_answer({foot, leg}, {.steps = 1, .rtol = {}});
+  expect_the_clean_answer({foot, leg}, {.rtol = 1e-2});
 }
 
 TEST(ReducedConductorsAtLength, OfOverlappingBoxesAnswerAsOneMesh) {
-  expect_the_clean_answer({foot, box("leg", {0, 0, 0}, {2, 5, 2})}, {.steps = 1, .rtol = {}});
+  expect_the_clean_answer({foot, box("leg", {0, 0, 0}, {2, 5, 2})}, {.rtol = 1e-2});
 }
 
 TEST(ReducedConductorsAtLength, DoNotDependOnTheOrientationOfTrianglesNorOnDuplicates) {
@@ -128,7 +128,7 @@ TEST(ReducedConductors, MayBeOpenSurfaces) {
 
 TEST(ReducedConductorsAtLength, HaveTheChargesOfTheirMembersWhereTheyTouch) {
   const Scene scene = above_sensor({foot, box("apart", {0, 0, 9}, {1, 1, 10}), leg});
-  const MaxwellMatrix answer = reduced_capacitance(scene, {.steps = 1, .rtol = {}});
+  const MaxwellMatrix answer = reduced_capacitance(scene, {.rtol = 1e-2});
   EXPECT_THAT(answer.conductors, ElementsAre("front", "foot", "apart"));
   EXPECT_THAT(answer.members,
               ElementsAre(ElementsAre("front"), ElementsAre("foot", "leg"), ElementsAre("apart")));
@@ -140,12 +140,12 @@ TEST(ReducedConductors, OfOneNameAreAtOnePotentialWhereverTheyStand) {
                               box("back", {0, 0, 5}, {2, 2, 6})});
   scene.objects[0].conductor = scene.objects[2].conductor = "pair";
   const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-3});
-  for (const int steps : {1, 2}) {
-    const MaxwellMatrix answer = reduced_capacitance(scene, {.steps = steps, .rtol = {}});
+  for (const double rtol : {1e-2, 1e-3}) {
+    const MaxwellMatrix answer = reduced_capacitance(scene, {.rtol = rtol});
     EXPECT_EQ(answer.conductors, truth.conductors);
     EXPECT_TRUE(answer.reached);
     EXPECT_TRUE(covers(answer, truth));
-    expect_charges(answer, truth, steps == 1 ? 3e-3 : 1e-3);
+    expect_charges(answer, truth, rtol == 1e-2 ? 3e-3 : 1e-3);
   }
 }
 
@@ -154,7 +154,8 @@ TEST(ReducedConductors, ThatFloatHaveNoChargeTogether) {
                               box("back", {0, 0, 5}, {2, 2, 6})});
   scene.objects[0].conductor = scene.objects[2].conductor = "wire";
   scene.objects[0].role = scene.objects[2].role = Floating{};
-  const MaxwellMatrix answer = reduced_capacitance(scene), truth = maxwell(scene, {.rtol = 1e-3});
+  const MaxwellMatrix answer = reduced_capacitance(scene, {.rtol = 1e-3}),
+                      truth = maxwell(scene, {.rtol = 1e-3});
   EXPECT_EQ(answer.conductors, truth.conductors);
   EXPECT_TRUE(answer.reached);
   EXPECT_TRUE(covers(answer, truth));
@@ -180,10 +181,10 @@ TEST(ReducedConductors, OfASensorsPlatesAreOnePlate) {
   whole.sensors = {sensor("front", {{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}}})};
   halves.objects = whole.objects = {box("hand", {0, 0, 3}, {4, 4, 6})};
   const MaxwellMatrix truth = maxwell(whole, {.rtol = 1e-4});
-  EXPECT_TRUE(covers(reduced_capacitance(halves, {.steps = 1, .rtol = 3e-2}), truth));
+  EXPECT_TRUE(covers(reduced_capacitance(halves, {.rtol = 3e-2}), truth));
   // The plates may also overlap.
   halves.sensors[0].plates[1] = {{0.03, 0, 0}, {0.07, 0, 0}, {0, 0.1, 0}};
-  EXPECT_TRUE(covers(reduced_capacitance(halves, {.steps = 1, .rtol = 3e-2}), truth));
+  EXPECT_TRUE(covers(reduced_capacitance(halves, {.rtol = 3e-2}), truth));
 }
 
 TEST(ReducedConductors, BeforeAMovedSensorAreThoseOfASceneThere) {
@@ -259,15 +260,15 @@ TEST(ReducedConductors, AContactThatIsRefusedIsForgotten) {
 
 TEST(ReducedConductors, AreRefusedInContactAsTheOptionsSay) {
   const auto expect_refusal = [](const Scene& scene, ReducedContacts contacts) {
-    EXPECT_THAT([&] { reduced_capacitance(scene, {.steps = 1, .rtol = 0.1, .contacts = contacts}); },
+    EXPECT_THAT([&] { reduced_capacitance(scene, {.rtol = 0.1, .contacts = contacts}); },
                 ThrowsMessage<InputError>(HasSubstr("object \"foot\" and object \"leg\" touch")));
   };
   expect_refusal(on_two_links(), ReducedContacts::of_one_link);
   expect_refusal(above_sensor({foot, leg}), ReducedContacts::refused);
-  EXPECT_EQ(reduced_capacitance(above_sensor({foot, leg}),
-                                {.steps = 1, .rtol = 0.1, .contacts = ReducedContacts::of_one_link})
-                .values.rows(),
-            2);
+  EXPECT_EQ(
+      reduced_capacitance(above_sensor({foot, leg}), {.rtol = 0.1, .contacts = ReducedContacts::of_one_link})
+          .values.rows(),
+      2);
 }
 
 TEST(ReducedConductors, OfTooManyTrianglesTogetherAreRefusedByName) {

@@ -261,7 +261,7 @@ TEST(Capacitance, OfFacingFacesCountsDiscsAndPolygonsFromEitherSide) {
       Scene scene = sandwich();
       scene.objects[0].shape = sheet;
       scene.objects[0].pose = pose_from_axis({1, 0, 0}, degrees, {0.01, 0.02, 0.08});
-      const double all = capacitance(scene, {}).sensors.at(0).objects.at(0).capacitance;
+      const double all = capacitance(scene).sensors.at(0).objects.at(0).capacitance;
       const double facing = capacitance(scene, {Exact{}, PlateRule::sum, FaceRule::facing})
                                 .sensors.at(0)
                                 .objects.at(0)
@@ -365,15 +365,11 @@ TEST(Capacitance, NamesTheElementThatIsWrong) {
   expect_refused(scene, {}, "sensor \"front\": plates[1]");
 }
 
-TEST(CapacitanceOptions, AreReadBackFromTheirTexts) {
-  for (const char* text : {"sum", "nearest"})
-    EXPECT_EQ(to_string(parse_plate_rule(text)), text);
-  for (const char* text : {"all", "facing"})
-    EXPECT_EQ(to_string(parse_face_rule(text)), text);
-  for (const char* text : {"", "SUM", "all", "nearest "})
-    EXPECT_THROW(parse_plate_rule(text), InputError);
-  for (const char* text : {"", "sum", "front"})
-    EXPECT_THROW(parse_face_rule(text), InputError);
+TEST(CapacitanceOptions, OfTheFormulaAreTheDefaults) {
+  const Scene scene = divided_sensor();
+  EXPECT_THROW(capacitance(scene, {.method = Formula{}, .plates = PlateRule::nearest}), InputError);
+  EXPECT_THROW(capacitance(scene, {.method = Formula{}, .faces = FaceRule::facing}), InputError);
+  EXPECT_THROW(capacitance(scene, {.method = Formula{}, .tolerance = 1e-3}), InputError);
 }
 
 TEST(Capacitance, LeavesElectrodesOutAsOtherSensors) {

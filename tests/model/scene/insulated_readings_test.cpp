@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "evaluated.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
@@ -62,9 +63,9 @@ std::string refusal(const Scene& scene, const EvaluationOptions& options) {
 }
 
 const EvaluationOptions by_integral{};
-const EvaluationOptions by_formula{.correction = Correction::formula};
+const EvaluationOptions by_formula{.method = Formula{}};
 EvaluationOptions by_boundary_elements(double rtol) {
-  return {.method = BoundaryElements{}, .rtol = rtol, .entries = Entries::of_readings};
+  return {.method = BoundaryElements{}, .rtol = rtol};
 }
 
 TEST(LayerRule, ACoveredPlateIsNearerByItsThicknessTimesOneLessTheInversePermittivity) {

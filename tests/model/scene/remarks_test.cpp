@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "evaluated.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 
@@ -44,14 +45,14 @@ std::vector<Triangle> reversed(std::vector<Triangle> triangles) {
 
 TEST(Remarks, AreNoneOnASoundScene) {
   EXPECT_THAT(remarks(sensor_and_box()), IsEmpty());
-  for (const char* method : {"exact", "split:2", "reduced:1", "boundary-elements", "recommended"})
+  for (const char* method : {"exact", "split:2", "reduced", "boundary-elements", "auto"})
     EXPECT_THAT(remarks_on(sensor_and_box(), {.method = parse_method(method)}), IsEmpty()) << method;
 }
 
 TEST(Remarks, SayThatARoomIsNotKnown) {
   Scene scene = sensor_and_box();
   scene.has_room = true;
-  for (const char* method : {"exact", "recommended"})
+  for (const char* method : {"exact", "auto"})
     EXPECT_THAT(remarks_on(scene, {.method = parse_method(method)}),
                 testing::Contains(AllOf(StartsWith("room: the method "), HasSubstr("free space"))))
         << method;
@@ -60,11 +61,11 @@ TEST(Remarks, SayThatARoomIsNotKnown) {
 TEST(Remarks, SayOfWhichReadingsTheErrorIsUnknown) {
   Scene scene = sensor_and_box();
   scene.objects[0].target = true;
-  EXPECT_THAT(remarks_on(scene, {.correction = Correction::formula}), IsEmpty());
+  EXPECT_THAT(remarks_on(scene, {.method = Formula{}}), IsEmpty());
   scene.objects[0] = object_of("wall", Plate{10, 10}, {0, 0, 0.1});
   scene.objects[0].target = true;
-  EXPECT_THAT(remarks_on(scene, {.correction = Correction::formula}),
-              testing::Contains(AllOf(StartsWith("reading \"front\": how far off"), HasSubstr("rtol"))));
+  EXPECT_THAT(remarks_on(scene, {.method = Formula{}}),
+              testing::Contains(AllOf(StartsWith("reading \"front\": how far off"), HasSubstr("auto"))));
 }
 
 TEST(Remarks, AskAboutLengthsThatMayBeInMillimetres) {
@@ -124,7 +125,7 @@ TEST(Remarks, SayThatThereIsNoSensor) {
       << "which finds the object's own capacitance";
   scene.objects[0].role = Electrode{};
   scene.readings = {{.name = "r", .sense = "hand", .drive = {"hand"}}};
-  EXPECT_THAT(remarks_on(scene, {}), ElementsAre(HasSubstr("boundary-elements and reduced:K do")));
+  EXPECT_THAT(remarks_on(scene, {}), ElementsAre(HasSubstr("boundary-elements, reduced and auto do")));
 }
 
 TEST(Remarks, NameSheetsOfWhichOnlyBacksAreSeen) {

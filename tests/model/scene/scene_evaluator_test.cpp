@@ -1,4 +1,4 @@
-#include "fringe/scene_evaluator.hpp"
+#include "scene/scene_evaluator.hpp"
 
 #include <limits>
 #include <string>
@@ -159,7 +159,7 @@ TEST(SceneEvaluator, RefusesSensorsThatReachTooFarByName) {
       ThrowsMessage<InputError>(HasSubstr("sensor \"front\": plates[1]: the rectangle reaches too far")));
 }
 
-TEST(SceneEvaluator, RefusesToCorrectWhatHasNoArea) {
+TEST(SceneEvaluator, RefusesByTheFormulaWhatHasNoArea) {
   Scene scene;
   scene.sensors = {plate_sensor("front", {0, 0, 0})};
   scene.objects = {sphere_at("ball", 0.1, {0, 0, 1})};
@@ -168,7 +168,7 @@ TEST(SceneEvaluator, RefusesToCorrectWhatHasNoArea) {
   scene.objects.push_back({"line", std::nullopt, line, shifted({0, 0, 0}), Grounded{}, true});
   CapacitanceOptions options;
   EXPECT_EQ(capacitance(scene, options).sensors[0].objects[1].capacitance, 0);
-  options.correction = Correction::formula;
+  options.method = Formula{};
   EXPECT_THAT([&] { capacitance(scene, options); },
               ThrowsMessage<InputError>(HasSubstr("object \"line\" has no area")));
   // A skew line to which rounding gives a tiny area is no surface either.

@@ -9,10 +9,10 @@
 #include "fringe/boundary_elements.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/pose.hpp"
-#include "fringe/reduced_capacitance.hpp"
 #include "fringe/scene_collision.hpp"
-#include "fringe/scene_evaluator.hpp"
 #include "fringe/scene_sensing.hpp"
+#include "reduced/reduced_capacitance.hpp"
+#include "scene/scene_evaluator.hpp"
 
 /// Checks that no mutable state is shared: threads that evaluate simultaneously get bit-identical results to
 /// one thread alone. tests/clean/run threads checks the same with the thread sanitizer.
@@ -71,17 +71,16 @@ Numbers integrals() {
   return numbers;
 }
 
-Numbers corrections_of_a_box() {
+Numbers formula_of_a_box() {
   Numbers numbers;
-  for (const CorrectionInfo& info : corrections())
-    add(numbers, capacitance(scene_of_boxes(), {.correction = info.correction}));
+  add(numbers, capacitance(scene_of_boxes(), {.method = Formula{}}));
   return numbers;
 }
 
 Numbers charges() {
   Numbers numbers;
   add(numbers, maxwell(scene_of_boxes(), {.rtol = 0.05}));
-  add(numbers, reduced_capacitance(scene_of_boxes()));
+  add(numbers, reduced_capacitance(scene_of_boxes(), {.rtol = 1e-3}));
   return numbers;
 }
 
@@ -114,7 +113,7 @@ TEST_P(Threads, HaveTheBitsOfOneAlone) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, Threads,
-                         testing::Values(integrals, corrections_of_a_box, charges, collisions_and_distances));
+                         testing::Values(integrals, formula_of_a_box, charges, collisions_and_distances));
 
 }  // namespace
 }  // namespace fringe::FRINGE_TEST_FILE

@@ -30,9 +30,9 @@ from geometries.scene.writer import canonical
 # What is asked of the formula in set-ups it was not fitted to.
 MOST_RMS, MOST_WORST = 0.03, 0.08
 # And of what has no fitted constant, in all of them.
-RECOMMENDED_RMS, RECOMMENDED_WORST = 0.005, 0.01
+REDUCED_RMS, REDUCED_WORST = 0.005, 0.01
 # Where the reduced method itself says that it has not reached its accuracy, bodies nearer than a thirtieth of their size.
-RECOMMENDED_WORST_NEAR = 0.025
+REDUCED_WORST_NEAR = 0.025
 SET_UPS = "set_ups/corrections.html"
 FORMULA_CODE = ROOT / "model" / "src" / "correction" / "formula.cpp"
 # The fit's own tolerance: its last digits depend on where it starts.
@@ -41,7 +41,7 @@ FITTED_TO = 1e-3
 
 @pytest.fixture(scope="module")
 def found() -> estimates.Estimates:
-    return estimates.estimate(model_module(), estimates.names(model_module()))
+    return estimates.estimate(model_module())
 
 
 @pytest.fixture(scope="module")
@@ -93,26 +93,26 @@ def test_the_formula_is_within_the_asked_rms_in_every_family(found: estimates.Es
         assert Errors.of(errors[families == family]).rms <= MOST_RMS
 
 
-def test_recommended_is_within_the_asked_errors_where_it_says_so(
+def test_the_reduced_method_is_within_the_asked_errors_where_it_says_so(
     found: estimates.Estimates, tmp_path: Path
 ) -> None:
-    errors, families = found.errors("recommended"), np.array(found.families)
-    assert Errors.of(errors).worst <= RECOMMENDED_WORST_NEAR
+    errors, families = found.errors("reduced"), np.array(found.families)
+    assert Errors.of(errors).worst <= REDUCED_WORST_NEAR
     scenes = {set_up.name: set_up.scene for set_up in set_ups.set_ups(model_module())}
-    worse = [scenes[name] for name, error in zip(found.names, errors) if abs(error) > RECOMMENDED_WORST]
+    worse = [scenes[name] for name, error in zip(found.names, errors) if abs(error) > REDUCED_WORST]
     assert len(worse) <= 0.02 * len(errors)
     for scene in worse:
         (tmp_path / "scene.toml").write_text(canonical(scene), encoding="utf-8")
-        assert not model_module().Scene.load(tmp_path / "scene.toml").maxwell(method="reduced:1")["reached"]
+        assert not model_module().Scene.load(tmp_path / "scene.toml").maxwell(method="reduced")["reached"]
     for family in set_ups.COUNTS:
-        assert Errors.of(errors[families == family]).rms <= RECOMMENDED_RMS
+        assert Errors.of(errors[families == family]).rms <= REDUCED_RMS
 
 
 def test_the_formula_written_a_second_time_agrees_and_its_constants_are_those_of_the_fit(
     found: estimates.Estimates, terms: tuple[dict[str, Array], Array]
 ) -> None:
     by_hand = fit.formula(terms[0], fit.fit(*terms)) * VACUUM_PERMITTIVITY
-    assert np.allclose(by_hand, found.by_correction["formula"][~found.sealed], rtol=5e-3)
+    assert np.allclose(by_hand, found.by_method["formula"][~found.sealed], rtol=5e-3)
 
 
 def test_the_table_of_errors_is_the_one_computed(evaluated: tuple[Evaluation, ...], text: str) -> None:
@@ -173,7 +173,7 @@ def test_the_page_of_the_set_ups_shows_each_scene_with_its_numbers(told: list[Do
     (data,) = re.findall(r'<script type="application/json" id="set-ups">(.*?)</script>', text, re.DOTALL)
     shown = {each["name"]: each for each in json.loads(data)["setUps"]}
     heads, commands = json.loads(data)["heads"], json.loads(data)["commands"]
-    assert any("--correction formula" in command for command in commands) and "--slice" in commands[-1]
+    assert any("--method formula" in command for command in commands) and "--slice" in commands[-1]
     for case in told[::25]:
         each = shown[case["name"]]
         scene = reader.loads(case["scene"])

@@ -12,7 +12,9 @@ from tests.analysis.synthetic import corrections_document
 SET_UPS = "set_ups/corrections.html"
 
 
-@pytest.mark.parametrize("earlier", [{"corrections": []}, {**corrections_document(), "discrepancy": {}}])
+@pytest.mark.parametrize(
+    "earlier", [{"corrections": []}, {**corrections_document(), "corrections": [{"name": "none"}]}]
+)
 def test_an_answer_of_an_earlier_form_counts_as_none(tmp_path: Path, earlier: store.Document) -> None:
     store.write_json(tmp_path / stage.DOCUMENT, {"key": "", **earlier})
     assert not CORRECTIONS.load(tmp_path)
@@ -37,5 +39,5 @@ def test_the_section_tells_the_errors_and_the_times() -> None:
         and "2 % off (rms) and 7 % at worst in all 9" in told
     )
     text = section.section(document, SET_UPS)
-    assert "f &lt; g" in text and stage.COMMAND in text and text.count(f'data-set-ups="{SET_UPS}"') == 2
+    assert stage.COMMAND in text and text.count(f'data-set-ups="{SET_UPS}"') == 2
     assert "within 5 % in 1 of 2 set-ups and worst in parallel-001, −6 % at 0.2 sensor sizes" in text

@@ -6,13 +6,13 @@
 
 #include <gtest/gtest.h>
 
-#include "fringe/error.hpp"
-#include "fringe/live_scene.hpp"
+#include "correction/surrounded.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/progress.hpp"
+#include "io/prepared_files.hpp"
 #include "temporary_folder.hpp"
 
-/// Tests that preparations of the formula in company are kept in a folder and found again.
+/// Tests that preparations of readings with the conductors around them are kept in a folder and found again.
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
@@ -54,12 +54,13 @@ class PreparedDataTest : public test::TemporaryFolder, public testing::WithParam
   /// Answers anew, and counts what is shown of panels that are refined.
   std::vector<std::vector<ReadingAnswer>> answers(const Scene& scene,
                                                   const std::optional<fs::path>& prepared) {
-    LiveScene live(scene);
+    test::Surrounded live(scene);
+    if (prepared)
+      live.keep_in(std::make_shared<const detail::PreparedFiles>(*prepared));
     solutions = 0;
     const ProgressScope progress(
         [&](const std::string& text) { solutions += text.find(" panels, error ") != std::string::npos; });
-    return live.readings_of(motion(GetParam()),
-                            {.correction = Correction::formula, .rtol = rtol, .prepared = prepared}, 1);
+    return live.answers_of(motion(GetParam()), rtol, 1);
   }
 
   std::map<std::string, fs::file_time_type> files() const {
@@ -119,17 +120,6 @@ TEST_P(PreparedDataTest, AChangedSceneIsNotTakenForAnother) {
 }
 
 INSTANTIATE_TEST_SUITE_P(AtRestAndMoving, PreparedDataTest, testing::Bool());
-
-TEST(PreparedDataOption, IsRefusedWhereNothingIsKept) {
-  const fs::path folder = fs::path(testing::TempDir()) / "no prepared data";
-  for (const EvaluationOptions& options :
-       {EvaluationOptions{.prepared = folder},
-        EvaluationOptions{.method = BoundaryElements{}, .prepared = folder},
-        EvaluationOptions{.correction = Correction::formula, .prepared = folder},
-        EvaluationOptions{.method = Recommended{}, .prepared = folder}})
-    EXPECT_THROW(evaluate(machine(), options), InputError);
-  EXPECT_FALSE(fs::exists(folder));
-}
 
 }  // namespace
 }  // namespace fringe::FRINGE_TEST_FILE

@@ -25,17 +25,11 @@ enum class ReducedContacts {
 };
 
 struct ReducedOptions {
-  /// Least number of times that each body responds to the charges of the others. More steps are taken if the
-  /// error requires it.
-  int steps = 2;
-  /// Largest error of every entry, relative to the entry; from 1e-4 to 0.5. None: the error that goes with
-  /// `steps`.
-  std::optional<double> rtol;
+  double rtol = 1e-2;  ///< largest error of every entry, relative to the entry; from 1e-4 to 0.5
   ReducedContacts contacts = ReducedContacts::all;
+  /// Whether readings and their changes are asked for also in a scene that does not ask for changes.
+  bool with_changes = false;
 };
-
-/// Returns the error that goes with the number of steps: 1e-2, 1e-3, 3e-4.
-double rtol_of(const ReducedOptions& options);
 
 /// Computes the Maxwell matrix of rigid bodies repeatedly while links move, by a reduced boundary element
 /// method: every body's charge is a combination of very few distributions, which are found anew for every

@@ -6,18 +6,17 @@
 
 #include <gtest/gtest.h>
 
+#include "correction/surrounded.hpp"
 #include "fringe/error.hpp"
-#include "fringe/evaluation.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/pose.hpp"
 
-/// The formula in company, at an accuracy, on machines whose links move against each other
-/// (model/CORRECTIONS.md, section 8, "Links that move").
+/// The readings, at an accuracy, of machines whose links move against each other (model/CORRECTIONS.md,
+/// section 8, "Links that move").
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-const EvaluationOptions to_accuracy{
-    .correction = Correction::formula, .rtol = 5e-2, .entries = Entries::of_readings};
+constexpr double accuracy = 5e-2;
 
 Eigen::Isometry3d at(double x, double y, double z) {
   return pose_from_axis({0, 0, 1}, 0, {x, y, z});
@@ -74,7 +73,6 @@ std::vector<Frame> motion(const Scene& scene, int frames = 10) {
 void expect_within_stated(const std::vector<ReadingAnswer>& found, const std::vector<ReadingAnswer>& known) {
   ASSERT_EQ(found.size(), known.size());
   for (std::size_t k = 0; k < found.size(); ++k) {
-    EXPECT_EQ(found[k].answered_by, "formula in company");
     EXPECT_LE(std::abs(found[k].change.value.value() - known[k].change.value.value()),
               found[k].change.error.value() + known[k].change.error.value())
         << found[k].name;
@@ -82,20 +80,21 @@ void expect_within_stated(const std::vector<ReadingAnswer>& found, const std::ve
   }
 }
 
-std::vector<ReadingAnswer> alone(const Scene& scene, const Frame& frame, const EvaluationOptions& options) {
-  LiveScene live(scene);
+std::vector<ReadingAnswer> alone(const Scene& scene, const Frame& frame) {
+  test::Surrounded live(scene);
   live.set_poses(frame.poses);
-  return live.evaluate(options).readings;
+  return live.answers(accuracy);
 }
 
 TEST(MovingMachineAtLength, IsNearBoundaryElementsInEveryPose) {
   const Scene scene = arm();
   const std::vector<Frame> frames = motion(scene);
-  LiveScene live(scene);
-  const std::vector<std::vector<ReadingAnswer>> found = live.readings_of(frames, to_accuracy, 2);
+  test::Surrounded live(scene);
+  const std::vector<std::vector<ReadingAnswer>> found = live.answers_of(frames, accuracy, 2);
   for (const std::size_t frame : {0, 9}) {
-    const std::vector<ReadingAnswer> truth = alone(
-        scene, frames[frame], {.method = BoundaryElements{}, .rtol = 2e-2, .entries = Entries::of_readings});
+    LiveScene there(scene);
+    there.set_poses(frames[frame].poses);
+    const std::vector<ReadingAnswer> truth = there.readings({.method = BoundaryElements{}, .rtol = 2e-2});
     expect_within_stated(found[frame], truth);
     for (std::size_t k = 0; k < truth.size(); ++k)
       EXPECT_NEAR(found[frame][k].change.value.value(), truth[k].change.value.value(),
@@ -107,21 +106,21 @@ TEST(MovingMachineAtLength, IsNearBoundaryElementsInEveryPose) {
 TEST(MovingMachine, AnswersAsTheSceneByItself) {
   const Scene scene = arm();
   const std::vector<Frame> frames = motion(scene);
-  const std::vector<ReadingAnswer> known = alone(scene, frames[5], to_accuracy);
-  LiveScene motion_of_one(scene), live(scene);
-  expect_within_stated(motion_of_one.readings_of({frames[5]}, to_accuracy, 1).front(), known);
+  const std::vector<ReadingAnswer> known = alone(scene, frames[5]);
+  test::Surrounded motion_of_one(scene), live(scene);
+  expect_within_stated(motion_of_one.answers_of({frames[5]}, accuracy, 1).front(), known);
   // Once its links have moved, a live scene does not prepare them again.
-  live.evaluate(to_accuracy);
+  live.answers(accuracy);
   live.set_poses(frames[5].poses);
-  expect_within_stated(live.evaluate(to_accuracy).readings, known);
+  expect_within_stated(live.answers(accuracy), known);
 }
 
 TEST(MovingMachineAtLength, HasTheSameBitsForAnyNumberOfThreads) {
   const Scene scene = arm();
   const std::vector<Frame> frames = motion(scene);
-  LiveScene one(scene), two(scene);
-  const std::vector<std::vector<ReadingAnswer>> found = one.readings_of(frames, to_accuracy, 1),
-                                                other = two.readings_of(frames, to_accuracy, 2);
+  test::Surrounded one(scene), two(scene);
+  const std::vector<std::vector<ReadingAnswer>> found = one.answers_of(frames, accuracy, 1),
+                                                other = two.answers_of(frames, accuracy, 2);
   for (std::size_t frame = 0; frame < frames.size(); ++frame)
     for (std::size_t k = 0; k < scene.readings.size(); ++k) {
       EXPECT_EQ(found[frame][k].change.value, other[frame][k].change.value);
@@ -130,10 +129,8 @@ TEST(MovingMachineAtLength, HasTheSameBitsForAnyNumberOfThreads) {
 }
 
 /// Expects the derivatives by a link's pose to be central differences of the changes.
-void expect_differences(LiveScene& live, const std::string& link, std::size_t number) {
-  EvaluationOptions options = to_accuracy;
-  options.derivatives = true;
-  const std::vector<ReadingAnswer> found = live.evaluate(options).readings;
+void expect_differences(test::Surrounded& live, const std::string& link, std::size_t number) {
+  const std::vector<ReadingAnswer> found = live.answers(accuracy, true);
   const Eigen::Isometry3d pose = live.scene().links[number].pose;
   // Longer steps than the jumps between cells of the tables and between levels of points need; shorter than
   // those in which the changes curve.
@@ -150,7 +147,7 @@ void expect_differences(LiveScene& live, const std::string& link, std::size_t nu
       else
         moved.linear() = Eigen::AngleAxisd(sign * amount, axis) * pose.linear();
       live.set_pose(link, moved);
-      const std::vector<ReadingAnswer>& there = live.evaluate(to_accuracy).readings;
+      const std::vector<ReadingAnswer>& there = live.answers(accuracy);
       for (std::size_t k = 0; k < found.size(); ++k)
         differences[k][coordinate] += sign * there[k].change.value.value() / (2 * amount);
     }
@@ -170,7 +167,7 @@ void expect_differences(LiveScene& live, const std::string& link, std::size_t nu
 TEST(MovingMachine, KnowsDerivativesByThePosesOfAllLinks) {
   Scene scene = arm();
   // The foot's link is that of the world, and the arms overlap as they do in all poses.
-  LiveScene live(scene);
+  test::Surrounded live(scene);
   live.set_poses(motion(scene)[3].poses);
   expect_differences(live, "hand", 3);
   expect_differences(live, "upper arm", 1);
@@ -182,8 +179,8 @@ TEST(MovingMachine, KnowsConductorsThatFloat) {
   scene.objects.back().role = Floating{};
   scene.objects[3].role = Floating{1e-12};
   const std::vector<Frame> frames = motion(scene, 2);
-  LiveScene live(scene);
-  expect_within_stated(live.readings_of(frames, to_accuracy, 1)[1], alone(scene, frames[1], to_accuracy));
+  test::Surrounded live(scene);
+  expect_within_stated(live.answers_of(frames, accuracy, 1)[1], alone(scene, frames[1]));
 }
 
 TEST(MovingMachine, RefusesContactOfLinksAtDifferentPotentials) {
@@ -191,9 +188,9 @@ TEST(MovingMachine, RefusesContactOfLinksAtDifferentPotentials) {
   std::vector<Frame> frames = motion(scene, 2);
   // The sensor on the forearm, folded, passes through the upper arm.
   frames[1].poses[2] = turned(160, {0, 0, 0.2});
-  LiveScene live(scene);
+  test::Surrounded live(scene);
   try {
-    live.readings_of(frames, to_accuracy, 1);
+    live.answers_of(frames, accuracy, 1);
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("sensor \"above\""), std::string::npos) << error.what();

@@ -1,0 +1,147 @@
+#include "scene/automatic.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+#include "fringe/interruption.hpp"
+#include "numeric/infinity.hpp"
+
+namespace fringe::detail {
+namespace {
+
+/// Least accuracy at which the formula is asked: it states less in few scenes (model/CORRECTIONS.md).
+constexpr double least_rtol_of_formula = 0.03;
+
+/// Largest stated error, relative, beyond which the formula is asked, too: its own is 10 % (rms).
+constexpr double most_unreached_error = 0.1;
+
+/// Seconds that the formula gets for an answer even where the time is over: several times what it takes for
+/// machines of some ten thousand triangles.
+constexpr double seconds_for_formula = 10;
+
+/// The answer that states the smallest error so far.
+class Best {
+ public:
+  Best(const Scene& scene, const EvaluationOptions& asked, TimeLimit* limit)
+      : scene_(scene), asked_(asked), limit_(limit) {}
+
+  bool is_done() const { return is_interrupted_ || error_ <= rtol_of(asked_); }
+  double error() const { return error_; }
+  bool is_late() const { return limit_ != nullptr && limit_->is_over(); }
+
+  /// Asks a method that is expected to take so long, if nothing reached the accuracy and there is time for
+  /// it.
+  /// @param is_any_use whether it has an answer before that, too
+  template <typename Answer>
+  void ask(double seconds, bool is_any_use, const Answer& answer) {
+    if (is_done() || (limit_ != nullptr && limit_->seconds_left() < (is_any_use ? 0 : seconds)))
+      return;
+    try {
+      Evaluation found;
+      answer(found);
+      found.expected_seconds = seconds;
+      const double error = found.reached ? 0 : stated_error(found, scene_, asked_.entries);
+      if (!answer_ || error < error_) {
+        answer_ = std::move(found);
+        error_ = error;
+      }
+    } catch (const InputError& error) {
+      if (refusals_.find(error.what()) == std::string::npos)
+        refusals_ += (refusals_.empty() ? "" : "; ") + std::string(error.what());
+    } catch (const Interrupted&) {
+      // An end from elsewhere than the limit of time is that of the whole answer.
+      is_interrupted_ = !is_late();
+    }
+  }
+
+  Evaluation answer() && {
+    if (answer_) {
+      answer_->reached = error_ <= rtol_of(asked_);
+      if (answer_->matrix)
+        answer_->matrix->reached = answer_->reached;
+      return *std::move(answer_);
+    }
+    if (is_interrupted_ || is_late() || refusals_.empty())
+      throw Interrupted();
+    throw InputError(refusals_);
+  }
+
+ private:
+  const Scene& scene_;
+  const EvaluationOptions& asked_;
+  TimeLimit* limit_;
+  std::optional<Evaluation> answer_;
+  double error_ = infinity;
+  std::string refusals_;  ///< each once
+  bool is_interrupted_ = false;
+};
+
+/// What the reduced method is expected to take.
+double seconds_of_reduction(const Methods& methods, const SceneSize& size, const EvaluationOptions& asked) {
+  return expected_seconds(Reduced{}, size,
+                          {.rtol = rtol_of(asked),
+                           .is_prepared = methods.is_reduction_prepared(rtol_of(asked), asked.entries),
+                           .is_by_matrix = methods.reduces_to_matrix(asked.entries)});
+}
+
+double seconds_of_elements(const SceneSize& size, const EvaluationOptions& asked) {
+  return expected_seconds(BoundaryElements{}, size, {.rtol = rtol_of(asked)});
+}
+
+}  // namespace
+
+bool Automatic::prefers_reduction(const Methods& methods, const SceneSize& size,
+                                  const EvaluationOptions& asked, std::size_t poses) const {
+  if (!methods.reduction_is_bounded(asked.entries))
+    return false;
+  const double by_elements = seconds_of_elements(size, asked);
+  return seconds_of_reduction(methods, size, asked) <=
+         std::max(static_cast<double>(poses) * by_elements, spent_);
+}
+
+Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const SceneSize& size,
+                               const EvaluationOptions& options, bool with_sensors, TimeLimit* limit) {
+  EvaluationOptions asked = options;
+  asked.rtol = rtol_of(options);
+  Best best(scene, asked, limit);
+  const auto ask_formula = [&] {
+    const Effort effort{.rtol = rtol_of(asked), .has_surroundings = methods.knows_surroundings()};
+    best.ask(expected_seconds(Formula{}, size, effort), true,
+             [&](Evaluation& found) { methods.combine(scene, asked, with_sensors, found); });
+  };
+  const auto ask_reduction = [&] {
+    // Bodies in contact on different links would be prepared again in every pose.
+    best.ask(seconds_of_reduction(methods, size, asked), false, [&](Evaluation& found) {
+      methods.reduce(scene, asked, with_sensors, ReducedContacts::of_one_link, found);
+    });
+  };
+  if (methods.knows_surroundings() && rtol_of(asked) >= least_rtol_of_formula && !asked.derivatives &&
+      asked.entries == Entries::of_readings)
+    ask_formula();
+  const bool begins_reduced = prefers_reduction(methods, size, asked, 1);
+  if (begins_reduced)
+    ask_reduction();
+  if (!best.is_done()) {
+    const auto start = std::chrono::steady_clock::now();
+    // Boundary elements answer with what they have when the time is over.
+    best.ask(seconds_of_elements(size, asked), true,
+             [&](Evaluation& found) { Methods::solve(scene, asked, found); });
+    spent_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  }
+  if (!begins_reduced && methods.reduction_is_bounded(asked.entries))
+    ask_reduction();
+  if (!best.is_done() && best.error() > most_unreached_error && !asked.derivatives) {
+    if (best.is_late())
+      limit->grant(seconds_for_formula);
+    ask_formula();
+  }
+  return std::move(best).answer();
+}
+
+}  // namespace fringe::detail

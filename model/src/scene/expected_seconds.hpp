@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+
+#include "fringe/method.hpp"
+#include "fringe/scene.hpp"
+
+namespace fringe::detail {
+
+/// What of a scene decides how long its methods take.
+struct SceneSize {
+  explicit SceneSize(const Scene& scene);
+
+  double triangles = 0;           ///< of all objects
+  double prepared_triangles = 0;  ///< of those that are neither plates nor boxes
+  double curved = 0;              ///< how many these are
+  double bodies = 0;              ///< objects and plates
+  double sensors = 0;
+  bool has_insulators = false;
+};
+
+/// What of a question decides how long its answer takes.
+struct Effort {
+  double rtol;
+  bool is_prepared = false;      ///< whether the method has answered before
+  bool is_by_matrix = true;      ///< whether the reduced method answers by a matrix
+  bool has_surroundings = true;  ///< whether the formula takes the conductors around into account
+};
+
+/// Estimates how long a method takes for an answer, on two cores of 2020; Auto is none of them.
+double expected_seconds(const Method& method, const SceneSize& size, const Effort& effort);
+
+}  // namespace fringe::detail

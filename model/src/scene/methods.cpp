@@ -1,0 +1,314 @@
+#include "scene/methods.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "bem/insulators.hpp"
+#include "bem/readings.hpp"
+#include "fringe/error.hpp"
+#include "fringe/reading.hpp"
+#include "numeric/infinity.hpp"
+
+namespace fringe::detail {
+namespace {
+
+using Eigen::Index;
+using Eigen::VectorXd;
+
+/// Largest number of triangles that the matrix of the reduced method may have to prepare before readings
+/// alone are cheaper: some seconds, once for all poses.
+constexpr double most_prepared_triangles = 4'000;
+
+/// Largest number of bodies in that matrix: 100 boxes took more than 11 s of processor time, which grows like
+/// the number of pairs.
+constexpr double most_bodies = 30;
+
+/// Part of the geometric mean of two diagonal entries below which the entry between them need not be
+/// accurate.
+constexpr double least_part = 1e-3;
+
+/// Least error that can be asked of the reduced matrix; less is stated as not reached.
+constexpr double least_reduced_rtol = 1e-4;
+
+/// Part of the accuracy for which bodies are prepared again where they do not suffice for it.
+constexpr double sharpened = 0.3;
+
+/// Tells whether the reduced method's matrix takes no more than some seconds to prepare. Dielectric bodies
+/// take seconds to prepare, and many milliseconds for every pose.
+bool is_small(const SceneSize& size) {
+  return !size.has_insulators && size.bodies <= most_bodies &&
+         size.prepared_triangles <= most_prepared_triangles;
+}
+
+/// Returns error/scale; infinity if that is not a number, and 0 for the certain answers of contact.
+double relative(double error, double scale) {
+  if (error == 0)
+    return 0;
+  const double part = error / scale;
+  return std::isnan(part) ? infinity : part;
+}
+
+/// Returns for each conductor of a matrix whether its row is asked for: all, or sensors and electrodes if
+/// there are any.
+std::vector<bool> are_asked(const MaxwellMatrix& matrix, const Scene& scene, Entries entries) {
+  std::vector<bool> asked(matrix.members.size(), entries == Entries::all);
+  if (entries == Entries::all)
+    return asked;
+  for (std::size_t k = 0; k < asked.size(); ++k) {
+    const auto object = std::ranges::find(scene.objects, matrix.members[k].front(), &Object::name);
+    asked[k] = k < matrix.sensors ||
+               (object != scene.objects.end() && std::holds_alternative<Electrode>(object->role));
+  }
+  if (std::ranges::count(asked, true) == 0)
+    asked.assign(asked.size(), true);
+  return asked;
+}
+
+void name_readings(std::vector<ReadingAnswer>& readings, const std::string& answered_by) {
+  for (ReadingAnswer& reading : readings)
+    reading.answered_by = answered_by;
+}
+
+/// Fills in what follows from the matrix of an answer.
+void take_matrix(const Scene& scene, Evaluation& answer) {
+  name_readings(answer.matrix->readings, answer.answered_by);
+  answer.capacitance = fringe::capacitance(scene, *answer.matrix, answer.answered_by);
+  answer.readings = answer.matrix->readings;
+}
+
+double error_of_entries(const MaxwellMatrix& matrix, const Scene& scene, Entries entries) {
+  const std::vector<bool> asked = are_asked(matrix, scene, entries);
+  const VectorXd roots = matrix.values.diagonal().cwiseAbs().cwiseSqrt();
+  double largest = 0;
+  for (Index row = 0; row < matrix.values.rows(); ++row)
+    for (Index column = 0; asked[static_cast<std::size_t>(row)] && column < matrix.values.cols(); ++column)
+      largest = std::max(
+          largest, relative(matrix.errors(row, column), std::max(std::abs(matrix.values(row, column)),
+                                                                 least_part * roots[row] * roots[column])));
+  return largest;
+}
+
+/// Returns what the errors of the readings' values are relative to, by a matrix that has them.
+VectorXd value_scales(const MaxwellMatrix& matrix, const Scene& scene) {
+  const std::vector<ChargedReading> charged = charged_readings(readings(scene), matrix.conductors);
+  const auto energy = [&](const VectorXd& potentials) { return potentials.dot(matrix.values * potentials); };
+  VectorXd scales(static_cast<Index>(charged.size()));
+  for (std::size_t k = 0; k < charged.size(); ++k)
+    scales[static_cast<Index>(k)] =
+        least_part * std::sqrt(energy(charged[k].sense) * energy(charged[k].drive));
+  return scales;
+}
+
+}  // namespace
+
+double stated_error(const Evaluation& answer, const Scene& scene, Entries entries) {
+  const bool needs_matrix = entries != Entries::of_readings || answer.readings.empty();
+  if (needs_matrix && !answer.matrix)
+    return infinity;
+  double largest = needs_matrix ? error_of_entries(*answer.matrix, scene, entries) : 0;
+  VectorXd scales;
+  if (answer.matrix)
+    scales = value_scales(*answer.matrix, scene);
+  for (std::size_t k = 0; entries != Entries::all && k < answer.readings.size(); ++k) {
+    const auto& [name, value, background, change, answered_by, derivatives] = answer.readings[k];
+    if (!change.value || !change.error)
+      return infinity;
+    largest =
+        std::max(largest, relative(*change.error, change_scale(value.value.value_or(0), *change.value)));
+    if (value.value) {
+      const double least = scales.size() > 0 ? scales[static_cast<Index>(k)] : 0;
+      largest = std::max(largest,
+                         relative(value.error.value_or(infinity), std::max(std::abs(*value.value), least)));
+    }
+  }
+  return largest;
+}
+
+Methods::Methods(const Scene& scene, const SceneSize& size, std::shared_ptr<LinkPoses> poses)
+    : poses_(std::move(poses)), readings_of_objects_(scene),
+      knows_surroundings_(InsulatedReadings::knows(scene)), takes_rtol_(InsulatedReadings::takes_rtol(scene)),
+      matrix_is_small_(!scene.has_room && is_small(size)), closed_(poses_), reduced_readings_(poses_) {}
+
+void Methods::keep_in(std::shared_ptr<const PreparedFiles> files) {
+  files_ = std::move(files);
+  reduced_readings_.keep_in(files_);
+}
+
+/// Returns an answer; ends the preparations that an exception leaves incomplete, which must not serve the
+/// next one.
+template <typename Answer>
+auto Methods::whole(const Answer& answer) -> decltype(answer()) {
+  try {
+    return answer();
+  } catch (const InputError&) {
+    throw;
+  } catch (...) {
+    evaluator_.reset();
+    reduced_.reset();
+    closed_ = InsulatedReadings(poses_);
+    reduced_readings_ = InsulatedReadings(poses_);
+    reduced_readings_.keep_in(files_);
+    prepared_rtol_.reset();
+    throw;
+  }
+}
+
+const SceneCapacitance& Methods::capacitance(const Scene& scene, const CapacitanceOptions& options) {
+  const auto is_same = [](const CapacitanceOptions& a, const CapacitanceOptions& b) {
+    return to_string(a.method) == to_string(b.method) && a.plates == b.plates && a.faces == b.faces &&
+           a.tolerance == b.tolerance;
+  };
+  refuse_thick_covers(scene);
+  if (!evaluator_ || !is_same(options, evaluator_options_)) {
+    evaluator_.emplace(scene, options, poses_);
+    evaluator_options_ = options;
+  }
+  return evaluator_->capacitance();
+}
+
+void Methods::integrate(const Scene& scene, const EvaluationOptions& asked, Evaluation& answer) {
+  answer.answered_by = method_text(asked);
+  answer.matrix.reset();
+  answer.reached = true;
+  answer.capacitance = capacitance(scene, integral_options(asked));
+  readings_of_objects_.write(answer.capacitance, answer.answered_by, answer.readings);
+  if (asked.derivatives)
+    readings_of_objects_.write_derivatives(*evaluator_, *poses_, answer.readings);
+}
+
+void Methods::combine(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
+                      Evaluation& answer) {
+  whole([&] {
+    answer.answered_by = to_string(Method(Formula{}));
+    answer.matrix.reset();
+    answer.capacitance = {};
+    refuse_thick_covers(scene);
+    if (knows_surroundings_) {
+      closed_.write(scene, answer.readings);
+      name_readings(answer.readings, answer.answered_by);
+    }
+    if (with_sensors || !knows_surroundings_)
+      find_by_formula(scene, answer);
+    if (!knows_surroundings_)
+      readings_of_objects_.write(answer.capacitance, answer.answered_by, answer.readings);
+    answer.reached = !asked.rtol || stated_error(answer, scene, Entries::of_readings) <= *asked.rtol;
+  });
+}
+
+/// Writes what each object adds to each sensor.
+void Methods::find_by_formula(const Scene& scene, Evaluation& answer) {
+  answer.capacitance = capacitance(scene, {.method = Formula{}});
+  // That two conductors in contact have no finite capacitance is certain.
+  for (SensorCapacitance& sensor : answer.capacitance.sensors)
+    for (ObjectCapacitance& object : sensor.objects)
+      if (std::isinf(object.capacitance))
+        object.error = 0;
+}
+
+/// Returns the matrix of the reduced method, prepared for an accuracy and `sharper_` times it.
+const MaxwellMatrix& Methods::reduced_matrix(const Scene& scene, double rtol, ReducedContacts contacts,
+                                             bool with_derivatives) {
+  return whole([&]() -> const MaxwellMatrix& {
+    if (!reduced_ || rtol != reduced_rtol_ || contacts != reduced_contacts_) {
+      if (rtol != reduced_rtol_)
+        sharper_ = 1;
+      reduced_.reset();
+      reduced_.emplace(scene,
+                       ReducedOptions{.rtol = std::max(sharper_ * rtol, least_reduced_rtol),
+                                      .contacts = contacts,
+                                      .with_changes = true},
+                       poses_);
+      reduced_rtol_ = rtol;
+      reduced_contacts_ = contacts;
+    }
+    return reduced_->maxwell(with_derivatives);
+  });
+}
+
+/// Tries to find the reduced matrix. Where the readings can be found without it, it is not worth seconds for
+/// every pose: bodies on different links may not touch then, and scenes that it refuses have no matrix.
+bool Methods::reduces_to_matrix(const Scene& scene, const EvaluationOptions& asked, ReducedContacts contacts,
+                                Evaluation& answer) {
+  answer.matrix.reset();
+  if (!reduces_to_matrix(asked.entries))
+    return false;
+  const bool has_readings = takes_rtol_ && asked.entries == Entries::of_readings;
+  try {
+    const ReducedContacts allowed = has_readings ? ReducedContacts::of_one_link : contacts;
+    answer.matrix = reduced_matrix(scene, rtol_of(asked), allowed, asked.derivatives);
+    return true;
+  } catch (const InputError&) {
+    if (!has_readings)
+      throw;
+    return false;
+  }
+}
+
+void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
+                     ReducedContacts contacts, Evaluation& answer) {
+  const double rtol = rtol_of(asked);
+  answer.answered_by = to_string(Method(Reduced{}));
+  answer.capacitance = {};
+  if (reduces_to_matrix(scene, asked, contacts, answer)) {
+    take_matrix(scene, answer);
+    // The errors of changes are not those of entries, for which the bodies are prepared.
+    const double error = stated_error(answer, scene, asked.entries);
+    if (error > rtol && std::isfinite(error) && sharper_ == 1 && rtol > least_reduced_rtol) {
+      sharper_ = sharpened;
+      reduced_.reset();
+      if (reduces_to_matrix(scene, asked, contacts, answer))
+        take_matrix(scene, answer);
+    }
+  } else {
+    whole([&] {
+      reduced_readings_.write(scene, answer.readings, rtol, asked.derivatives);
+      prepared_rtol_ = rtol;
+      if (asked.derivatives)
+        reduced_readings_.write_derivatives(answer.readings);
+      name_readings(answer.readings, answer.answered_by);
+      if (with_sensors)
+        find_by_formula(scene, answer);
+    });
+  }
+  answer.reached = stated_error(answer, scene, asked.entries) <= rtol;
+  if (answer.matrix)
+    answer.matrix->reached = answer.reached;
+}
+
+void Methods::solve(const Scene& scene, const EvaluationOptions& asked, Evaluation& answer) {
+  answer.answered_by = to_string(Method(BoundaryElements{}));
+  // What has no readings has nothing but its entries.
+  const bool has_readings = !readings(scene).empty();
+  answer.matrix =
+      maxwell(scene, {.rtol = rtol_of(asked),
+                      .entries = asked.entries == Entries::of_readings && !has_readings ? Entries::of_sensors
+                                                                                        : asked.entries,
+                      .derivatives = asked.derivatives,
+                      .before_refinement = asked.before_refinement});
+  take_matrix(scene, answer);
+  answer.reached = answer.matrix->reached;
+}
+
+std::optional<std::vector<std::vector<ReadingAnswer>>>
+Methods::readings_of(const Scene& scene, std::size_t frames, const std::function<void(std::size_t)>& pose,
+                     std::optional<double> rtol, std::size_t threads) {
+  if (rtol ? reduces_to_matrix(Entries::of_readings) : !knows_surroundings_)
+    return std::nullopt;
+  return whole([&] {
+    InsulatedReadings& readings = rtol ? reduced_readings_ : closed_;
+    auto answers = readings.write_frames(scene, frames, pose, rtol, threads);
+    if (rtol)
+      prepared_rtol_ = rtol;
+    const std::string name = to_string(rtol ? Method(Reduced{}) : Method(Formula{}));
+    for (std::vector<ReadingAnswer>& frame : answers)
+      name_readings(frame, name);
+    return std::optional(std::move(answers));
+  });
+}
+
+bool Methods::is_reduction_prepared(double rtol, Entries entries) const {
+  return reduces_to_matrix(entries) ? reduced_ && reduced_rtol_ == rtol : prepared_rtol_ == rtol;
+}
+
+}  // namespace fringe::detail
