@@ -36,8 +36,9 @@ class Accuracy:
 
 def region(sensor: Rectangle, target: Rectangle) -> str:
     """Returns the thesis' region (5.3) that the target lies in, seen along the sensor's normal."""
-    edges = np.column_stack([sensor.edge_u, sensor.edge_v])
-    along = np.linalg.lstsq(edges, (target.vertices - sensor.corner).T, rcond=None)[0]
+    # The edges of a plate are at right angles.
+    edges = np.array([edge / (edge @ edge) for edge in (sensor.edge_u, sensor.edge_v)])
+    along = edges @ (target.vertices - sensor.corner).T
     low, high = along.min(axis=1), along.max(axis=1)
     within = (low >= -_TOLERANCE) & (high <= 1 + _TOLERANCE)
     beside = (high <= _TOLERANCE) | (low >= 1 - _TOLERANCE)
