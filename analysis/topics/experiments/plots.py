@@ -1,4 +1,4 @@
-"""Figures of the experiments: delta output and deviation over distance or angle, and splitting over its level."""
+"""Figures of the experiments: delta output and deviation over distance or angle."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from analysis.report.plot import Panel, axis, figure, joined, log_axis, power_axis, series_colour
+from analysis.report.plot import Panel, axis, figure, joined, log_axis, series_colour
 from analysis.topics.experiments.calibration import deviation
 from analysis.topics.experiments.curves import DISTANCE, Curve
-from analysis.topics.experiments.splitting import REGIONS, Accuracy
 
 Array = NDArray[np.float64]
 
@@ -73,24 +72,6 @@ def residuals(caption: str, series: list[Series], swept: str) -> Panel:
         bars: dict[str, object] = {"array": PER_MILLE * curve.error}
         traces.append(_differences(line, colour, curve, swept, (values, bars, "mV")))
     return Panel(caption, figure(traces, axis_of(swept), axis("model less reference (mV)"), 440))
-
-
-def splitting(found: list[Accuracy]) -> Panel:
-    """Plots the median and the worst error over the level, with a colour for each region."""
-    traces: list[object] = []
-    for index, region in enumerate(REGIONS):
-        members = [each for each in found if each.region == region]
-        if not members:
-            continue
-        for name, values, dash in (
-            ("median", [each.median for each in members], "solid"),
-            ("worst", [each.worst for each in members], "dot"),
-        ):
-            levels, errors = [each.level for each in members], [PERCENT * value for value in values]
-            hover = "%{x} splits: %{y:.3g} %"
-            traces.append(joined(f"{region}, {name}", levels, errors, series_colour(index), hover, dash=dash))
-    x = axis("how often each triangle is split in four", dtick=1)
-    return Panel("over the set-ups of a region", figure(traces, x, power_axis("error of splitting (%)"), 460))
 
 
 def _reference(series: Series, swept: str, colour: str) -> go.Scatter:
