@@ -12,7 +12,7 @@ from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, by_family, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.units import CENTIMETRE, measured
-from analysis.topics.published import files, rows, stage, table
+from analysis.topics.published import files, stage, table
 from analysis.topics.published.files import Check
 from analysis.topics.published.page import COMMAND, check_finding, headline
 from analysis.topics.published.rows import MUTUAL, QUANTITIES, Row
