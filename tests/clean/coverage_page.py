@@ -41,7 +41,7 @@ REASONS = [
             "",
             "`python3 -m analysis verify` runs it, minutes of field solving",
         )
-        for name in ("properties", "rows", "set_ups", "stage", "uniform_meshes")
+        for name in ("properties", "rows", "set_ups", "stage")
     ),
     *(
         Reason(
