@@ -59,9 +59,7 @@ def finding(check: FieldCheck[Any], found: list[Comparison[Any]]) -> str:
         )
     apart = [each for each in found if each.over_errors > 1 or not each.is_enclosed]
     if apart:
-        named = (
-            f"{each.quantity} of {check.stored.name(each.set_up)} ({each.over_errors:.2f})" for each in apart
-        )
+        named = (f"{each.quantity} of {each.set_up.name} ({each.over_errors:.2f})" for each in apart)
         told.append(f"Beyond their errors: {', '.join(named)}.")
     return " ".join(told)
 
@@ -93,7 +91,7 @@ def _differences(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Panel:
             error_y={"array": [_PERCENT * each.allowed for each in members], "thickness": 1.5},
             mode="markers",
             marker={"color": series_colour(index), "size": 7},
-            text=[check.stored.name(each.set_up) for each in members],
+            text=[each.set_up.name for each in members],
             name=name,
             hovertemplate="%{y:+.3f} %<br>%{text}<extra>" + name + "</extra>",
         )

@@ -91,8 +91,8 @@ def test_stored_changes_are_what_boundary_elements_say(family: str) -> None:
 
 def test_boundary_elements_solve_a_check_as_it_is_recorded() -> None:
     """The first of the set-ups, which takes the fewest cells of the field solver."""
-    set_up = CHECK.stored.chosen()[0]
-    recorded = CHECK.stored.records()[set_up.identity]["boundary"]
+    set_up = CHECK.chosen()[0]
+    recorded = CHECK.records()[set_up.identity]["boundary"]
     again = topic.by_boundary_elements(set_up)["boundary"]
     assert list(again) == list(QUANTITIES)
     for name in QUANTITIES:
