@@ -10,7 +10,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import measured, page
-from analysis.report.plot import Panel, axis, figure, guide, power_axis, series_colour
+from analysis.report.plot import Panel, axis, figure, guide, marks, power_axis, series_colour
 from analysis.report.measured import Origin, origin
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import STABILITY
@@ -178,14 +178,7 @@ def _traces(whole: Stability, method: str, index: int) -> list[go.Scatter]:
 def _trace(values: list[tuple[str, float | None]], name: str, marker: dict[str, object]) -> go.Scatter:
     # A logarithmic axis has no zero: a class without any error has no point.
     shown = [(where, value) for where, value in values if value]
-    return go.Scatter(
-        x=[where for where, _ in shown],
-        y=[value for _, value in shown],
-        mode="markers",
-        marker=marker,
-        name=name,
-        hovertemplate="%{x}: %{y:.3g}<extra>" + name + "</extra>",
-    )
+    return marks(name, [where for where, _ in shown], [value for _, value in shown], marker, "%{x}: %{y:.3g}")
 
 
 def _table(whole: Stability) -> Markup:

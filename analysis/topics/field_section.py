@@ -7,11 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import Panel, axis, figure, log_axis, series_colour
+from analysis.report.plot import Panel, axis, figure, log_axis, marks, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent
 from analysis.topics.field_solver import Comparison, FieldCheck
@@ -85,15 +84,14 @@ def _differences(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Panel:
     for each in found:
         groups.setdefault(check.kind(each.set_up) if is_one else each.quantity, []).append(each)
     traces = [
-        go.Scatter(
-            x=[abs(each.field.value) / PICOFARAD for each in members],
-            y=[_PERCENT * each.difference for each in members],
-            error_y={"array": [_PERCENT * each.allowed for each in members], "thickness": 1.5},
-            mode="markers",
-            marker={"color": series_colour(index), "size": 7},
+        marks(
+            name,
+            [abs(each.field.value) / PICOFARAD for each in members],
+            [_PERCENT * each.difference for each in members],
+            {"color": series_colour(index), "size": 7},
+            "%{y:+.3f} %<br>%{text}",
+            [_PERCENT * each.allowed for each in members],
             text=[each.set_up.name for each in members],
-            name=name,
-            hovertemplate="%{y:+.3f} %<br>%{text}<extra>" + name + "</extra>",
         )
         for index, (name, members) in enumerate(groups.items())
     ]

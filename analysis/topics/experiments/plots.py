@@ -8,7 +8,7 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from analysis.report.plot import Panel, axis, figure, joined, log_axis, series_colour
+from analysis.report.plot import Panel, axis, figure, joined, log_axis, marks, series_colour
 from analysis.topics.experiments.calibration import deviation
 from analysis.topics.experiments.curves import DISTANCE, Curve
 
@@ -75,18 +75,10 @@ def residuals(caption: str, series: list[Series], swept: str) -> Panel:
 
 
 def _reference(series: Series, swept: str, colour: str) -> go.Scatter:
-    curve = series.curve
-    return go.Scatter(
-        x=across(curve, swept),
-        y=curve.reference,
-        error_y={"type": "data", "array": curve.error, "thickness": 1.5},
-        mode="markers",
-        marker={"color": colour, "size": 8},
-        name=series.name,
-        text=[point.case for point in curve.points],
-        customdata=[point.case for point in curve.points],
-        hovertemplate=series.name + ": %{y:.4g} V<br>%{text}<extra></extra>",
-    )
+    curve, hover = series.curve, series.name + ": %{y:.4g} V<br>%{text}<extra></extra>"
+    cases = [point.case for point in curve.points]
+    marker, more = {"color": colour, "size": 8}, {"text": cases, "customdata": cases}
+    return marks(series.name, across(curve, swept), curve.reference, marker, hover, curve.error, **more)
 
 
 def _lines(series: list[Series]) -> list[tuple[Line, str, Curve]]:

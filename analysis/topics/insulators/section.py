@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import Panel, axis, boxes, figure, log_axis, rows_axis, series_colour
+from analysis.report.plot import Panel, axis, boxes, figure, log_axis, marks, rows_axis, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.units import percent, picofarads, signed_percent
 from analysis.topics.insulators import records
@@ -190,15 +189,14 @@ def of_layers(found: list[Entry]) -> Panel:
     for index, family in enumerate((COVER, FILM)):
         members = by_family(found).get(family, [])
         traces.append(
-            go.Scatter(
-                x=[entry.set_up.shift / entry.set_up.gap for entry in members],
-                y=[_PERCENT * (entry.factor - 1) for entry in members],
-                error_y={"array": [_PERCENT * entry.uncertainty for entry in members], "thickness": 1},
+            marks(
+                family,
+                [entry.set_up.shift / entry.set_up.gap for entry in members],
+                [_PERCENT * (entry.factor - 1) for entry in members],
+                {"color": series_colour(index), "size": 6},
+                _HOVER,
+                [_PERCENT * entry.uncertainty for entry in members],
                 text=[entry.set_up.name for entry in members],
-                mode="markers",
-                marker={"color": series_colour(index), "size": 6},
-                name=family,
-                hovertemplate=_HOVER,
             )
         )
     x = log_axis("thickness · (1 − 1/permittivity) over the distance of the hand")
@@ -233,15 +231,14 @@ def of_targets(found: list[Entry]) -> Panel:
         ("true change", "circle"): [entry.true.insulated.change.value for entry in members],
         ("formula's estimate", "x-thin-open"): [_estimate(entry) for entry in members],
     }
-    traces: list[object] = [
-        go.Scatter(
-            x=[entry.set_up.permittivity for entry in members],
-            y=[value / entry.true.without.change.value for value, entry in zip(values, members, strict=True)],
+    traces = [
+        marks(
+            name,
+            [entry.set_up.permittivity for entry in members],
+            [value / entry.true.without.change.value for value, entry in zip(values, members, strict=True)],
+            {"color": series_colour(index), "size": 7, "symbol": symbol},
+            _HOVER,
             text=[entry.set_up.name for entry in members],
-            mode="markers",
-            marker={"color": series_colour(index), "size": 7, "symbol": symbol},
-            name=name,
-            hovertemplate=_HOVER,
         )
         for index, ((name, symbol), values) in enumerate(changes.items())
     ]

@@ -16,6 +16,7 @@ from analysis.report.plot import (
     boxes,
     family_marker,
     figure,
+    marks,
     power_axis,
     rows_axis,
     series_colour,
@@ -229,14 +230,13 @@ def _points(found: list[Entry], family: str, there: list[str]) -> go.Scatter:
         for name, value in entry.parts().items()
         if name in there and value != 0
     ]
-    return go.Scatter(
-        x=[_place(value) for _, value, _ in points],
-        y=[name for name, _, _ in points],
+    return marks(
+        family,
+        [_place(value) for _, value, _ in points],
+        [name for name, _, _ in points],
+        family_marker(family, list(FAMILIES), size=6, opacity=0.45),
+        "%{text}<extra>%{y}</extra>",
         text=[f"{value:+.3g}<br>{name}" for _, value, name in points],
-        mode="markers",
-        marker=family_marker(family, list(FAMILIES), size=6, opacity=0.45),
-        name=family,
-        hovertemplate="%{text}<extra>%{y}</extra>",
     )
 
 
