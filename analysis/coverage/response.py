@@ -29,11 +29,13 @@ _RTOL, _PROBE_PANELS = 3e-3, 2000
 
 @dataclass(frozen=True)
 class Level:
-    """The points (p, 3) that stand for a probe where the machine is at least `clearance` away, and the inverse of W (1/m)."""
+    """The points (p, 3) that stand for a probe where the machine is at least `clearance` away, the inverse of W (1/m), and the `charges` on
+    the points of the probe alone at a potential of 1 (p,), in m."""
 
     clearance: float
     points: Array
     inverse: Array
+    charges: Array
 
 
 @dataclass(frozen=True)
@@ -58,26 +60,30 @@ def respond(probe: Probe, model: Any) -> Response:
 
 def respond_on(panels: Array, probe: Probe, model: Any, clearances: tuple[float, ...]) -> Response:
     """Solves the probe by itself on panels (n, 3, 3), for levels at these clearances over half its size."""
-    matrix = model.single_layer(panels)
-    factor = linalg.cho_factor(matrix)
     centres = panels.mean(axis=1)
     middle = (centres.min(axis=0) + centres.max(axis=0)) / 2
     size = float(np.linalg.norm(centres - middle, axis=1).max())
-    levels = [_level(share * size, centres, middle, size, factor) for share in clearances]
+    found = [_interpolated(centres, _outside(share * size, centres, middle, size)) for share in clearances]
+    spreads = np.hstack([spread for _, spread in found])
+    charges = linalg.solve(model.single_layer(panels), spreads, assume_a="pos")
+    levels = []
+    for share, (chosen, spread) in zip(clearances, found):
+        own, charges = spread.T @ charges[:, : len(chosen)], charges[:, len(chosen) :]
+        own = (own + own.T) / 2
+        levels.append(Level(share * size, centres[chosen], np.linalg.inv(own), own.sum(axis=1)))
     return Response(probe, tuple(levels))
 
 
-def _level(clearance: float, centres: Array, middle: Array, size: float, factor: Any) -> Level:
-    outside = _outside(clearance, centres, middle, size)
+def _interpolated(centres: Array, outside: Array) -> tuple[NDArray[np.int64], Array]:
+    """Returns the numbers (p,) of the panels whose potentials by charges `outside` give those of all (n,), and the matrix T (n, p) that does it."""
     potentials = 1 / np.linalg.norm(centres[:, None] - outside, axis=2)
     potentials = np.column_stack([potentials / np.abs(potentials).max(axis=0), np.ones(len(centres))])
     triangular, order = linalg.qr(potentials.T, mode="r", pivoting=True)
     diagonal = np.abs(triangular.diagonal())
     count = int(min(_MOST_POINTS, max(1, np.sum(diagonal > _TOLERANCE * diagonal[0]))))
-    chosen = order[:count]
-    spread = linalg.lstsq(potentials[chosen].T, potentials.T)[0].T
-    own = spread.T @ linalg.cho_solve(factor, spread)
-    return Level(clearance, centres[chosen], np.linalg.inv((own + own.T) / 2))
+    spread = np.empty((len(centres), count))
+    spread[order] = linalg.solve_triangular(triangular[:count, :count], triangular[:count]).T
+    return order[:count], spread
 
 
 def _outside(clearance: float, centres: Array, middle: Array, size: float) -> Array:

@@ -297,7 +297,7 @@ def _small(
     machine: Machine, level: responses.Level, rotations: Array, translations: Array, to_ground: float | None
 ) -> tuple[Array, Mask]:
     """The limit for small grounded probes: own capacitance times the potentials at the middle of the probe's charge."""
-    alone = np.linalg.solve(level.inverse, np.ones(len(level.points)))
+    alone = level.charges
     middle = alone @ level.points / alone.sum()
     senses, drives = machine.potentials(np.einsum("nij,j->ni", rotations, middle) + translations)
     capacitance = alone.sum() if to_ground is None else 0.0

@@ -21,7 +21,6 @@ include_patterns = [
     "geometries/schemas/*.md",
     "model/*.md",
     "model/examples/*.md",
-    "tests/clean/*.md",
 ]
 html_theme = "furo"
 html_title = "fringe: documentation"

@@ -10,9 +10,6 @@ from scipy.special import elliprf
 from analysis.topics.verification import truths
 from analysis.topics.verification.truths_of_revolution import dielectric, two_balls
 
-_QUADRATURE = 200
-"""Nodes of Love's equation; enough for discs a twentieth of their radius apart."""
-
 
 def ellipsoid(a: float, b: float, c: float) -> float:
     """Returns that of a conducting ellipsoid with these semi-axes, one of which may be 0: 1 / R_F(a², b², c²) (Carlson, SIAM J. Math.
@@ -36,16 +33,9 @@ def two_spheres(a: float, b: float, gap: float) -> tuple[float, float, float]:
 
 
 def coaxial_discs(radius: float, gap: float) -> tuple[float, float]:
-    """Returns C11 and C12 (below 0) of equal coaxial discs: Love's equation (Quart. J. Mech. Appl. Math. 2 (1949) 428) for discs at
-    opposite and at the same potential."""
-    separation = gap / radius
-    opposite = 2 * truths.love(separation)
-    x, weights = np.polynomial.legendre.leggauss(_QUADRATURE)  # type: ignore[no-untyped-call]
-    kernel = separation / math.pi / (separation**2 + (x[:, None] - x) ** 2)
-    ones = np.ones(_QUADRATURE)
-    # The charge of one disc at 1 V is 2/π·radius·4πε far from others, where the density of the equation is 1.
-    same = float(weights @ np.linalg.solve(np.eye(_QUADRATURE) + kernel * weights, ones)) / math.pi
-    return radius * (same + opposite) / 2, radius * (same - opposite) / 2
+    """Returns C11 and C12 (below 0) of equal coaxial discs, by Love's equation for discs at opposite and at the same potential."""
+    opposite, same = (truths.love(gap / radius, other) for other in (-1.0, 1.0))
+    return radius * (same + opposite), radius * (same - opposite)
 
 
 def bowl(radius: float, half_angle: float) -> float:

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
 
 from markupsafe import Markup
 
-from analysis.report import page
-from analysis.results import measurements
-from analysis.results.boundary_measurements import BoundaryTimes, SceneTime, SizeTime, SolidCapacity
+from analysis.report import measured, page
+from analysis.report.measured import Origin, origin
+from analysis.results.store import Document, read_json
+from analysis.results.study_results import BOUNDARY_TIMES
 from analysis.results.units import duration, measured as written, percent
 
 TITLE = "Time and memory of boundary elements"
@@ -27,26 +30,24 @@ _SOLIDS = (
 )
 
 
-def section(measured: BoundaryTimes | None) -> Markup:
+def section(found: BoundaryTimes | None) -> Markup:
     """Returns three tables, each below its finding, and how to measure again."""
-    if measured is None:
-        return page.section(TITLE, page.paragraph(measurements.NOT_MEASURED))
-    origin = measured.origin
-    return page.section(
-        TITLE,
-        page.finding(finding_on_scenes(measured.scenes)),
-        _scenes_table(measured.scenes),
-        page.soft(_SCENES),
-        page.finding(finding_on_sizes(measured.sizes)),
-        _sizes_table(measured.sizes),
-        page.soft(_SIZES),
-        page.finding(finding_on_solids(measured.solids)),
-        _solids_table(measured.solids),
-        page.soft(_SOLIDS),
-        page.soft(
-            f"{origin.processor} with {origin.instruction_sets}. Again, from the project's folder: {origin.command}"
-        ),
-    )
+    return measured.section(TITLE, found, _parts)
+
+
+def _parts(found: BoundaryTimes) -> Iterator[Markup]:
+    yield page.finding(finding_on_scenes(found.scenes))
+    yield from (_scenes_table(found.scenes), page.soft(_SCENES))
+    yield page.finding(finding_on_sizes(found.sizes))
+    yield from (_sizes_table(found.sizes), page.soft(_SIZES))
+    yield page.finding(finding_on_solids(found.solids))
+    yield from (_solids_table(found.solids), page.soft(_SOLIDS))
+    yield measured.again(found.origin)
+
+
+def load(folder: Path) -> BoundaryTimes | None:
+    """Returns what was measured, in a folder of results."""
+    return boundary_times(read_json(folder / BOUNDARY_TIMES))
 
 
 def finding_on_scenes(scenes: Sequence[SceneTime]) -> str:
@@ -118,4 +119,64 @@ def _solids_table(solids: Sequence[SolidCapacity]) -> Markup:
         ("published", lambda solid: "–" if solid.published is None else f"{solid.published:.8f}"),
         ("unknowns", lambda solid: f"{solid.panels:,}"),
         ("time", lambda solid: duration(solid.seconds, 2)),
+    )
+
+
+@dataclass(frozen=True)
+class SceneTime:
+    """One scene. `stated` is the largest stated error of a reading's change, relative to the change; `reached` tells whether all entries
+    that were asked for have the accuracy `rtol`."""
+
+    name: str
+    rtol: float
+    unknowns: int
+    stated: float
+    reached: bool
+    seconds: float
+    mebibytes: float
+
+
+@dataclass(frozen=True)
+class SizeTime:
+    """A sphere of so many panels, solved as they are; `error` is relative to the sphere's capacity."""
+
+    panels: int
+    seconds: float
+    mebibytes: float
+    error: float
+
+
+@dataclass(frozen=True)
+class SolidCapacity:
+    """The capacity of a polyhedron with edges of 1 in units of 4πε₀ with its stated error, and the published one where there is one."""
+
+    name: str
+    capacity: float
+    stated: float
+    published: float | None
+    panels: int
+    seconds: float
+    mebibytes: float
+
+
+@dataclass(frozen=True)
+class BoundaryTimes:
+    """All measurements, in the benchmark's order."""
+
+    origin: Origin
+    scenes: tuple[SceneTime, ...]
+    sizes: tuple[SizeTime, ...]
+    solids: tuple[SolidCapacity, ...]
+
+
+def boundary_times(document: Document | None) -> BoundaryTimes | None:
+    """Returns the measurements in a stored answer of the benchmark; None without one."""
+    if document is None:
+        return None
+    answer = document["answer"]
+    return BoundaryTimes(
+        origin(document),
+        tuple(SceneTime(**entry) for entry in answer["scenes"]),
+        tuple(SizeTime(**entry) for entry in answer["sizes"]),
+        tuple(SolidCapacity(**entry) for entry in answer["solids"]),
     )

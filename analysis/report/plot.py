@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from html import escape
-from typing import Any
+from typing import Any, TypeVar
 
 import plotly.graph_objects as go
 
@@ -14,6 +15,8 @@ _SYMBOLS = ("circle", "square", "diamond", "triangle-up", "x", "star", "cross")
 _FONT = "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif"
 INK, GRID, SENSOR_COLOUR, TARGET_COLOUR = "#24292f", "#e4e7eb", "#0072B2", "#D55E00"
 MACHINE_COLOUR = "#9aa4ae"
+
+_Item = TypeVar("_Item")
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +116,48 @@ def joined(name: str, x: Any, y: Any, colour: str, hover: str, bars: Any = None,
         hovertemplate=f"{hover}<extra>{escape(name)}</extra>",
         **shown,
     )
+
+
+def marks(
+    name: str, x: Any, y: Any, marker: dict[str, Any], hover: str, bars: Any = None, **more: Any
+) -> go.Scatter:
+    """Returns points, with error bars if given; `hover` is what a point shows beside the name unless it says so itself, in `<extra>`. More is
+    what plotly calls it."""
+    return go.Scatter(
+        x=x,
+        y=y,
+        mode="markers",
+        marker=marker,
+        name=name,
+        error_y=None if bars is None else {"array": bars, "thickness": 1.5},
+        hovertemplate=hover if "<extra>" in hover else f"{hover}<extra>{escape(name)}</extra>",
+        **more,
+    )
+
+
+def by_family(
+    items: Iterable[_Item],
+    family: Callable[[_Item], str],
+    hover: str,
+    size: int = 8,
+    families: list[str] | None = None,
+    **shown: Callable[[_Item], Any],
+) -> list[go.Scatter]:
+    """Returns points for each family in its colour and symbol, in the order of all `families` if given; `shown` tells what of an item are `x`
+    and `y`, and what else plotly knows, such as `customdata`."""
+    members: dict[str, list[_Item]] = {name: [] for name in families or ()}
+    for item in items:
+        members.setdefault(family(item), []).append(item)
+    names = list(members)
+    return [
+        marks(
+            name,
+            marker=family_marker(name, names, size=size),
+            hover=hover,
+            **{what: [of(item) for item in own] for what, of in shown.items()},
+        )
+        for name, own in members.items()
+    ]
 
 
 def figure(

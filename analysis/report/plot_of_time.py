@@ -13,7 +13,6 @@ from analysis.results.commands import COMPARED_METHOD
 from analysis.results.table import MUTUAL, Row
 from analysis.results.units import duration, percent
 
-
 _SPLIT = re.compile(r"split:\d+")
 
 
@@ -56,18 +55,19 @@ def _known(rows: list[Row], method: str) -> list[Row]:
 
 
 def level_errors(rows: list[Row]) -> list[Point]:
-    """Returns |level − best|/best of the reference's meshes from coarse to fine, with the seconds of each mesh."""
+    """Returns |level − best|/best of the reference's meshes from coarse to fine, with the seconds of each mesh; a value of 0, as behind a
+    grounded plate, has no relative error."""
+    solved = [
+        (row, row.case.reference)
+        for row in rows
+        if row.case.reference is not None and row.reference.value != 0
+    ]
     points = []
-    solved = [row for row in rows if row.case.reference is not None]
-    for depth in range(
-        max((len(row.case.reference.levels) for row in solved if row.case.reference), default=0)
-    ):
+    for depth in range(max((len(answer.levels) for _, answer in solved), default=0)):
         errors, seconds = [], []
-        for row in solved:
-            assert row.case.reference is not None
-            if depth < len(row.case.reference.levels):
-                level = row.case.reference.levels[depth]
-                names = row.case.reference.conductors
+        for row, answer in solved:
+            if depth < len(answer.levels):
+                level, names = answer.levels[depth], answer.conductors
                 value = -level.maxwell[names.index(row.sensor), names.index(row.object)]
                 errors.append(abs(value / row.reference.value - 1))
                 seconds.append(level.seconds)

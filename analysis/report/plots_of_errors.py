@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import plotly.graph_objects as go
 
-from analysis.report.plot import Panel, Plot, axis, family_marker, figure, guide, log_axis
+from analysis.report.plot import Panel, Plot, axis, by_family, family_marker, figure, guide, log_axis, marks
 from analysis.results.names import in_words
 from analysis.results.set_up import SetUp
 from analysis.results.commands import COMPARED_METHOD
@@ -49,32 +49,25 @@ def _shares(rows: list[Row], quantity: str) -> str:
 
 def _values(rows: list[Row], quantity: str) -> go.Figure:
     chosen = [row for row in rows if row.quantity == quantity]
-    families = families_of(rows)
     every = [
         value / PICOFARAD for row in chosen for value in (row.reference.value, row.model[COMPARED_METHOD])
     ]
     positive = [value for value in every if 0 < value < math.inf]
     ends = [min(positive) / 1.5, max(positive) * 1.5]
-    traces = [guide("both agree", ends, ends)]
-    for family in families:
-        members = [row for row in chosen if row.case.family == family]
-        traces.append(
-            go.Scatter(
-                x=[row.reference.value / PICOFARAD for row in members],
-                y=[row.model[COMPARED_METHOD] / PICOFARAD for row in members],
-                error_x={
-                    "type": "data",
-                    "array": [row.reference.error / PICOFARAD for row in members],
-                    "thickness": 1.5,
-                },
-                mode="markers",
-                marker=family_marker(family, families),
-                name=family,
-                text=[hover_text(row) for row in members],
-                customdata=[row.case.id for row in members],
-                hovertemplate="%{text}<br>reference %{x:.5g} pF, model %{y:.5g} pF<extra></extra>",
-            )
-        )
+    points = by_family(
+        chosen,
+        lambda row: row.case.family,
+        "%{text}<br>reference %{x:.5g} pF, model %{y:.5g} pF<extra></extra>",
+        families=families_of(rows),
+        x=lambda row: row.reference.value / PICOFARAD,
+        y=lambda row: row.model[COMPARED_METHOD] / PICOFARAD,
+        text=hover_text,
+        customdata=lambda row: row.case.id,
+    )
+    for trace in points:
+        bars = [row.reference.error / PICOFARAD for row in chosen if row.case.family == trace.name]
+        trace.update(error_x={"array": bars, "thickness": 1.5})
+    traces = [guide("both agree", ends, ends), *points]
     return figure(traces, log_axis(f"reference: {quantity} (pF)"), log_axis(f"model for {quantity} (pF)"))
 
 
@@ -133,23 +126,17 @@ def error_points(at: list[float], rows: list[Row], name: str, marker: dict[str, 
     """Returns points of model errors in percent over `at`, with the reference's own error as their bars."""
     errors = [row.model_error for row in rows]
     ends = [row.model_error_interval for row in rows]
-    return go.Scatter(
-        x=at,
-        y=[PERCENT * error for error in errors],
-        error_y={
-            "type": "data",
-            "symmetric": False,
-            "array": [PERCENT * (high - error) for (_, high), error in zip(ends, errors)],
-            "arrayminus": [PERCENT * (error - low) for (low, _), error in zip(ends, errors)],
-            "thickness": 1.5,
-        },
-        mode="markers",
-        marker=marker,
-        name=name,
-        text=[hover_text(row) for row in rows],
-        customdata=[row.case.id for row in rows],
-        hovertemplate="%{text}<br>model error %{y:+.2f} %<extra></extra>",
+    hover = "%{text}<br>model error %{y:+.2f} %<extra></extra>"
+    points = marks(
+        name, at, [PERCENT * error for error in errors], marker, hover, text=list(map(hover_text, rows))
     )
+    bars = {
+        "symmetric": False,
+        "array": [PERCENT * (high - error) for (_, high), error in zip(ends, errors)],
+        "arrayminus": [PERCENT * (error - low) for (low, _), error in zip(ends, errors)],
+        "thickness": 1.5,
+    }
+    return points.update(customdata=[row.case.id for row in rows], error_y=bars)
 
 
 def _finding(described: list[tuple[float, Row]], name: str) -> str:

@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
 
 import plotly.graph_objects as go
 from markupsafe import Markup
 
-from analysis.report import page
+from analysis.report import measured, page
 from analysis.report.labels import placed
 from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
-from analysis.results import measurements
-from analysis.results.measurements import MethodTime, RunTimes
+from analysis.report.measured import Origin, origin
+from analysis.results.store import Document, read_json
+from analysis.results.study_results import RUN_TIMES
 from analysis.results.units import duration
 
 TITLE = "Run time against error of the integral"
@@ -35,32 +39,76 @@ _SETS = (
 )
 
 
-def section(measured: RunTimes | None) -> Markup:
-    """Returns the finding, a panel for each set of triangles, the table, and how to measure again."""
-    if measured is None:
-        return page.section(TITLE, page.paragraph(measurements.NOT_MEASURED))
-    sets = by_set(measured)
-    methods = list(dict.fromkeys(time.method for time in measured.times))
-    return page.section(
-        TITLE,
-        page.finding(finding(sets)),
-        page.figures([Panel(_caption(times), _panel(times, measured)) for times in sets.values()]),
-        page.paragraph(
-            "ns per triangle, and the largest relative error below. Bold: no other method is both faster and more accurate."
-        ),
-        _table(sets, methods),
-        page.soft(_SETS),
-        page.soft(
-            f"Compiler {measured.compiler}; {measured.origin.processor} with {measured.origin.instruction_sets}. "
-            f"Again, from the project's folder: {measured.origin.command}"
-        ),
+@dataclass(frozen=True)
+class MethodTime:
+    """One method on one set of triangles. `error` is the largest relative error, `triangles` how many were evaluated."""
+
+    set: str
+    method: str
+    seconds_per_triangle: float
+    error: float
+    triangles: int
+
+
+@dataclass(frozen=True)
+class RunTimes:
+    """Every method on every set, in the benchmark's order."""
+
+    origin: Origin
+    compiler: str
+    times: tuple[MethodTime, ...]
+
+
+def load(folder: Path) -> RunTimes | None:
+    """Returns what was measured, in a folder of results."""
+    return run_times(read_json(folder / RUN_TIMES))
+
+
+def run_times(document: Document | None) -> RunTimes | None:
+    """Returns the times in a stored answer of the benchmark; None without one."""
+    if document is None:
+        return None
+    answer = document["answer"]
+    # The minimum over the repetitions: other work on the machine only makes a method slower.
+    found: dict[tuple[str, str], MethodTime] = {}
+    # Their repetitions come in any order; the index says where the benchmark has them.
+    for entry in sorted(answer["benchmarks"], key=lambda entry: int(entry["family_index"])):
+        if entry["run_type"] == "iteration":
+            time = _method_time(entry)
+            known = found.get((time.set, time.method), time)
+            found[time.set, time.method] = min(known, time, key=lambda t: t.seconds_per_triangle)
+    return RunTimes(origin(document), answer["context"]["compiler"], tuple(found.values()))
+
+
+def _method_time(entry: Document) -> MethodTime:
+    name, method = entry["name"].split("/")[:2]
+    return MethodTime(
+        name, method, float(entry["per_triangle"]), float(entry["error"]), int(entry["triangles"])
     )
 
 
-def by_set(measured: RunTimes) -> dict[str, list[MethodTime]]:
+def section(found: RunTimes | None) -> Markup:
+    """Returns the finding, a panel for each set of triangles, the table, and how to measure again."""
+    return measured.section(TITLE, found, _parts)
+
+
+def _parts(found: RunTimes) -> Iterator[Markup]:
+    sets = by_set(found)
+    methods = list(dict.fromkeys(time.method for time in found.times))
+    yield page.finding(finding(sets))
+    yield page.figures([Panel(_caption(times), _panel(times, found)) for times in sets.values()])
+    yield page.paragraph(
+        "ns per triangle, and the largest relative error below. Bold: no other method is both faster and more accurate."
+    )
+    yield _table(sets, methods)
+    yield page.soft(_SETS)
+    yield measured.again(found.origin, before=f"Compiler {found.compiler}; ")
+
+
+def by_set(found: RunTimes) -> dict[str, list[MethodTime]]:
     """Returns the times of each set, sets and methods in the benchmark's order."""
     sets: dict[str, list[MethodTime]] = {}
-    for time in measured.times:
+    for time in found.times:
         sets.setdefault(time.set, []).append(time)
     return sets
 
@@ -112,12 +160,12 @@ def _words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def _panel(times: list[MethodTime], measured: RunTimes) -> go.Figure:
+def _panel(times: list[MethodTime], found: RunTimes) -> go.Figure:
     """Plots one set; all panels have the same axes and colours."""
-    kinds = list(dict.fromkeys(_kind(time.method) for time in measured.times))
+    kinds = list(dict.fromkeys(_kind(time.method) for time in found.times))
     best = front(times)
-    x_range = _range([time.seconds_per_triangle / _NANOSECOND for time in measured.times])
-    y_range = _range([max(time.error, _ROUNDING) for time in measured.times])
+    x_range = _range([time.seconds_per_triangle / _NANOSECOND for time in found.times])
+    y_range = _range([max(time.error, _ROUNDING) for time in found.times])
     labels = [time.method.partition(":")[2] for time in times]
     where = dict(
         zip(

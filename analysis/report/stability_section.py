@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
 import plotly.graph_objects as go
 from markupsafe import Markup
 
-from analysis.report import page
-from analysis.report.plot import Panel, axis, figure, guide, power_axis, series_colour
-from analysis.results import measurements
-from analysis.results.measurements import MethodErrors, Stability, StabilityClass
+from analysis.report import measured, page
+from analysis.report.plot import Panel, axis, figure, guide, marks, power_axis, series_colour
+from analysis.report.measured import Origin, origin
+from analysis.results.store import Document, read_json
+from analysis.results.study_results import STABILITY
 
 TITLE = "Stability of the integral"
 EXACT, _THESIS = "exact", "thesis"
@@ -25,41 +30,100 @@ _WHAT = (
 )
 
 
-def section(measured: Stability | None) -> Markup:
-    """Returns the finding, the error over the conditioning of every class, and the counts of wrong values."""
-    if measured is None:
-        return page.section(TITLE, page.paragraph(measurements.NOT_MEASURED))
-    return page.section(
-        TITLE,
-        page.finding(finding(measured)),
-        page.figures([Panel("error over conditioning, by class of triangles", _figure(measured))]),
-        page.paragraph("Largest error over conditioning, values not finite, values wrong by more than 1 %."),
-        _table(measured),
-        page.soft(_WHAT),
-        page.soft(
-            f"{measured.origin.processor} with {measured.origin.instruction_sets}. Again, from the project's folder: "
-            f"{measured.origin.command}"
-        ),
+@dataclass(frozen=True)
+class MethodErrors:
+    """One method on one class of triangles; the errors are those of the finite values, None when there is none.
+
+    `not_finite` are those whose truth is finite and not zero; `wrong_by_1_percent` are all that are off by more than that,
+    among them finite values of divergent integrals.
+    """
+
+    triangles: int
+    not_finite: int
+    wrong_by_1_percent: int
+    largest_over_conditioning: float | None
+    percentile_99_over_conditioning: float | None
+
+
+@dataclass(frozen=True)
+class StabilityClass:
+    """Triangles of one kind with the methods evaluated on them. For `truth_failed` of them no accurate value is known."""
+
+    name: str
+    truth_failed: int
+    methods: dict[str, MethodErrors]
+
+
+@dataclass(frozen=True)
+class Stability:
+    """`limit` is the allowed ratio of error to conditioning; `passed` tells whether the program found nothing wrong."""
+
+    origin: Origin
+    passed: bool
+    limit: float
+    classes: tuple[StabilityClass, ...]
+
+
+def load(folder: Path) -> Stability | None:
+    """Returns what was measured, in a folder of results."""
+    return stability(read_json(folder / STABILITY))
+
+
+def stability(document: Document | None) -> Stability | None:
+    """Returns the errors in a stored answer of the stress program; None without one."""
+    if document is None:
+        return None
+    answer = document["answer"]
+    classes = tuple(
+        StabilityClass(
+            entry["name"],
+            entry["truth_failed"],
+            {
+                name: _method_errors(errors)
+                for name, errors in entry["methods"].items()
+                if errors["triangles"] > 0
+            },
+        )
+        for entry in answer["classes"]
     )
+    return Stability(origin(document), document["passed"], float(answer["limit"]), classes)
 
 
-def finding(measured: Stability) -> str:
+def _method_errors(errors: Document) -> MethodErrors:
+    return MethodErrors(**{name: errors[name] for name in MethodErrors.__dataclass_fields__})
+
+
+def section(found: Stability | None) -> Markup:
+    """Returns the finding, the error over the conditioning of every class, and the counts of wrong values."""
+    return measured.section(TITLE, found, _parts)
+
+
+def _parts(found: Stability) -> Iterator[Markup]:
+    yield page.finding(finding(found))
+    yield page.figures([Panel("error over conditioning, by class of triangles", _figure(found))])
+    yield page.paragraph("Largest error over conditioning, values not finite, values wrong by more than 1 %.")
+    yield _table(found)
+    yield page.soft(_WHAT)
+    yield measured.again(found.origin)
+
+
+def finding(whole: Stability) -> str:
     """Tells whether the exact method keeps the limit, where it does not, and the worst of every method over all classes."""
-    failing = [entry.name for entry in measured.classes if _fails(entry, measured.limit)]
-    if failing or not measured.passed:
+    failing = [entry.name for entry in whole.classes if _fails(entry, whole.limit)]
+    if failing or not whole.passed:
         verdict = f"{EXACT} fails" + (f", in: {', '.join(failing)}." if failing else ".")
     else:
-        verdict = f"{EXACT} keeps the limit of {measured.limit:g} in all {len(measured.classes)} classes."
-    sentences = [verdict, *(_sentence(measured, method) for method in methods_of(measured))]
-    failed = sum(entry.truth_failed for entry in measured.classes)
+        verdict = f"{EXACT} keeps the limit of {whole.limit:g} in all {len(whole.classes)} classes."
+    sentences = [verdict, *(_sentence(whole, method) for method in methods_of(whole))]
+    failed = sum(entry.truth_failed for entry in whole.classes)
     if failed:
         sentences.append(f"The quadrature failed for {failed:,} triangles.")
     return " ".join(sentences)
 
 
-def methods_of(measured: Stability) -> list[str]:
+def methods_of(whole: Stability) -> list[str]:
     """Returns the methods that any class was evaluated with, the exact one first, then the thesis'."""
-    return sorted({name for entry in measured.classes for name in entry.methods}, key=_rank)
+    return sorted({name for entry in whole.classes for name in entry.methods}, key=_rank)
 
 
 def _rank(method: str) -> tuple[bool, bool, str]:
@@ -75,8 +139,8 @@ def _fails(entry: StabilityClass, limit: float) -> bool:
     )
 
 
-def _sentence(measured: Stability, method: str) -> str:
-    found = [entry.methods[method] for entry in measured.classes if method in entry.methods]
+def _sentence(whole: Stability, method: str) -> str:
+    found = [entry.methods[method] for entry in whole.classes if method in entry.methods]
     count = sum(errors.triangles for errors in found)
     largest = max((errors.largest_over_conditioning or 0 for errors in found), default=0.0)
     not_finite, wrong = sum(e.not_finite for e in found), sum(e.wrong_by_1_percent for e in found)
@@ -90,18 +154,18 @@ def _label(method: str) -> str:
     return _LABELS.get(method, method)
 
 
-def _figure(measured: Stability) -> go.Figure:
-    names = [entry.name for entry in measured.classes]
-    traces = [guide(f"limit {measured.limit:g}", names, [measured.limit] * len(names))]
-    for index, method in enumerate(methods_of(measured)):
-        traces += _traces(measured, method, index)
+def _figure(whole: Stability) -> go.Figure:
+    names = [entry.name for entry in whole.classes]
+    traces = [guide(f"limit {whole.limit:g}", names, [whole.limit] * len(names))]
+    for index, method in enumerate(methods_of(whole)):
+        traces += _traces(whole, method, index)
     x = axis("", type="category", tickangle=-40)
     return figure(traces, x, power_axis("error / conditioning", decades=3), height=560, legend=_LEGEND)
 
 
-def _traces(measured: Stability, method: str, index: int) -> list[go.Scatter]:
+def _traces(whole: Stability, method: str, index: int) -> list[go.Scatter]:
     """Plots the largest error of every class and, with small open symbols, its 99th percentile."""
-    found = [(entry.name, entry.methods[method]) for entry in measured.classes if method in entry.methods]
+    found = [(entry.name, entry.methods[method]) for entry in whole.classes if method in entry.methods]
     colour, symbol = series_colour(index), _SYMBOLS[index % len(_SYMBOLS)]
     largest = [(name, errors.largest_over_conditioning) for name, errors in found]
     most = [(name, errors.percentile_99_over_conditioning) for name, errors in found]
@@ -114,23 +178,16 @@ def _traces(measured: Stability, method: str, index: int) -> list[go.Scatter]:
 def _trace(values: list[tuple[str, float | None]], name: str, marker: dict[str, object]) -> go.Scatter:
     # A logarithmic axis has no zero: a class without any error has no point.
     shown = [(where, value) for where, value in values if value]
-    return go.Scatter(
-        x=[where for where, _ in shown],
-        y=[value for _, value in shown],
-        mode="markers",
-        marker=marker,
-        name=name,
-        hovertemplate="%{x}: %{y:.3g}<extra>" + name + "</extra>",
-    )
+    return marks(name, [where for where, _ in shown], [value for _, value in shown], marker, "%{x}: %{y:.3g}")
 
 
-def _table(measured: Stability) -> Markup:
-    methods = methods_of(measured)
+def _table(whole: Stability) -> Markup:
+    methods = methods_of(whole)
     header = ["class", "triangles"]
     for method in methods:
         header += [f"{method}: largest", "not finite", "wrong"]
     rows = []
-    for entry in measured.classes:
+    for entry in whole.classes:
         cells = [cell for method in methods for cell in _cells(entry, entry.methods.get(method))]
         rows.append([entry.name, f"{_triangles(entry):,}", *cells])
     return page.table(header, rows)

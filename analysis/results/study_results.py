@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from analysis.results import boundary_measurements, collision_measurements, machine, measurements, names
+from analysis.results import machine, names
 from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer
 from analysis.results.set_up import SetUp, describe
 from analysis.results.store import Document, read_json, write_json
@@ -78,8 +78,7 @@ class CaseResult:
 
 @dataclass(frozen=True, eq=False)
 class Results:
-    """All of a study's results. The last four measure the model by itself and are None if they were not made. `experiment`
-    is that of the study, or empty."""
+    """All of a study's results. `experiment` is that of the study, or empty."""
 
     folder: Path
     title: str
@@ -92,10 +91,6 @@ class Results:
     machine: dict[str, str]
     failures: tuple[Failure, ...]
     cases: dict[str, CaseResult]
-    run_times: measurements.RunTimes | None
-    boundary_times: boundary_measurements.BoundaryTimes | None
-    stability: measurements.Stability | None
-    collision: collision_measurements.Collision | None
 
     def compared(self) -> list[CaseResult]:
         """Returns the cases with objects, in the study's order."""
@@ -151,10 +146,6 @@ def load(folder: Path) -> Results:
             document["id"]: _case_result(folder, document, name, own, reference_method)
             for document, name, own in zip(manifest["cases"], called, parameters)
         },
-        run_times=measurements.run_times(read_json(folder / RUN_TIMES)),
-        boundary_times=boundary_measurements.boundary_times(read_json(folder / BOUNDARY_TIMES)),
-        stability=measurements.stability(read_json(folder / STABILITY)),
-        collision=collision_measurements.collision(*(read_json(folder / name) for name in COLLISION)),
     )
 
 

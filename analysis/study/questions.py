@@ -134,17 +134,17 @@ def _run_time(material: Material) -> list[Markup]:
     parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found, page.CASES)]
     if not parts[0] and any(row.quantity == table.MUTUAL for row in material.rows):
         parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
-    parts.append(run_times_section.section(material.found.run_times))
-    parts.append(boundary_times_section.section(material.found.boundary_times))
+    parts.append(run_times_section.section(run_times_section.load(material.found.folder)))
+    parts.append(boundary_times_section.section(boundary_times_section.load(material.found.folder)))
     return [*parts, verification.costs(material.entries[VERIFICATION.name])]
 
 
 def _stability(material: Material) -> list[Markup]:
-    return [stability_section.section(material.found.stability)]
+    return [stability_section.section(stability_section.load(material.found.folder))]
 
 
 def _collisions(material: Material) -> list[Markup]:
-    return [collision_section.section(material.found.collision)]
+    return [collision_section.section(collision_section.load(material.found.folder))]
 
 
 def _faults(material: Material) -> list[Markup]:

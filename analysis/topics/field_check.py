@@ -10,7 +10,7 @@ from analysis.topics.insulators import topic as insulators
 from geometries.common.arguments import positive_number
 from geometries.common.errors import InputError
 
-_STORED = {topic.name: topic.check.stored for topic in TOPICS if topic.check}
+_STORED = {topic.name: topic.check for topic in TOPICS if topic.check}
 
 
 def arguments(parser: argparse.ArgumentParser) -> None:

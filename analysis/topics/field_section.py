@@ -7,11 +7,10 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import Panel, axis, figure, log_axis, series_colour
+from analysis.report.plot import Panel, axis, figure, log_axis, marks, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent
 from analysis.topics.field_solver import Comparison, FieldCheck
@@ -59,9 +58,7 @@ def finding(check: FieldCheck[Any], found: list[Comparison[Any]]) -> str:
         )
     apart = [each for each in found if each.over_errors > 1 or not each.is_enclosed]
     if apart:
-        named = (
-            f"{each.quantity} of {check.stored.name(each.set_up)} ({each.over_errors:.2f})" for each in apart
-        )
+        named = (f"{each.quantity} of {each.set_up.name} ({each.over_errors:.2f})" for each in apart)
         told.append(f"Beyond their errors: {', '.join(named)}.")
     return " ".join(told)
 
@@ -87,15 +84,14 @@ def _differences(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Panel:
     for each in found:
         groups.setdefault(check.kind(each.set_up) if is_one else each.quantity, []).append(each)
     traces = [
-        go.Scatter(
-            x=[abs(each.field.value) / PICOFARAD for each in members],
-            y=[_PERCENT * each.difference for each in members],
-            error_y={"array": [_PERCENT * each.allowed for each in members], "thickness": 1.5},
-            mode="markers",
-            marker={"color": series_colour(index), "size": 7},
-            text=[check.stored.name(each.set_up) for each in members],
-            name=name,
-            hovertemplate="%{y:+.3f} %<br>%{text}<extra>" + name + "</extra>",
+        marks(
+            name,
+            [abs(each.field.value) / PICOFARAD for each in members],
+            [_PERCENT * each.difference for each in members],
+            {"color": series_colour(index), "size": 7},
+            "%{y:+.3f} %<br>%{text}",
+            [_PERCENT * each.allowed for each in members],
+            text=[each.set_up.name for each in members],
         )
         for index, (name, members) in enumerate(groups.items())
     ]

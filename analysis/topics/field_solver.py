@@ -8,22 +8,22 @@ from typing import Generic, Protocol, TypeVar
 
 from analysis.pipeline import reference_stage
 from analysis.pipeline.processes import Processes
-from analysis.pipeline.set_up_stages import SetUp, SomeSetUp
+from analysis.pipeline.set_up_stages import SetUp
 from analysis.results.answers import Estimate
 from analysis.results.store import Document, write_text
 from analysis.results.study_results import SCENE
-from analysis.topics.stored import Stored
+from analysis.topics.stored import Named, SomeNamed, Stored
 from geometries.common.children import temporary_folder
 
 QUANTITIES = ("value", "background", "change")
-_SomeSetUp = TypeVar("_SomeSetUp", bound=SetUp, covariant=True)
+_SomeNamed = TypeVar("_SomeNamed", bound=Named, covariant=True)
 
 
-class Entry(Protocol[_SomeSetUp]):
+class Entry(Protocol[_SomeNamed]):
     """A set-up with the change of its reading by boundary elements; there may be more quantities."""
 
     @property
-    def set_up(self) -> _SomeSetUp:
+    def set_up(self) -> _SomeNamed:
         ...
 
     @property
@@ -32,10 +32,10 @@ class Entry(Protocol[_SomeSetUp]):
 
 
 @dataclass(frozen=True)
-class Comparison(Generic[SomeSetUp]):
+class Comparison(Generic[SomeNamed]):
     """One quantity of a set-up's reading by both methods (F), and the ends of the interval that the field solver proves, if it does."""
 
-    set_up: SomeSetUp
+    set_up: SomeNamed
     quantity: str
     field: Estimate
     boundary: Estimate
@@ -74,26 +74,23 @@ class Comparison(Generic[SomeSetUp]):
         return lower <= self.boundary.value <= upper
 
 
-@dataclass(frozen=True)
-class FieldCheck(Generic[SomeSetUp]):
-    """The field solver's `quantities` of readings. A record has them by itself, or, with `both`, under "field" beside those by boundary elements
+@dataclass(frozen=True, kw_only=True)
+class FieldCheck(Stored[SomeNamed]):
+    """Records of the field solver's `quantities` of readings. A record has them by itself, or, with `both`, under "field" beside those by boundary elements
     under "boundary"; it may have "lower" and "upper", the ends of the interval proven for the change. A page counts the set-ups of each `kind`,
     has the columns `described` of them in its table, and an `explanation`."""
 
-    stored: Stored[SomeSetUp]
-    kind: Callable[[SomeSetUp], str]
-    described: tuple[tuple[str, Callable[[SomeSetUp], str]], ...]
+    kind: Callable[[SomeNamed], str]
+    described: tuple[tuple[str, Callable[[SomeNamed], str]], ...]
     explanation: str = ""
     quantities: tuple[str, ...] = QUANTITIES
     both: bool = False
 
-    def comparisons(self, found: Iterable[Entry[SomeSetUp]] = ()) -> list[Comparison[SomeSetUp]]:
+    def comparisons(self, found: Iterable[Entry[SomeNamed]] = ()) -> list[Comparison[SomeNamed]]:
         """Pairs the quantities that are recorded with those of the entries, in their order, or with those in the records."""
-        records = self.stored.records()
-        pairs: list[tuple[SomeSetUp, Entry[SomeSetUp] | None]] = (
-            [(each, None) for each in self.stored.chosen()]
-            if self.both
-            else [(each.set_up, each) for each in found]
+        records = self.records()
+        pairs: list[tuple[SomeNamed, Entry[SomeNamed] | None]] = (
+            [(each, None) for each in self.chosen()] if self.both else [(each.set_up, each) for each in found]
         )
         return [
             _comparison(set_up, quantity, records[set_up.identity], entry)
@@ -104,8 +101,8 @@ class FieldCheck(Generic[SomeSetUp]):
 
 
 def _comparison(
-    set_up: SomeSetUp, quantity: str, record: Document, entry: Entry[SomeSetUp] | None
-) -> Comparison[SomeSetUp]:
+    set_up: SomeNamed, quantity: str, record: Document, entry: Entry[SomeNamed] | None
+) -> Comparison[SomeNamed]:
     """Returns a quantity of the entry, or of the record without one, beside the field solver's."""
     if entry is None:
         field, boundary = (Estimate(**record[method][quantity]) for method in ("field", "boundary"))

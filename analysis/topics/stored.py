@@ -8,14 +8,25 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, NamedTuple
+from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 
-from analysis.pipeline.set_up_stages import SomeSetUp
+from analysis.pipeline.set_up_stages import SetUp
 from analysis.pipeline.stage import NoAnswer
 from analysis.results.store import Document, read_json, write_json
 
 _DIGITS = 7
 """Significant digits of a rounded value: far more than are true."""
+
+
+class Named(SetUp, Protocol):
+    """A set-up with a name for people."""
+
+    @property
+    def name(self) -> str:
+        ...
+
+
+SomeNamed = TypeVar("SomeNamed", bound=Named)
 
 
 class Completed(NamedTuple):
@@ -26,18 +37,21 @@ class Completed(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Stored(Generic[SomeSetUp]):
-    """The records of the set-ups `chosen` in a file, in which they stand under `key`, after the `description`.
+class Stored(Generic[SomeNamed]):
+    """The records of the set-ups `chosen` in a file, in which they stand after the `description`.
 
-    `solve` makes a record; NoAnswer where there is none. `name` is what a set-up is called in messages.
+    `solve` makes a record; NoAnswer where there is none.
     """
 
     file: Path
-    key: str
     description: str
-    chosen: Callable[[], Iterable[SomeSetUp]]
-    solve: Callable[[SomeSetUp], Document]
-    name: Callable[[SomeSetUp], str]
+    chosen: Callable[[], Iterable[SomeNamed]]
+    solve: Callable[[SomeNamed], Document]
+
+    @property
+    def key(self) -> str:
+        """What the records are called in the file: truths or checks."""
+        return self.file.stem.removeprefix("field_")
 
     def records(self) -> Document:
         """Returns the records by the identity of their set-up's scene; none without a file."""
@@ -45,7 +59,7 @@ class Stored(Generic[SomeSetUp]):
         found: Document = {} if document is None else document[self.key]
         return found
 
-    def complete(self, set_ups: Iterable[SomeSetUp] | None = None, seconds: float = math.inf) -> Completed:
+    def complete(self, set_ups: Iterable[SomeNamed] | None = None, seconds: float = math.inf) -> Completed:
         """Solves those of the set-ups, all chosen ones if none are given, that have no record, and begins none after these seconds. Drops the
         records of what is none of them. Each record is written at once."""
         asked, known = list(self.chosen() if set_ups is None else set_ups), self.records()
@@ -58,11 +72,11 @@ class Stored(Generic[SomeSetUp]):
             try:
                 records[each.identity] = self.solve(each)
             except NoAnswer as reason:
-                print(f"{self.name(each)}: {reason}", file=sys.stderr, flush=True)
+                print(f"{each.name}: {reason}", file=sys.stderr, flush=True)
                 continue
             self.write(records)
             solved += 1
-            print(f"{self.name(each)}: {time.monotonic() - before:.0f} s", file=sys.stderr, flush=True)
+            print(f"{each.name}: {time.monotonic() - before:.0f} s", file=sys.stderr, flush=True)
         if records.keys() != known.keys():
             self.write(records)
         return Completed(solved, sum(each.identity not in records for each in asked))

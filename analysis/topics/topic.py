@@ -84,7 +84,7 @@ class Topic(Generic[SomeItem, SomeEntry]):
 
     def checked(self) -> Document:
         """Returns the field solver's records; none if it was not asked."""
-        return self.check.stored.records() if self.check else {}
+        return self.check.records() if self.check else {}
 
     def shown(self, found: list[SomeEntry], opened: str = _CASES) -> list[Markup]:
         """Returns the sections of a page; `opened` is what the points of figures open, as seen from it. Without entries it says so."""

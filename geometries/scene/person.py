@@ -1,4 +1,5 @@
-"""A person: a closed surface on a lattice of cells, with the proportions of anthropometry. SCENE.md fixes vertices, order and orientation.
+"""A person: a closed surface on a lattice of cells, with the proportions of anthropometry. It made the meshes of
+`geometries/people`, which fix vertices, order and orientation.
 
 All lengths in the tables are fractions of the height. Heights of landmarks and lengths of limbs of the adult are those of Drillis and
 Contini (1966), as in Winter, Biomechanics and Motor Control of Human Movement, figure 4.1; its cross-sections give the segments about the

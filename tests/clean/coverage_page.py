@@ -1,4 +1,4 @@
-"""Makes tests/clean/COVERAGE.md of what gcovr and pytest-cov have counted: python3 -m tests.clean.coverage_page GCOVR.json COVERAGE.json LEFT_OUT
+"""Makes build-coverage/COVERAGE.md of what gcovr and pytest-cov have counted: python3 -m tests.clean.coverage_page GCOVR.json COVERAGE.json LEFT_OUT
 
 Every line that no test reaches is named, with the reason where one is known (REASONS). LEFT_OUT says which tests were not run.
 """
@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = ROOT / "tests" / "clean" / "COVERAGE.md"
+PAGE = ROOT / "build-coverage" / "COVERAGE.md"
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ REASONS = [
             "",
             "`python3 -m analysis verify` runs it, minutes of field solving",
         )
-        for name in ("properties", "rows", "set_ups", "stage", "uniform_meshes")
+        for name in ("properties", "rows", "set_ups", "stage")
     ),
     *(
         Reason(

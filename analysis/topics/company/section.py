@@ -1,4 +1,4 @@
-"""Experiment VII in the report: the factors of the change, a figure of them, and the model beside it."""
+"""Experiment VII in the report: the factors of the change, figures of them, and the model beside it."""
 
 from __future__ import annotations
 
@@ -6,17 +6,28 @@ import math
 from collections.abc import Iterable
 
 import numpy as np
+import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
+from analysis.report.plot import (
+    INK,
+    Panel,
+    boxes,
+    figure,
+    log_axis,
+    marks,
+    power_axis,
+    rows_axis,
+    series_colour,
+)
 from analysis.results.units import PICOFARAD, percent, picofarads
-from analysis.topics.company import plots
 from analysis.topics.company.factors import (
     CONNECTIONS,
-    PARTS,
-    TOGETHER,
     Entry,
     Factor,
+    PARTS,
+    TOGETHER,
     factors,
     of_connection,
     of_model,
@@ -48,7 +59,7 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
     return page.section(
         TITLE,
         page.finding(finding(found)),
-        page.figures([plots.of_factors(found), plots.of_model(found)]),
+        page.figures([_plot_of_factors(found), _plot_of_model(found)]),
         page.table_of(
             factors(found),
             ("what", lambda each: each.what),
@@ -176,3 +187,64 @@ def _numbers(found: list[Entry]) -> Markup:
         ("model (pF)", lambda entry: "" if entry.model is None else f"{entry.model / PICOFARAD:.4f}"),
         text_columns=4,
     )
+
+
+# Height (pixels) of a row of points, of a row of boxes, and of what is around them.
+_ROW, _BOXES, _AROUND = 34, 82, 150
+_CONNECTED = tuple(ground for ground in TO_GROUND if ground != FLOATING)
+
+
+def _plot_of_factors(found: list[Entry]) -> Panel:
+    """Plots each factor in a row: a point for every pair of set-ups, and a bar at the median. Parts of machines have two colours,
+    because they act otherwise on a floating hand."""
+    made = factors(found)
+    names = [factor.what for factor in made]
+    split = {
+        "hand grounded or through a capacitance": [of_part(found, part, _CONNECTED) for part in PARTS],
+        "hand floating": [of_part(found, part, (FLOATING,)) for part in PARTS],
+        "hand, against the grounded one": [factor for factor in made if factor.what not in PARTS],
+    }
+    traces: list[object] = [
+        _points(name, factors_of_colour, series_colour(index))
+        for index, (name, factors_of_colour) in enumerate(split.items())
+    ]
+    traces.append(_medians(made))
+    x = log_axis("change over the change without it")
+    return Panel(
+        "what the company and the hand's connection make of the change",
+        figure(traces, x, rows_axis(names), height=_AROUND + _ROW * len(names)),
+    )
+
+
+def _plot_of_model(found: list[Entry]) -> Panel:
+    """Plots the model's change over the true one, boxes for each machine and each connection of the hand, with all points."""
+    traces = [_boxes(found, ground, series_colour(index)) for index, ground in enumerate(TO_GROUND)]
+    x = power_axis("the model's change over the true one")
+    height = _AROUND + _BOXES * len(MACHINES)
+    return Panel(
+        "the model's change over the true one",
+        figure(traces, x, rows_axis(list(MACHINES)), height=height, boxmode="group"),
+    )
+
+
+def _boxes(found: list[Entry], ground: str, colour: str) -> go.Box:
+    made = {machine: of_model(found, machine, ground) for machine in MACHINES}
+    points = [(machine, ratio.value, ratio.id) for machine, factor in made.items() for ratio in factor.ratios]
+    return boxes(points, f"hand: {ground}", colour, "set-up ")
+
+
+def _points(name: str, made: list[Factor], colour: str) -> go.Scatter:
+    points = [(factor.what, ratio) for factor in made for ratio in factor.ratios]
+    marker = {"color": colour, "size": 7, "opacity": 0.45}
+    values, whats, ids = (
+        [each.value for _, each in points],
+        [what for what, _ in points],
+        [each.id for _, each in points],
+    )
+    return marks(name, values, whats, marker, "%{x:.4g}<br>set-up %{text}<extra>%{y}</extra>", text=ids)
+
+
+def _medians(made: list[Factor]) -> go.Scatter:
+    marker = {"color": INK, "symbol": "line-ns-open", "size": 20, "line": {"width": 3}}
+    medians, whats = [factor.median for factor in made], [factor.what for factor in made]
+    return marks("median", medians, whats, marker, "median %{x:.4g}<extra>%{y}</extra>")

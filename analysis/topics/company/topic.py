@@ -24,7 +24,6 @@ from analysis.topics.company.set_ups import (
 )
 from analysis.topics.company.stage import STAGES
 from analysis.topics.field_solver import FieldCheck
-from analysis.topics.stored import Stored
 from analysis.topics.topic import Topic
 
 MOST_UNKNOWNS = (550_000, 1_200_000)
@@ -64,16 +63,11 @@ def _is_large(set_up: SetUp) -> bool:
     return set_up.machine in (GUARD, PERSON)
 
 
-STORED = Stored[SetUp](
+CHECK = FieldCheck[SetUp](
     file=Path(__file__).with_name("field_checks.json"),
-    key="checks",
     description=_DESCRIPTION,
     chosen=chosen,
     solve=solved,
-    name=lambda each: f"set-up {each.id}",
-)
-CHECK = FieldCheck(
-    STORED,
     kind=lambda each: each.machine,
     described=(
         ("set-up", lambda each: page.code(each.id)),

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import Panel, family_marker, figure, guide, power_axis, series_colour
+from analysis.report.plot import Panel, by_family, figure, guide, marks, power_axis, series_colour
 from analysis.results.study_results import Results
 from analysis.results.units import PICOFARAD, duration, percent, picofarads
 from analysis.topics.cross_check import agreement
@@ -112,27 +111,20 @@ def bracket_finding(brackets: list[Bracket]) -> str:
 
 
 def _panel(found: list[Comparison]) -> Panel:
-    families = list(dict.fromkeys(comparison.case.family for comparison in found))
     allowed = [comparison.allowed for comparison in found]
     ends = [min(allowed) / 2, max(allowed) * 2]
-    traces = [guide("limit", ends, ends)]
-    for family in families:
-        members = [comparison for comparison in found if comparison.case.family == family]
-        traces.append(
-            go.Scatter(
-                x=[comparison.allowed for comparison in members],
-                y=[max(abs(comparison.difference), _ROUNDING) for comparison in members],
-                mode="markers",
-                customdata=[comparison.case.id for comparison in members],
-                text=[comparison.what for comparison in members],
-                marker=family_marker(family, families),
-                name=family,
-                hovertemplate="%{text}: off by %{y:.1e}, allowed %{x:.1e}<extra>" + family + "</extra>",
-            )
-        )
-    x = power_axis("both errors together, relative")
+    points = by_family(
+        found,
+        lambda each: each.case.family,
+        "%{text}: off by %{y:.1e}, allowed %{x:.1e}",
+        x=lambda each: each.allowed,
+        y=lambda each: max(abs(each.difference), _ROUNDING),
+        customdata=lambda each: each.case.id,
+        text=lambda each: each.what,
+    )
+    x, y = power_axis("both errors together, relative"), power_axis("difference, relative")
     caption = "every value; below the line the error bars overlap"
-    return Panel(caption, figure(traces, x, power_axis("difference, relative"), height=460))
+    return Panel(caption, figure([guide("limit", ends, ends), *points], x, y, height=460))
 
 
 def _table(found: list[Comparison]) -> Markup:
@@ -172,25 +164,20 @@ def _brackets(brackets: list[Bracket]) -> Markup:
 
 
 def _bracket_panel(brackets: list[Bracket]) -> Panel:
-    ends = [
-        min(bracket.width_before for bracket in brackets) / 2,
-        max(bracket.width_before for bracket in brackets) * 2,
-    ]
-    traces = [
-        guide("as wide", ends, ends),
-        go.Scatter(
-            x=[bracket.width_before for bracket in brackets],
-            y=[max(bracket.width, _ROUNDING) for bracket in brackets],
-            mode="markers",
-            customdata=[bracket.case.id for bracket in brackets],
-            text=[f"{bracket.case.family}, {bracket.conductor}" for bracket in brackets],
-            marker={"color": series_colour(0), "size": 8},
-            name="diagonal entries",
-            hovertemplate="%{text}: %{y:.1e} instead of %{x:.1e}<extra></extra>",
-        ),
-    ]
+    before = [bracket.width_before for bracket in brackets]
+    ends = [min(before) / 2, max(before) * 2]
+    points = marks(
+        "diagonal entries",
+        before,
+        [max(bracket.width, _ROUNDING) for bracket in brackets],
+        {"color": series_colour(0), "size": 8},
+        "%{text}: %{y:.1e} instead of %{x:.1e}<extra></extra>",
+        customdata=[bracket.case.id for bracket in brackets],
+        text=[f"{bracket.case.family}, {bracket.conductor}" for bracket in brackets],
+    )
     x, y = power_axis("width by the field solver alone"), power_axis("width of the bracket")
-    return Panel("relative widths of the intervals that hold M[i, i]", figure(traces, x, y, height=420))
+    drawn = figure([guide("as wide", ends, ends), points], x, y, height=420)
+    return Panel("relative widths of the intervals that hold M[i, i]", drawn)
 
 
 def _refused(results: Results, refused: dict[str, str]) -> list[Markup]:

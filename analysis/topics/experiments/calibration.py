@@ -11,7 +11,7 @@ from scipy.optimize import curve_fit
 
 from analysis.results.answers import Estimate
 from analysis.topics.experiments.curves import Curve
-from analysis.topics.experiments.divider import Divider
+from analysis.topics.experiments.curves import Divider
 
 Array = NDArray[np.float64]
 

@@ -1,12 +1,20 @@
-"""Experiment VI: the same target of other materials, from the answers of a study."""
+"""Experiment VI: the same target of other materials, from the answers of a study to its report."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import plotly.graph_objects as go
+from markupsafe import Markup
+
+from analysis.report import page
+from analysis.report.plot import INK, Panel, axis, figure, joined, log_axis, power_axis, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.study_results import CaseResult, Results
 from analysis.results.commands import COMPARED_METHOD
+from analysis.results.study_results import CaseResult, Results
+from analysis.results.units import CENTIMETRE, PICOFARAD, picofarads
+from analysis.topics.experiments.curves import DISTANCE
+from analysis.topics.experiments.tables import place
 from geometries.studies.families import DIELECTRIC, GROUNDED
 
 _FAMILY = "box"
@@ -71,3 +79,102 @@ def _point(case: CaseResult) -> Point:
     assert isinstance(gap, float)
     model = None if case.model is None else case.model.values[COMPARED_METHOD][sensor].total
     return Point(case.id, gap, case.truth.delta_self(sensor).best, model)
+
+
+_WHAT = (
+    "Floating: a conductor without total charge, which is also the limit of a large permittivity. The model applies to grounded conductors "
+    "only: its line is that of the grounded target. mutual exists only for the grounded target, so all values are delta_self."
+)
+
+
+def parts(results: Results) -> list[Markup]:
+    """Returns the findings, delta_self over the gap by material, its ratio to the grounded target, and every number."""
+    found = materials(results)
+    grounded = next((each for each in found if each.is_grounded), None)
+    if grounded is None:
+        return [page.paragraph("No grounded target has an answer to compare the others with.")]
+    others = [each for each in found if ratios(each, grounded) and not each.is_grounded]
+    return [
+        page.finding(finding(grounded, others)),
+        page.figures([_felt(found, grounded), _ratios(others, grounded)]),
+        page.finding(model_finding(grounded, others)),
+        page.folded("Show the numbers", _table(found, grounded)),
+        page.soft(_WHAT),
+    ]
+
+
+def finding(grounded: Material, others: list[Material]) -> str:
+    """Tells each material's delta_self relative to the grounded target's, near and far."""
+    phrases = []
+    for each in others:
+        (near, close), (far, distant) = ratios(each, grounded)[0], ratios(each, grounded)[-1]
+        phrases.append(
+            f"{each.label}: {100 * close:.2g} % at {place(near.gap, DISTANCE)}, {100 * distant:.2g} % at {place(far.gap, DISTANCE)}"
+        )
+    return (
+        f"Of what the grounded target gives in delta_self: {'; '.join(phrases)}."
+        if phrases
+        else "There is no other material."
+    )
+
+
+def model_finding(grounded: Material, others: list[Material]) -> str:
+    """Tells the model's value relative to each material's delta_self; the model takes all targets for grounded."""
+    model = {point.gap: point.model for point in grounded.points if point.model is not None}
+    phrases = []
+    for each in [grounded, *others]:
+        times = [model[point.gap] / point.delta_self.value for point in each.points if point.gap in model]
+        if times:
+            phrases.append(f"{each.label} {_factor(min(times))} to {_factor(max(times))} times")
+    if not phrases:
+        return "The model has no answer."
+    return f"The model takes every target for grounded; over delta_self it is: {'; '.join(phrases)}."
+
+
+def _factor(value: float) -> str:
+    return f"{value:.0f}" if value >= 10 else f"{value:.2g}"
+
+
+def _felt(found: list[Material], grounded: Material) -> Panel:
+    traces = [_trace(each, index) for index, each in enumerate(found)]
+    known = [point for point in grounded.points if point.model is not None]
+    gaps, model = (
+        [point.gap / CENTIMETRE for point in known],
+        [(point.model or 0.0) / PICOFARAD for point in known],
+    )
+    traces.append(joined("model", gaps, model, INK, "%{y:.4g} pF", mode="lines", dash="dash"))
+    y = power_axis("delta_self (pF)")
+    return Panel("delta_self over the gap", figure(traces, log_axis("gap (cm)"), y, 440))
+
+
+def _trace(each: Material, index: int) -> go.Scatter:
+    gaps = [point.gap / CENTIMETRE for point in each.points]
+    values, bars = (
+        [getattr(point.delta_self, part) / PICOFARAD for point in each.points] for part in ("value", "error")
+    )
+    cases = [point.case for point in each.points]
+    hover = "%{y:.4g} pF at %{x:.3g} cm"
+    return joined(each.label, gaps, values, series_colour(index), hover, bars, customdata=cases)
+
+
+def _ratios(others: list[Material], grounded: Material) -> Panel:
+    traces = []
+    for index, each in enumerate(others, 1):
+        found = ratios(each, grounded)
+        gaps, shares = [point.gap / CENTIMETRE for point, _ in found], [100 * ratio for _, ratio in found]
+        cases = [point.case for point, _ in found]
+        traces.append(joined(each.label, gaps, shares, series_colour(index), "%{y:.3g} %", customdata=cases))
+    y = axis("part of the grounded target's (%)", rangemode="tozero")
+    return Panel("the same over that of the grounded target", figure(traces, log_axis("gap (cm)"), y, 440))
+
+
+def _table(found: list[Material], grounded: Material) -> Markup:
+    return page.table_of(
+        [(each, *pair) for each in found for pair in ratios(each, grounded)],
+        ("material", lambda row: row[0].label),
+        ("gap", lambda row: page.case_link(row[1].case, place(row[1].gap, DISTANCE))),
+        ("delta_self (pF)", lambda row: picofarads(row[1].delta_self.value, row[1].delta_self.error)),
+        ("of grounded", lambda row: f"{100 * row[2]:.2f} %"),
+        ("model (pF)", lambda row: "" if row[1].model is None else f"{row[1].model / PICOFARAD:.5f}"),
+        text_columns=2,
+    )

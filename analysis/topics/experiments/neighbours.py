@@ -1,13 +1,18 @@
-"""Experiment V: the interaction of two adjacent sensors and an object near one of them, from the answers of a study."""
+"""Experiment V: the interaction of two adjacent sensors and an object near one of them, from the answers of a study to its report."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import plotly.graph_objects as go
+from markupsafe import Markup
+
+from analysis.report import page
+from analysis.report.plot import Panel, axis, figure, guide, joined, log_axis, power_axis, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.study_results import CaseResult, Results
-from analysis.results.truth import Truth
 from analysis.results.commands import COMPARED_METHOD
+from analysis.results.study_results import CaseResult, Results
+from analysis.results.units import CENTIMETRE, PICOFARAD, percent, picofarads, signed_percent
 
 FAMILY, ALONE = "sensors", "parallel"
 NEAR, NEIGHBOUR = "sensor", "neighbour"
@@ -77,14 +82,10 @@ def _point(results: Results, case: CaseResult) -> Point | None:
         gap=_number(case, "gap"),
         near=near,
         neighbour=neighbour,
-        coupling=_coupling(case.truth),
-        coupling_alone=_coupling(empty.truth),
+        coupling=case.truth.mutual(NEAR, NEIGHBOUR).best,
+        coupling_alone=empty.truth.mutual(NEAR, NEIGHBOUR).best,
         single=_single(results, case),
     )
-
-
-def _coupling(truth: Truth) -> Estimate:
-    return truth.mutual(NEAR, NEIGHBOUR).best
 
 
 def _single(results: Results, case: CaseResult) -> Estimate | None:
@@ -101,3 +102,146 @@ def _number(case: CaseResult, name: str) -> float:
     value = case.parameters[name]
     assert isinstance(value, float)
     return value
+
+
+_WHAT = (
+    "The object lies in front of the sensor at the origin, the other sensor is its neighbour; each is at its own voltage in "
+    "turn, the rest is grounded. delta_self: the rise of a sensor's own capacitance by the object, with the neighbour present in "
+    "both cases. mutual: charge on the object per volt on a sensor. Coupling: charge on one sensor per volt on the other. "
+    "The model sums over the object for each sensor by itself, so it has no coupling, and the neighbour has no effect on it."
+)
+
+
+def parts(found: list[Series]) -> list[Markup]:
+    """Returns the finding, the output of each sensor over the gap, the coupling between them, and every number."""
+    if not found:
+        return [page.paragraph("No set-up of two sensors has both answers.")]
+    return [
+        page.finding(finding(found)),
+        page.figures([_felt(series) for series in found]),
+        page.finding(coupling_finding(found)),
+        page.figures([_coupling(found)]),
+        page.folded("Show the numbers", _table(found)),
+        page.soft(_WHAT),
+    ]
+
+
+def finding(found: list[Series]) -> str:
+    """Tells how strongly an object affects the sensor that it is not in front of, by reference and model."""
+    phrases = []
+    for series in found:
+        shares = [_share(point) for point in series.points]
+        model = [point.neighbour.model / point.near.model for point in series.points]
+        phrases.append(
+            f"{_centimetres(series.separation)} away it feels {percent(shares[0])} of what the near sensor does with the object at "
+            f"{_centimetres(series.points[0].gap)}, {percent(shares[-1])} at {_centimetres(series.points[-1].gap)} (model: "
+            f"{percent(model[0])} and {percent(model[-1])})"
+        )
+    return f"The neighbour, in delta_self: {'; '.join(phrases)}."
+
+
+def coupling_finding(found: list[Series]) -> str:
+    """Tells how the object shields the sensors from each other, and how the neighbour lowers the near sensor's output."""
+    phrases = []
+    for series in found:
+        near = series.points[0]
+        change = near.coupling.value / near.coupling_alone.value - 1
+        sentence = (
+            f"{_centimetres(series.separation)} apart the sensors are coupled by {near.coupling_alone.value / PICOFARAD:.3g} pF, which "
+            f"the object at {_centimetres(near.gap)} changes by {signed_percent(change)}"
+        )
+        taken = [
+            (p.near.delta_self.value / p.single.value - 1, p.gap)
+            for p in series.points
+            if p.single is not None
+        ]
+        if taken:
+            most, gap = max(taken, key=lambda each: abs(each[0]))
+            sentence += (
+                f"; beside the neighbour the near sensor's delta_self differs from that of a sensor alone by up to {signed_percent(most)}, "
+                f"at {_centimetres(gap)}"
+            )
+        phrases.append(sentence)
+    return ". ".join(phrases) + "."
+
+
+def _share(point: Point) -> float:
+    return point.neighbour.delta_self.value / point.near.delta_self.value
+
+
+def _felt(series: Series) -> Panel:
+    """Returns both sensors' delta_self over the gap with error bars, and the model's values."""
+    both = (
+        ("near sensor", [p.near for p in series.points]),
+        ("neighbour", [p.neighbour for p in series.points]),
+    )
+    traces = [
+        trace
+        for index, (name, felt) in enumerate(both)
+        for trace in _traces(name, series.points, felt, series_colour(index))
+    ]
+    caption = f"sensors {_centimetres(series.separation)} apart"
+    y = power_axis("delta_self, model (pF)")
+    return Panel(caption, figure(traces, log_axis("gap to the object (cm)"), y, 440))
+
+
+def _traces(name: str, points: tuple[Point, ...], felt: list[Felt], colour: str) -> list[go.Scatter]:
+    x, cases = [point.gap / CENTIMETRE for point in points], [point.case for point in points]
+    known = [each.delta_self for each in felt]
+    values, bars = ([getattr(each, part) / PICOFARAD for each in known] for part in ("value", "error"))
+    model = [each.model / PICOFARAD for each in felt]
+    hover = "%{y:.4g} pF at %{x:.3g} cm"
+    return [
+        joined(f"{name}: reference", x, values, colour, hover, bars, customdata=cases),
+        joined(f"{name}: model", x, model, colour, hover, customdata=cases, mode="lines", dash="dash"),
+    ]
+
+
+def _coupling(found: list[Series]) -> Panel:
+    traces = []
+    for index, series in enumerate(found):
+        gaps = [point.gap / CENTIMETRE for point in series.points]
+        values, bars = (
+            [getattr(point.coupling, part) / PICOFARAD for point in series.points]
+            for part in ("value", "error")
+        )
+        name, cases = f"{_centimetres(series.separation)} apart", [point.case for point in series.points]
+        colour, hover = series_colour(index), "%{y:.4g} pF at %{x:.3g} cm"
+        traces.append(joined(name, gaps, values, colour, hover, bars, customdata=cases))
+        alone = [series.points[0].coupling_alone.value / PICOFARAD] * 2
+        traces.append(guide("the same without the object", [gaps[0], gaps[-1]], alone, color=colour))
+    y = axis("coupling of the sensors (pF)", rangemode="tozero")
+    return Panel(
+        "coupling of the two sensors, reference", figure(traces, log_axis("gap to the object (cm)"), y, 440)
+    )
+
+
+def _table(found: list[Series]) -> Markup:
+    felt = [
+        (series, point, name, each)
+        for series in found
+        for point in series.points
+        for name, each in (("near", point.near), ("neighbour", point.neighbour))
+    ]
+    rows = [
+        [
+            _centimetres(series.separation),
+            page.case_link(point.case, _centimetres(point.gap)),
+            name,
+            _estimate(each.delta_self),
+            _estimate(each.mutual),
+            f"{each.model / PICOFARAD:.5f}",
+            _estimate(point.coupling),
+        ]
+        for series, point, name, each in felt
+    ]
+    values = ["delta_self (pF)", "mutual (pF)", "model (pF)", "coupling (pF)"]
+    return page.table(["apart", "gap", "sensor", *values], rows, text_columns=3)
+
+
+def _estimate(value: Estimate) -> str:
+    return picofarads(value.value, value.error)
+
+
+def _centimetres(length: float) -> str:
+    return f"{length / CENTIMETRE:.3g} cm"

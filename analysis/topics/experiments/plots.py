@@ -1,4 +1,4 @@
-"""Figures of the experiments: delta output and deviation over distance or angle, and splitting over its level."""
+"""Figures of the experiments: delta output and deviation over distance or angle."""
 
 from __future__ import annotations
 
@@ -8,10 +8,9 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
-from analysis.report.plot import Panel, axis, figure, joined, log_axis, power_axis, series_colour
+from analysis.report.plot import Panel, axis, figure, joined, log_axis, marks, series_colour
 from analysis.topics.experiments.calibration import deviation
 from analysis.topics.experiments.curves import DISTANCE, Curve
-from analysis.topics.experiments.splitting import REGIONS, Accuracy
 
 Array = NDArray[np.float64]
 
@@ -75,37 +74,11 @@ def residuals(caption: str, series: list[Series], swept: str) -> Panel:
     return Panel(caption, figure(traces, axis_of(swept), axis("model less reference (mV)"), 440))
 
 
-def splitting(found: list[Accuracy]) -> Panel:
-    """Plots the median and the worst error over the level, with a colour for each region."""
-    traces: list[object] = []
-    for index, region in enumerate(REGIONS):
-        members = [each for each in found if each.region == region]
-        if not members:
-            continue
-        for name, values, dash in (
-            ("median", [each.median for each in members], "solid"),
-            ("worst", [each.worst for each in members], "dot"),
-        ):
-            levels, errors = [each.level for each in members], [PERCENT * value for value in values]
-            hover = "%{x} splits: %{y:.3g} %"
-            traces.append(joined(f"{region}, {name}", levels, errors, series_colour(index), hover, dash=dash))
-    x = axis("how often each triangle is split in four", dtick=1)
-    return Panel("over the set-ups of a region", figure(traces, x, power_axis("error of splitting (%)"), 460))
-
-
 def _reference(series: Series, swept: str, colour: str) -> go.Scatter:
-    curve = series.curve
-    return go.Scatter(
-        x=across(curve, swept),
-        y=curve.reference,
-        error_y={"type": "data", "array": curve.error, "thickness": 1.5},
-        mode="markers",
-        marker={"color": colour, "size": 8},
-        name=series.name,
-        text=[point.case for point in curve.points],
-        customdata=[point.case for point in curve.points],
-        hovertemplate=series.name + ": %{y:.4g} V<br>%{text}<extra></extra>",
-    )
+    curve, hover = series.curve, series.name + ": %{y:.4g} V<br>%{text}<extra></extra>"
+    cases = [point.case for point in curve.points]
+    marker, more = {"color": colour, "size": 8}, {"text": cases, "customdata": cases}
+    return marks(series.name, across(curve, swept), curve.reference, marker, hover, curve.error, **more)
 
 
 def _lines(series: list[Series]) -> list[tuple[Line, str, Curve]]:

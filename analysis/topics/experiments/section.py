@@ -7,17 +7,15 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.results.study_results import Results
 from analysis.topics.experiments import (
-    materials_section,
+    materials,
     measured_section,
     neighbours,
-    neighbours_section,
-    splitting_section,
+    splitting,
     tables,
     tuned_sections,
 )
 from analysis.topics.experiments.calibration import FORMS, OBSERVABLE, calibrate
 from analysis.topics.experiments.curves import Curve, curves, with_flat_start
-from analysis.topics.experiments.splitting import accuracies
 
 _TITLES = {
     "I": "Experiment I: splitting against the exact integral",
@@ -43,12 +41,12 @@ def section(results: Results) -> Markup:
     if not results.experiment:
         return Markup("")
     if results.experiment == "I":
-        parts = splitting_section.parts(accuracies(results))
+        parts = splitting.parts(splitting.accuracies(results))
         parts.append(page.paragraph(measured_section.NOTHING_MEASURED))
     elif results.experiment == "V":
-        parts = neighbours_section.parts(neighbours.series(results))
+        parts = neighbours.parts(neighbours.series(results))
     elif results.experiment == "VI":
-        parts = materials_section.parts(results)
+        parts = materials.parts(results)
     else:
         parts = _tuned(results.experiment, curves(results))
     return page.section(_TITLES[results.experiment], *parts)

@@ -5,9 +5,10 @@ from __future__ import annotations
 from markupsafe import Markup
 
 from analysis.report import page
+from analysis.report.plot import Panel, axis, boxes, figure, log_axis, marks, rows_axis, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.units import percent, picofarads, signed_percent
-from analysis.topics.insulators import plots, records
+from analysis.topics.insulators import records
 from analysis.topics.insulators.records import Entry, by_family
 from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, TARGET
 from analysis.topics.insulators.stage import FORMULA, IGNORING
@@ -30,7 +31,7 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
     return page.section(
         TITLE,
         page.finding(finding(found)),
-        page.figures([plots.of_families(found), plots.of_layers(found)]),
+        page.figures([of_families(found), of_layers(found)]),
         page.table(
             [
                 "family",
@@ -42,9 +43,9 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
             _rows(found),
         ),
         page.finding(warnings(found)),
-        page.figures([plots.of_targets(found)]),
+        page.figures([of_targets(found)]),
         page.finding(rule_finding(found)),
-        page.figures([plots.of_rule(found)]),
+        page.figures([of_rule(found)]),
         page.table(
             ["family", "formula", "answers", "rms error", "median", "worst", "within stated errors"],
             _rows_of_model(found),
@@ -160,3 +161,90 @@ def _numbers(found: list[Entry]) -> Markup:
 
 def _picofarads(estimate: Estimate | None) -> str:
     return "refused" if estimate is None else picofarads(estimate.value, estimate.error)
+
+
+_PERCENT = 100.0
+# Height (pixels) of a row of boxes, and of what is around the rows.
+_ROW, _AROUND = 62, 140
+_HOVER = "%{text}<br>%{x:.3g}, %{y:.3g}<extra></extra>"
+
+
+def of_families(found: list[Entry]) -> Panel:
+    """Plots the true change with the insulator over that without it, a box for each family, with all set-ups."""
+    families = by_family(found)
+    traces = [
+        boxes([(family, entry.factor, entry.set_up.name) for entry in members], family, series_colour(index))
+        for index, (family, members) in enumerate(families.items())
+    ]
+    x = log_axis("change with the insulator over that without it")
+    return Panel(
+        "what insulators make of the change",
+        figure(traces, x, rows_axis(list(families)), height=_AROUND + _ROW * len(families), showlegend=False),
+    )
+
+
+def of_layers(found: list[Entry]) -> Panel:
+    """Plots what covers and films add to the change over the shift of the layer rule relative to the hand's distance."""
+    traces: list[object] = []
+    for index, family in enumerate((COVER, FILM)):
+        members = by_family(found).get(family, [])
+        traces.append(
+            marks(
+                family,
+                [entry.set_up.shift / entry.set_up.gap for entry in members],
+                [_PERCENT * (entry.factor - 1) for entry in members],
+                {"color": series_colour(index), "size": 6},
+                _HOVER,
+                [_PERCENT * entry.uncertainty for entry in members],
+                text=[entry.set_up.name for entry in members],
+            )
+        )
+    x = log_axis("thickness · (1 − 1/permittivity) over the distance of the hand")
+    return Panel("what layers add to the change", figure(traces, x, axis("added to the change (%)")))
+
+
+def of_rule(found: list[Entry]) -> Panel:
+    """Plots the errors of the formula's change with the layer rule and without regard to the layer."""
+    traces = []
+    for index, method in enumerate((FORMULA, IGNORING)):
+        points = [
+            (entry.set_up.family, _PERCENT * entry.error(method), entry.set_up.name)
+            for entry in found
+            if method in entry.changes and entry.set_up.family in (COVER, FILM)
+        ]
+        name = "with the layer rule" if method == FORMULA else "without regard to the layer"
+        traces.append(boxes(points, name, series_colour(index)))
+    shown = figure(
+        traces,
+        axis("formula in company: error of the change (%)"),
+        rows_axis([COVER, FILM]),
+        height=320,
+        boxmode="group",
+    )
+    return Panel("the layer rule", shown)
+
+
+def of_targets(found: list[Entry]) -> Panel:
+    """Plots the change by insulating targets over that by grounded ones, over their permittivity; the formula's estimates beside the truth."""
+    members = by_family(found).get(TARGET, [])
+    changes = {
+        ("true change", "circle"): [entry.true.insulated.change.value for entry in members],
+        ("formula's estimate", "x-thin-open"): [_estimate(entry) for entry in members],
+    }
+    traces = [
+        marks(
+            name,
+            [entry.set_up.permittivity for entry in members],
+            [value / entry.true.without.change.value for value, entry in zip(values, members, strict=True)],
+            {"color": series_colour(index), "size": 7, "symbol": symbol},
+            _HOVER,
+            text=[entry.set_up.name for entry in members],
+        )
+        for index, ((name, symbol), values) in enumerate(changes.items())
+    ]
+    x = log_axis("relative permittivity of the target")
+    return Panel("insulating targets", figure(traces, x, log_axis("change over that by a grounded target")))
+
+
+def _estimate(entry: Entry) -> float:
+    return entry.changes[FORMULA].value if FORMULA in entry.changes else float("nan")

@@ -18,7 +18,7 @@ from analysis.topics.insulators import records, section, set_ups, truths
 from analysis.topics.insulators.records import Entry
 from analysis.topics.insulators.set_ups import COVER, FILM, READING, TARGET, SetUp, all_set_ups
 from analysis.topics.insulators.stage import STAGES
-from analysis.topics.stored import Stored, rounded
+from analysis.topics.stored import rounded
 from analysis.topics.topic import Topic
 
 RTOL = 1e-2
@@ -60,11 +60,11 @@ def solved(set_up: SetUp) -> Document:
 
 def solve_again() -> int:
     """Solves the set-ups that have a record anew by boundary elements; returns how many."""
-    kept = STORED.records()
+    kept = CHECK.records()
     recorded = [each for each in chosen() if each.identity in kept]
     for each in recorded:
         kept[each.identity] |= by_boundary_elements(each)
-        STORED.write(kept)
+        CHECK.write(kept)
     return len(recorded)
 
 
@@ -76,16 +76,11 @@ def by_boundary_elements(set_up: SetUp) -> Document:
     return {"boundary": rounded(found)}
 
 
-STORED = Stored[SetUp](
+CHECK = FieldCheck[SetUp](
     file=Path(__file__).with_name("field_checks.json"),
-    key="checks",
     description=_DESCRIPTION,
     chosen=chosen,
     solve=solved,
-    name=lambda each: each.name,
-)
-CHECK = FieldCheck(
-    STORED,
     kind=lambda each: each.family,
     described=(("set-up", lambda each: each.name),),
     explanation="The hands are moved to the sensors' axes, where the field solver meshes a quarter of space.",

@@ -85,9 +85,7 @@ def _truth(record: Document) -> Truth:
 
 STORED = Stored[SetUp](
     file=Path(__file__).with_name("truths.json"),
-    key="truths",
     description=_DESCRIPTION,
     chosen=all_set_ups,
     solve=lambda each: rounded(asdict(solved(model_stage.model_module(), each))),
-    name=lambda each: each.name,
 )

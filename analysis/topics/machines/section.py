@@ -2,15 +2,28 @@
 
 from __future__ import annotations
 
+import math
 from functools import partial
 
 import numpy as np
+import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
+from analysis.report.plot import (
+    Panel,
+    axis,
+    boxes,
+    family_marker,
+    figure,
+    marks,
+    power_axis,
+    rows_axis,
+    series_colour,
+)
 from analysis.results.units import picofarads, signed_percent
-from analysis.topics.machines import plots, records
-from analysis.topics.machines.parts import COMPANY
+from analysis.topics.machines import records
+from analysis.topics.machines.parts import ALL_PARTS, COMPANY
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import FAMILIES
 from analysis.topics.machines.stage import METHODS
@@ -35,13 +48,13 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
     return page.section(
         TITLE,
         page.finding(finding(found)),
-        page.figures([plots.of_methods(found)]),
+        page.figures([of_methods(found)]),
         page.table(
             ["family", "set-ups", *(f"{method}: median (least to greatest)" for method in METHODS)],
             _rows(found),
         ),
         page.finding(parts_finding(found)),
-        page.figures([plots.of_parts(found)]),
+        page.figures([of_parts(found)]),
         page.table_of(
             records.of_parts(found),
             ("part", lambda each: each.name),
@@ -166,3 +179,68 @@ def _numbers(found: list[Entry]) -> Markup:
 
 def _ratio(method: str, entry: Entry) -> str:
     return ratio(entry.ratio(method)) if method in entry.methods else ""
+
+
+# Height (pixels) of a family's boxes, of a part's, and of what is around them.
+_FAMILY, _PART, _AROUND = 82, 36, 150
+_TICKS = (-100, -10, -1, 0, 1, 10, 100, 1000)
+
+
+def of_methods(found: list[Entry]) -> Panel:
+    """Plots each method's change over the true one, boxes for each family, with all points."""
+    traces = [_boxes(found, method, series_colour(index)) for index, method in enumerate(METHODS)]
+    return Panel(
+        "the model's change over the true one",
+        figure(
+            traces,
+            power_axis("the model's change over the true one"),
+            rows_axis(list(FAMILIES)),
+            height=_AROUND + _FAMILY * len(FAMILIES),
+            boxmode="group",
+        ),
+    )
+
+
+def of_parts(found: list[Entry]) -> Panel:
+    """Plots every part over the true change, a point for each set-up that has it."""
+    there = [name for name in ALL_PARTS if any(entry.parts()[name] for entry in found)]
+    traces = [_points(found, family, there) for family in FAMILIES]
+    # Parts of either sign over five decades: linear up to the change itself, then logarithmic.
+    x = axis(
+        "part of the error over the true change",
+        tickvals=[_place(value) for value in _TICKS],
+        ticktext=[f"{value:g}" for value in _TICKS],
+    )
+    return Panel(
+        "the parts of the error",
+        figure(traces, x, rows_axis(there), height=_AROUND + _PART * len(there)),
+    )
+
+
+def _place(value: float) -> float:
+    """Returns where a part is drawn: as itself up to 1, beyond that by its logarithm."""
+    return value if abs(value) <= 1 else math.copysign(1 + math.log10(abs(value)), value)
+
+
+def _points(found: list[Entry], family: str, there: list[str]) -> go.Scatter:
+    points = [
+        (name, value, entry.set_up.name)
+        for entry in found
+        if entry.set_up.family == family
+        for name, value in entry.parts().items()
+        if name in there and value != 0
+    ]
+    return marks(
+        family,
+        [_place(value) for _, value, _ in points],
+        [name for name, _, _ in points],
+        family_marker(family, list(FAMILIES), size=6, opacity=0.45),
+        "%{text}<extra>%{y}</extra>",
+        text=[f"{value:+.3g}<br>{name}" for _, value, name in points],
+    )
+
+
+def _boxes(found: list[Entry], method: str, colour: str) -> go.Box:
+    answering = [entry for entry in found if method in entry.methods]
+    points = [(entry.set_up.family, entry.ratio(method), entry.set_up.name) for entry in answering]
+    return boxes(points, method, colour)

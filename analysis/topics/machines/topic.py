@@ -14,7 +14,6 @@ from analysis.topics.machines import records, section, set_ups, truths
 from analysis.topics.machines.records import Entry
 from analysis.topics.machines.set_ups import SetUp, all_set_ups
 from analysis.topics.machines.stage import STAGES
-from analysis.topics.stored import Stored
 from analysis.topics.topic import Topic
 from geometries.scene.shapes import Cuboid, PlateShape
 
@@ -54,16 +53,11 @@ def solved(set_up: SetUp) -> Document:
     }
 
 
-STORED = Stored[SetUp](
+CHECK = FieldCheck[SetUp](
     file=Path(__file__).with_name("field_checks.json"),
-    key="checks",
     description=_DESCRIPTION,
     chosen=chosen,
     solve=solved,
-    name=lambda each: each.name,
-)
-CHECK = FieldCheck(
-    STORED,
     kind=lambda each: each.family,
     described=(("set-up", lambda each: each.name), ("sealed", lambda each: "yes" if each.sealed else "")),
     explanation=(

@@ -102,9 +102,7 @@ def _record(truths: Truths) -> Document:
 
 STORED = Stored[SetUp](
     file=Path(__file__).with_name("truths.json"),
-    key="truths",
     description=_DESCRIPTION,
     chosen=all_set_ups,
     solve=lambda each: _record(solved(model_stage.model_module(), each)),
-    name=lambda each: each.name,
 )

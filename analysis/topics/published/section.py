@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page, set_ups_page
-from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
+from analysis.report.plot import Panel, axis, by_family, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.units import CENTIMETRE, measured
-from analysis.topics.published import files, rows, stage, table
+from analysis.topics.published import files, stage, table
 from analysis.topics.published.files import Check
 from analysis.topics.published.page import COMMAND, check_finding, headline
 from analysis.topics.published.rows import MUTUAL, QUANTITIES, Row
@@ -26,10 +28,19 @@ _PERCENT = 100.0
 def section(published: Published, set_ups: str) -> Markup:
     """Tells what the table holds and how sure it is; `set_ups` is the file of the page of its set-ups, as seen from the page."""
     found, checks = published
-    families = list(dict.fromkeys(row.family for row in found))
+    gaps, widths = log_axis("gap (cm)"), axis("half width (%)", rangemode="tozero")
+    values = _points(
+        found, lambda row: row.parameters["gap"] / CENTIMETRE, lambda row: row.values[MUTUAL].best
+    )
+    halves = _points(
+        found, lambda row: row.values[MUTUAL].best, lambda row: _PERCENT * row.values[MUTUAL].half_width
+    )
     panels = [
-        Panel("mutual, best values", _values(found, families)),
-        Panel("half the width of the interval that mutual is proven to lie in", _widths(found, families)),
+        Panel("mutual, best values", figure(values, gaps, log_axis("mutual (pF)"))),
+        Panel(
+            "half the width of the interval that mutual is proven to lie in",
+            figure(halves, log_axis("mutual (pF)"), widths),
+        ),
     ]
     place = table.PLACE.relative_to(table.PLACE.parent.parent)
     return page.section(
@@ -59,43 +70,9 @@ def set_ups_document(published: Published, back: str, back_title: str, inputs: s
     return set_ups_page.document(around, [_shown(row, texts[row.case]) for row in found], inputs, script)
 
 
-def _values(found: list[Row], families: list[str]) -> go.Figure:
-    traces = [
-        _points(members, [row.values[MUTUAL].best for row in members], _gaps(members), family, families)
-        for family, members in _by_family(found, families)
-    ]
-    return figure(traces, log_axis("gap (cm)"), log_axis("mutual (pF)"))
-
-
-def _widths(found: list[Row], families: list[str]) -> go.Figure:
-    traces = []
-    for family, members in _by_family(found, families):
-        widths = [_PERCENT * float(width) for width in rows.half_widths(members, MUTUAL)]
-        mutual = [row.values[MUTUAL].best for row in members]
-        traces.append(_points(members, widths, mutual, family, families))
-    return figure(traces, log_axis("mutual (pF)"), axis("half width (%)", rangemode="tozero"))
-
-
-def _points(
-    members: list[Row], upwards: list[float], across: list[float], family: str, families: list[str]
-) -> go.Scatter:
-    return go.Scatter(
-        x=across,
-        y=upwards,
-        customdata=[row.case for row in members],
-        mode="markers",
-        marker=family_marker(family, families, size=6),
-        name=family,
-        hovertemplate="%{x:.4g}, %{y:.4g}<extra>" + family + "</extra>",
-    )
-
-
-def _by_family(found: list[Row], families: list[str]) -> list[tuple[str, list[Row]]]:
-    return [(family, [row for row in found if row.family == family]) for family in families]
-
-
-def _gaps(members: list[Row]) -> list[float]:
-    return [row.parameters["gap"] / CENTIMETRE for row in members]
+def _points(found: list[Row], x: Callable[[Row], float], y: Callable[[Row], float]) -> list[go.Scatter]:
+    hover = "%{x:.4g}, %{y:.4g}"
+    return by_family(found, lambda row: row.family, hover, size=6, x=x, y=y, customdata=lambda row: row.case)
 
 
 def _shown(row: Row, case: Case) -> Shown:

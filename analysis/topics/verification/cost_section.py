@@ -1,4 +1,4 @@
-"""The report's section on the reference's run time against error, compared with meshes that are not graded to edges."""
+"""The report's section on the reference's run time against error."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ KNOWN = 1e-2
 _WHAT = (
     "Errors are the largest of any entry of the Maxwell matrix, relative to the best known value: the truth, or the reference's own "
     "answer with the smallest stated error; errors below the error of that value are drawn at it, as open symbols. Seconds are counted from the start, "
-    "so that those of a mesh include all coarser ones. Linear and quadratic elements of one size on all conductors use the "
-    "reference's outer boundary, growth, symmetry and linear solver, but are not graded to edges and have no quarter points. Every solve uses "
-    "one core; as many run at the same time as there are cores."
+    "so that those of a mesh include all coarser ones. Every solve uses one core; as many run at the same time as there are cores. "
+    "Elements of one size, not graded to edges, gave a square plate 12 % too much with 900 unknowns, where the first graded mesh, of 7,800, is "
+    "0.09 % off (commit 10927ca5)."
 )
 
 
@@ -31,43 +31,19 @@ def section(costs: list[Cost]) -> Markup:
     panels = [Panel(f"{cost.caption}. {case_finding(cost)}", _panel(cost, _ranges(known))) for cost in known]
     return page.section(
         TITLE,
-        page.finding(finding(known)),
+        page.finding(target_finding(costs)),
         page.figures(panels),
         page.soft(_WHAT),
         page.heading("What was asked for"),
-        page.finding(target_finding(costs)),
         _targets(costs),
         page.folded("Every mesh", _table(known)),
     )
 
 
-def finding(costs: list[Cost]) -> str:
-    """Compares the first mesh of the reference with the most accurate ungraded one, over all set-ups."""
-    better, factors = 0, []
-    shown = [cost for cost in costs if cost.meshes and cost.linear + cost.quadratic]
-    for cost in shown:
-        rival = min(cost.linear + cost.quadratic, key=lambda point: point.error)
-        # No error counts as smaller than the error of the best value.
-        first = max(cost.meshes[0].error, cost.best_to)
-        if first < rival.error:
-            better += 1
-            factors.append(rival.error / first)
-    if not factors:
-        return f"In none of {len(shown)} set-ups is the reference's first mesh better than the best ungraded mesh."
-    return (
-        f"In {better} of {len(shown)} set-ups the reference's first mesh is better than the best mesh that is not graded to edges, by a "
-        f"factor of {min(factors):.2g} to {max(factors):.2g}."
-    )
-
-
 def case_finding(cost: Cost) -> str:
-    """Tells the answer with its error, and the best ungraded mesh."""
+    """Tells the answer with its error."""
     end = cost.answers[0]
     sentence = f"The estimate is {_error(end.error, cost)} off after {end.seconds:.1f} s"
-    for name, points in (("quadratic", cost.quadratic), ("linear", cost.linear)):
-        if points:
-            best = min(points, key=lambda point: point.error)
-            sentence += f", the best {name} mesh {_error(best.error, cost)} after {best.seconds:.1f} s"
     if cost.widths:
         sentence += f"; the enclosure is ±{cost.widths[-1].error:.2g} after {cost.widths[-1].seconds:.1f} s"
     return f"{sentence}."
@@ -102,8 +78,6 @@ def _series(cost: Cost) -> list[tuple[str, tuple[Point, ...], int, str, str]]:
         ("reference, each mesh", cost.meshes, 0, "circle", "lines+markers"),
         ("reference, extrapolated", cost.answers, 0, "star", "markers"),
         ("enclosure, half its width", cost.widths, 2, "square", "lines+markers"),
-        ("quadratic, one size", cost.quadratic, 1, "diamond", "lines+markers"),
-        ("linear, one size", cost.linear, 4, "triangle-up", "lines+markers"),
     ]
 
 

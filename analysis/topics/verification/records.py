@@ -121,8 +121,6 @@ class Cost:
     meshes: tuple[Point, ...]
     answers: tuple[Point, ...]
     widths: tuple[Point, ...]
-    linear: tuple[Point, ...]
-    quadratic: tuple[Point, ...]
     targets: tuple[Target, ...]
 
 
@@ -192,7 +190,7 @@ def cost(rows: Mapping[str, Document], asked: Asked) -> Cost | None:
     """Returns time against error of one set-up; None without an answer of the reference."""
     of = {
         method: rows[f"cost/{asked.name}/{method}"]
-        for method in ("estimate", "tight", "enclosure", "linear", "quadratic")
+        for method in ("estimate", "tight", "enclosure")
         if f"cost/{asked.name}/{method}" in rows
     }
     answered = [of[method] for method in ("estimate", "tight") if method in of]
@@ -200,13 +198,7 @@ def cost(rows: Mapping[str, Document], asked: Asked) -> Cost | None:
         return None
     best, best_to, best_from = _best(asked, of)
 
-    def points(method: str, cumulative: bool) -> tuple[Point, ...]:
-        found, spent = [], 0.0
-        for point in of.get(method, {"points": []})["points"]:
-            spent = point["seconds"] if cumulative else spent + point["seconds"]
-            found.append(Point(spent, relative(point["maxwell"], best), point["unknowns"]))
-        return tuple(found)
-
+    meshes = of.get("estimate", {"points": []})["points"]
     ends = tuple(_end(row, best) for row in answered)
     targets = tuple(
         Target(rtol, seconds, row["stated"], row["seconds"], end.error)
@@ -218,11 +210,9 @@ def cost(rows: Mapping[str, Document], asked: Asked) -> Cost | None:
         asked.caption,
         best_to,
         best_from,
-        points("estimate", cumulative=True),
+        tuple(Point(p["seconds"], relative(p["maxwell"], best), p["unknowns"]) for p in meshes),
         ends,
         tuple(Point(p["seconds"], _width(p), p["unknowns"]) for p in widths if "lower" in p),
-        points("linear", cumulative=False),
-        points("quadratic", cumulative=False),
         targets,
     )
 

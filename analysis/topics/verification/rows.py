@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.topics.verification import uniform_meshes
 from analysis.topics.verification.properties import PROPERTIES
 from analysis.topics.verification.set_ups import CostCase, Quantity, TrueCase, cost_cases, true_cases
 from fem_reference.solve.level import Level
@@ -27,9 +26,8 @@ Array = NDArray[np.float64]
 Document = dict[str, Any]
 TRUTH_RTOL = 1e-3
 """The accuracy that the reference aims at by default."""
-ESTIMATE, TIGHT, ENCLOSURE, LINEAR, QUADRATIC = "estimate", "tight", "enclosure", "linear", "quadratic"
-METHODS = (ESTIMATE, TIGHT, ENCLOSURE, LINEAR, QUADRATIC)
-MAX_SECONDS = {ESTIMATE: 60.0, TIGHT: 60.0, ENCLOSURE: 20.0, LINEAR: 6.0, QUADRATIC: 6.0}
+METHODS = ESTIMATE, TIGHT, ENCLOSURE = "estimate", "tight", "enclosure"
+MAX_SECONDS = {ESTIMATE: 60.0, TIGHT: 60.0, ENCLOSURE: 20.0}
 """Time limit (s) of a row; the targets go up to 60 s."""
 ENCLOSURE_RTOL = 5e-4
 
@@ -141,13 +139,6 @@ def extremes(of: Callable[[Array], float], lower: Array, upper: Array) -> tuple[
 
 def _cost(case: CostCase, method: str) -> Document:
     problem, seconds = case.set_up.conductors(), MAX_SECONDS[method]
-    if method in (LINEAR, QUADRATIC):
-        meshes = list(uniform_meshes.levels(problem, 1 if method == LINEAR else 2, seconds))
-        described = [
-            {"unknowns": mesh.unknowns, "seconds": mesh.seconds, "maxwell": mesh.maxwell.tolist()}
-            for mesh in meshes
-        ]
-        return {"points": described}
     rtol = {ESTIMATE: case.targets[0][0], TIGHT: case.targets[-1][0], ENCLOSURE: ENCLOSURE_RTOL}[method]
     points: list[Document] = []
     spent = 0.0

@@ -11,7 +11,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
+from analysis.report.plot import Panel, figure, guide, marks, power_axis, series_colour
 from analysis.topics.verification.records import Compared, Held, worst_of_each_case
 
 TITLE = "The reference against known capacitances"
@@ -114,14 +114,13 @@ def _stated_against_true(found: list[Compared]) -> go.Figure:
 
 
 def _marks(name: str, rows: list[tuple[Compared, float | None]], index: int, symbol: str) -> go.Scatter:
-    return go.Scatter(
-        x=[max(row.known_off, _SMALLEST) for row, _ in rows],
-        y=[value for _, value in rows],
-        mode="markers",
+    return marks(
+        name,
+        [max(row.known_off, _SMALLEST) for row, _ in rows],
+        [value for _, value in rows],
+        {"color": series_colour(index), "symbol": symbol, "size": 8},
+        "%{customdata}<br>off by %{x:.1e}, %{y:.1e}",
         customdata=[f"{row.case}, {row.quantity}" for row, _ in rows],
-        marker={"color": series_colour(index), "symbol": symbol, "size": 8},
-        name=name,
-        hovertemplate="%{customdata}<br>off by %{x:.1e}, %{y:.1e}<extra>" + name + "</extra>",
     )
 
 

@@ -24,7 +24,6 @@ _SOURCES = (
     "set_ups.py",
     "properties.py",
     "rows.py",
-    "uniform_meshes.py",
 )
 # Expected seconds of a row on one core, for the order and the progress bar.
 _SECONDS = {"truth": 8.0, "property": 6.0, "cost": 12.0}

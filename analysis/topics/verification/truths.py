@@ -48,15 +48,16 @@ def boundary_elements() -> list[dict[str, Any]]:
     return cases
 
 
-def love(separation: float) -> float:
-    """Returns two-terminal C / 4πε·radius of coaxial discs `separation` radii apart: Love's equation (Love 1949).
+def love(separation: float, other: float = -1.0) -> float:
+    """Returns half of C / 4πε·radius of a disc at 1 V, `separation` radii before an equal coaxial one at the potential `other`, 1 or −1 V:
+    of opposite ones the two-terminal C. Love's equation (Quart. J. Mech. Appl. Math. 2 (1949) 428).
 
-    f(x) + (κ/π) ∫ f(y)/(κ² + (x − y)²) dy = 1 on [−1, 1]; C = (1/2π) ∫ f for discs at opposite potentials. The kernel is
-    analytic, so Gauss–Legendre collocation converges geometrically.
+    f(x) ± (κ/π) ∫ f(y)/(κ² + (x − y)²) dy = 1 on [−1, 1], C = (1/π) ∫ f, which is 2/π far from others. The kernel is analytic, so
+    Gauss–Legendre collocation converges geometrically; for discs a twentieth of their radius apart 200 nodes are enough.
     """
     x, weights = np.polynomial.legendre.leggauss(200)  # type: ignore[no-untyped-call]
-    kernel = separation / np.pi / (separation**2 + (x[:, None] - x) ** 2)
-    return float(weights @ np.linalg.solve(np.eye(200) - kernel * weights, np.ones(200)) / (2 * np.pi))
+    kernel = other * separation / np.pi / (separation**2 + (x[:, None] - x) ** 2)
+    return float(weights @ np.linalg.solve(np.eye(200) + kernel * weights, np.ones(200)) / (2 * np.pi))
 
 
 def strips(width_over_gap: float) -> float:

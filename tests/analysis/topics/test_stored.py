@@ -27,9 +27,7 @@ def stored(folder: Path, solved: list[SetUp]) -> Stored[SetUp]:
             raise NoAnswer("too large")
         return dict(RECORD)
 
-    return Stored(
-        folder / "records.json", "checks", "What it is.", lambda: (FIRST, SECOND), solve, lambda each: each.id
-    )
+    return Stored(folder / "field_checks.json", "What it is.", lambda: (FIRST, SECOND), solve)
 
 
 def test_what_has_no_record_is_solved_and_what_is_no_set_up_is_dropped(tmp_path: Path) -> None:
@@ -95,7 +93,14 @@ def test_a_record_may_hold_both_methods(tmp_path: Path) -> None:
     record["boundary"] = quantities_of({**reading, "change": 2.1}, ("change", "value"))
     kept.write({SECOND.identity: record})
     change, value = FieldCheck(
-        kept, lambda each: each.machine, (), quantities=("change", "value"), both=True
+        file=kept.file,
+        description="",
+        chosen=kept.chosen,
+        solve=kept.solve,
+        kind=lambda each: each.machine,
+        described=(),
+        quantities=("change", "value"),
+        both=True,
     ).comparisons()
     assert (change.set_up, change.quantity) == (SECOND, "change") and value.over_errors == 0
     assert change.difference == pytest.approx(0.05) and change.over_errors == pytest.approx(5)

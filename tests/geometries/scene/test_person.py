@@ -1,4 +1,4 @@
-"""A person as a mesh and as capsules: both have the size of the shape."""
+"""A person as a mesh and as capsules: both have the size of the shape, whose triangles are those of the files of the format."""
 
 from __future__ import annotations
 
@@ -11,6 +11,9 @@ from geometries.__main__ import main
 from geometries.scene import reader
 from geometries.scene.meshes import read_triangles
 from geometries.scene.person import BUILDS, POSTURES, Person
+
+
+PEOPLE = Path(__file__).resolve().parents[3] / "geometries" / "people"
 
 
 def test_the_command_writes_a_mesh_or_capsules(tmp_path: Path) -> None:
@@ -33,3 +36,12 @@ def test_capsules_reach_as_far_as_the_surface(tmp_path: Path, age: str, posture:
     surface = Person(1.0, age, posture).triangles().reshape(-1, 3)
     np.testing.assert_allclose(points.min(axis=0), surface.min(axis=0), atol=0.02)
     np.testing.assert_allclose(points.max(axis=0), surface.max(axis=0), atol=0.02)
+
+
+@pytest.mark.parametrize("posture", POSTURES)
+@pytest.mark.parametrize("age", BUILDS)
+def test_the_meshes_of_the_format_are_persons(age: str, posture: str) -> None:
+    file = f"{age}_arm_stretched.obj" if posture == "arm_stretched" else f"{age}.obj"
+    x, y, z = np.moveaxis(read_triangles(PEOPLE / file), -1, 0)
+    fixed = np.stack([-z, y, x] if posture == "lying" else [x, y, z], axis=-1)
+    np.testing.assert_allclose(Person(1.0, age, posture).triangles(), fixed, rtol=0, atol=1e-12)

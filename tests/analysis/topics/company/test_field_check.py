@@ -11,7 +11,7 @@ from analysis.pipeline import reference_stage
 from analysis.results import store
 from analysis.topics.company.set_ups import ARRANGEMENTS, GUARD, MACHINES, TO_GROUND
 from analysis.topics.company.stage import STAGES
-from analysis.topics.company.topic import CHECK, COMPANY, STORED, chosen
+from analysis.topics.company.topic import CHECK, COMPANY, chosen
 from analysis.topics.field_solver import QUANTITIES
 
 MANY = 20
@@ -28,7 +28,7 @@ def test_every_machine_is_checked_with_every_connection_and_every_arrangement_oc
 
 def test_the_records_are_of_these_set_ups_as_they_are_today() -> None:
     """A set-up that changes has another identity: its record is stale, and missing."""
-    records = STORED.records()
+    records = CHECK.records()
     assert set(records) <= {each.identity for each in chosen()}
     kinds = {(each.machine, each.ground) for each in chosen() if each.identity in records}
     assert {machine for machine, _ in kinds} == set(MACHINES)
@@ -40,7 +40,7 @@ def test_the_records_are_of_these_set_ups_as_they_are_today() -> None:
 
 @pytest.mark.night
 def test_boundary_elements_agree_with_every_record(tmp_path: Path) -> None:
-    records = STORED.records()
+    records = CHECK.records()
     recorded = [each for each in chosen() if each.identity in records]
     assert STAGES.run(tmp_path, recorded, 2) == []
     found = CHECK.comparisons(COMPANY.found(STAGES.load(tmp_path, recorded)))
@@ -59,7 +59,7 @@ def test_one_mesh_has_no_error_and_leaves_no_record(
         return {"levels": [{}]}
 
     monkeypatch.setattr(reference_stage, "solve", solve)
-    assert replace(STORED, file=tmp_path / "checks.json").complete([guarded]) == (0, 1)
+    assert replace(CHECK, file=tmp_path / "field_checks.json").complete([guarded]) == (0, 1)
     assert f"set-up {guarded.id}: one mesh has no estimated error" in capsys.readouterr().err
-    assert not (tmp_path / "checks.json").exists()
+    assert not (tmp_path / "field_checks.json").exists()
     assert asked[0][asked[0].index("--columns") + 1] == "sensor,guard"

@@ -21,8 +21,7 @@ from analysis.topics.experiments.calibration import (
     untuned,
 )
 from analysis.topics.experiments.claims import LARGER_PLATE, SMALLER_PLATE, for_plate, hold
-from analysis.topics.experiments.curves import Curve, Point
-from analysis.topics.experiments.divider import Divider
+from analysis.topics.experiments.curves import Curve, Divider, Point
 from tests.analysis.synthetic import PICO
 
 CAPACITANCES = np.geomspace(0.4, 18, 9)[::-1]

@@ -10,8 +10,7 @@ import pytest
 
 from analysis.results import study_results as results
 from analysis.results.answers import Estimate
-from analysis.topics.experiments.curves import curves, with_flat_start
-from analysis.topics.experiments.divider import Divider, reference_delta_output
+from analysis.topics.experiments.curves import Divider, curves, reference_delta_output, with_flat_start
 from tests.analysis.synthetic import EDGE, PICO, make_results, model_document, reference_document
 
 PARALLEL = """

@@ -10,7 +10,7 @@ import pytest
 
 from analysis.results import study_results as results
 from analysis.study import plan
-from analysis.topics.experiments.divider import Divider
+from analysis.topics.experiments.curves import Divider
 from geometries.studies import study
 from tests.analysis.synthetic import (
     EDGE,

@@ -16,7 +16,7 @@ from analysis.topics.experiments.splitting import (
     accuracies,
     region,
 )
-from analysis.topics.experiments.splitting_section import finding
+from analysis.topics.experiments.splitting import finding
 from geometries.scene.scene import Scene
 from geometries.studies import families
 from tests.analysis.synthetic import EDGE, PARALLEL, make_results, model_document
