@@ -216,7 +216,7 @@ def of_rule(found: list[Entry]) -> Panel:
         traces.append(boxes(points, name, series_colour(index)))
     shown = figure(
         traces,
-        axis("formula in company: error of the change (%)"),
+        axis("formula: error of the change (%)"),
         rows_axis([COVER, FILM]),
         height=320,
         boxmode="group",
