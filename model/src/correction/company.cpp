@@ -261,7 +261,21 @@ MachineAtRest::MachineAtRest(const ConductorsAtRest& conductors, const std::vect
       coarse_(functions_, net_on_floating(functions_, conductors.bodies()),
               to_ground_of(conductors.bodies())),
       answers_(stored(inverse(functions_.energies(), net_on_floating(functions_, conductors.bodies()),
-                              to_ground_of(conductors.bodies())))) {}
+                              to_ground_of(conductors.bodies())))) {
+  find_backgrounds(conductors, charged_readings(readings, drivable_conductors(conductors.bodies())));
+}
+
+void MachineAtRest::find_backgrounds(const ConductorsAtRest& conductors,
+                                     const std::vector<ChargedReading>& charged) {
+  const MatrixXd matrix = without_floating(conductors.matrix(), conductors.bodies());
+  const auto product = [&](const VectorXd& a, const VectorXd& b) {
+    return a.head(matrix.rows()).dot(matrix * b.head(matrix.rows()));
+  };
+  const double relative = error_ + functions_.facet_effect_of_given();
+  for (const auto& [name, sense, drive] : charged)
+    backgrounds_.push_back(
+        {product(sense, drive), relative * std::sqrt(product(sense, sense) * product(drive, drive))});
+}
 
 namespace {
 

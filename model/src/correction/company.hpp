@@ -102,8 +102,20 @@ class MachineAtRest {
     }
   };
 
+  /// The value of a reading without targets and its error in m, to be multiplied by 4πε.
+  struct Background {
+    double value;
+    double error;
+
+    template <typename Archive, typename Self>
+    static void describe(Archive& archive, Self& self) {
+      archive(self.value, self.error);
+    }
+  };
+
   const ChargeFunctions& functions() const { return functions_; }
   const std::vector<OfReading>& readings() const { return readings_; }
+  const std::vector<Background>& backgrounds() const { return backgrounds_; }
   /// Returns boxes around the bodies that are sensed or driven.
   const std::vector<PlacedBox>& used() const { return used_; }
   Eigen::Index loads() const { return loads_; }
@@ -124,15 +136,18 @@ class MachineAtRest {
 
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {
-    archive(self.readings_, self.loads_, self.used_, self.error_, self.excess_, self.functions_, self.coarse_,
-            self.answers_);
+    archive(self.readings_, self.backgrounds_, self.loads_, self.used_, self.error_, self.excess_,
+            self.functions_, self.coarse_, self.answers_);
   }
 
  private:
   MachineAtRest(const ConductorsAtRest& conductors, const std::vector<Reading>& readings,
                 const CompanyResolution& resolution);
 
+  void find_backgrounds(const ConductorsAtRest& conductors, const std::vector<ChargedReading>& charged);
+
   std::vector<OfReading> readings_;
+  std::vector<Background> backgrounds_;
   Eigen::Index loads_ = 0;
   std::vector<PlacedBox> used_;
   double error_ = 0;

@@ -282,9 +282,18 @@ void CompanyReadings::write_pose(CompanyFormula& formula, TabulatedFormula* tabu
   const std::vector<CompanyFormula::Change>& changes =
       tabulated != nullptr ? tabulated->solved(*tabulated_, *target_, pose, *rtol_)
                            : formula.changes(*machine_, *target_, pose);
-  for (std::size_t k = 0; k < changes.size(); ++k)
-    if (!answers[k].change.value)
-      answers[k].change = estimate_of(changes[k], unit_, touching.is_joined);
+  for (std::size_t k = 0; k < changes.size(); ++k) {
+    if (answers[k].change.value)
+      continue;
+    const auto& [background, error] = machine_->backgrounds()[k];
+    Estimate& change = answers[k].change = estimate_of(changes[k], unit_, touching.is_joined);
+    answers[k].background = {unit_ * background, unit_ * error};
+    if (!change.value)
+      continue;
+    answers[k].value.value = *answers[k].background.value + *change.value;
+    if (change.error)
+      answers[k].value.error = *answers[k].background.error + *change.error;
+  }
 }
 
 void CompanyReadings::write(const Scene& scene, std::vector<ReadingAnswer>& answers,

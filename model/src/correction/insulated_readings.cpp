@@ -122,6 +122,10 @@ void InsulatedReadings::write(const Scene& scene, std::vector<ReadingAnswer>& an
   prepare(scene, rtol);
   upper_->readings.keep_in(files_);
   upper_->readings.write(upper_->scene, answers, rtol, with_derivatives);
+  if (has_insulators_)
+    // Covers and dielectric targets are not there, so that only changes are known.
+    for (ReadingAnswer& answer : answers)
+      answer.value = answer.background = {};
   if (share_)
     enclose(answers);
 }

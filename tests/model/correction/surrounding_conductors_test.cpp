@@ -73,7 +73,10 @@ void expect_near_truth(const Scene& scene) {
   ASSERT_EQ(found.size(), truth.size());
   for (std::size_t k = 0; k < found.size(); ++k) {
     EXPECT_EQ(found[k].name, truth[k].name);
-    EXPECT_FALSE(found[k].value.value || found[k].background.value);
+    for (const auto& [estimate, known] :
+         {std::pair{found[k].value, truth[k].value}, std::pair{found[k].background, truth[k].background}})
+      EXPECT_NEAR(estimate.value.value(), known.value.value(), estimate.error.value() + known.error.value())
+          << found[k].name;
     const double change = truth[k].change.value.value();
     EXPECT_NEAR(found[k].change.value.value(), change, tolerance * std::abs(change)) << found[k].name;
     EXPECT_GE(found[k].change.error.value(), std::abs(found[k].change.value.value() - change))
