@@ -110,15 +110,15 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "--wrap-alpha",
         metavar="M",
         type=positive_number,
-        help="radius in metres of the narrowest hollow that such a surface follows (default: 0.8 of the distance to the nearest other "
-        "conductor, at most 0.05 of the extent)",
+        help="radius in metres of the narrowest hollow that such a surface follows, everywhere (default: at each place 0.4 of the "
+        "distance to the nearest other conductor, at most 0.02 of the extent)",
     )
     parser.add_argument(
         "--wrap-offset",
         metavar="M",
         type=positive_number,
-        help="distance in metres of such a surface from what it contains (default: --rtol, within 2e-3 and 2e-2, times the distance to "
-        "the nearest other conductor)",
+        help="distance in metres of such a surface from what it contains, where that is least (default: --rtol / 8, within 1e-3 and 2.5e-3, "
+        "times the distance to the nearest other conductor)",
     )
     parser.add_argument("--json", action="store_true", help="print one JSON document and nothing else")
     parser.add_argument(

@@ -54,14 +54,6 @@ class ReadingAnswer:
             return 0.0
         return self.change.error / abs(self.change.value) if self.change.value else np.inf
 
-    @property
-    def relative_width_of_change(self) -> float:
-        """Half the width of the change's interval over the change; 0 if it has none, or nothing comes and goes."""
-        lower, upper = self.change.lower, self.change.upper
-        if lower is None or upper is None or self.change.error == 0:
-            return 0.0
-        return (upper - lower) / 2 / abs(self.change.value) if self.change.value else np.inf
-
 
 def difference_estimate(
     values: Sequence[Array], width: Array | None, from_bounds: TwoSided | None

@@ -322,9 +322,10 @@ def solve_conductors(
             time.monotonic() - start,
             planes,
             bound,
+            left_out,
             shape,
+            only_readings,
         )
-        answer = replace(answer, left_out=left_out, only_readings=only_readings)
         if progress is not None:
             progress(answer)
         following = _next_sizing(sizing, level, answer, rtol)
@@ -409,65 +410,26 @@ def _combined(
     rtol: float,
     seconds: float,
     planes: Sequence[Plane],
-    left_out: Array,
+    bound: Array,
+    left_out: tuple[LeftOut, ...],
     shape: GeometryError | None,
+    only_readings: bool,
 ) -> Reference:
     """Extrapolate the levels, and add the errors that all levels share.
 
-    These are the errors of the open boundary, of the bodies left out, and of wraps: `left_out` (n,) bounds what these bodies may add to the diagonal, and `shape` is what wraps cost.
+    These are the errors of the open boundary, of the bodies `left_out`, and of wraps: `bound` (n,) limits what these bodies may add to the
+    diagonal, and `shape` is what wraps cost.
     """
-    farads = epsilon_0 * relative_permittivity * problem.unit
-    finest = levels[-1].maxwell
-    open_boundary = 1.0 if problem.room is None else 0.0
-    boundary = (
-        open_boundary
-        * problem.most_charge**2
-        * farads
-        * open_boundary_error(finest / farads, 1.0, OUTER_RADIUS)
-    )
-    matrix = best_value(levels)
-    first = levels[0].enclosure
-    width = None if first is None else 2 * np.diag(first.half_width)[: problem.sensors]
-    two_sided = [level.delta_self_from_bounds for level in levels if level.delta_self_from_bounds is not None]
-    from_bounds = two_sided[-1] if two_sided else None
-    change = difference_estimate([level.delta_self for level in levels], width, from_bounds)
-    relative_boundary = (np.diag(boundary) / np.diag(finest))[: problem.sensors]
-    matrix_error = matrix.error + boundary
-    matrix_error += np.sqrt(np.outer(left_out, left_out))
-    change_error = change.error + relative_boundary * np.abs(change.value)
-    change_error += left_out[: problem.sensors]
-    value = matrix.value
-    delta_self = Estimate(change.value, change_error, change.extrapolated)
-    proven = [level.enclosure for level in levels if level.enclosure is not None]
-    interval = with_left_out(intersection(proven), left_out) if proven else None
-    checks = [level.check for level in levels if level.check is not None]
-    contradicted = None
-    if any(contradict(known) for known in (proven, checks) if known) or readings_contradict(levels):
-        contradicted = "the bounds of two meshes exclude each other"
-    if shape is not None:
-        interval = None if interval is None else shape.widened(interval)
-        value, matrix_error = shape.corrected(value, matrix_error)
-        delta_self = shape.corrected_change(delta_self)
-    if interval is not None:
-        value = np.clip(value, interval.lower, interval.upper)
-        reach = np.maximum(value - interval.lower, interval.upper - value)
-        # Where meshes contradict each other, no estimate of theirs is better than the interval that holds both.
-        matrix_error = np.minimum(matrix_error, reach) if contradicted is None else reach
-        answer = Estimate(value, matrix_error, matrix.extrapolated)
-    else:
-        check = with_left_out(intersection(checks), left_out) if checks else None
-        check = check if check is None or shape is None else shape.widened(check)
-        estimated = Estimate(value, matrix_error, matrix.extrapolated)
-        answer, deviation = checked(estimated, _exchanges(problem), check)
-        contradicted = "; ".join(filter(None, (contradicted, deviation))) or None
-    relative = float(np.max(np.diag(boundary) / np.diag(finest)))
-    proven_too = shape is None and not problem.curved and contradicted is None
+    boundary = _boundary_error(problem, relative_permittivity, levels[-1])
+    answer, interval, contradicted = _matrix(problem, levels, boundary, bound, shape)
+    relative = np.diag(boundary) / np.diag(levels[-1].maxwell)
+    proven = shape is None and not problem.curved and contradicted is None
     return Reference(
-        readings=combined_readings(problem, levels, answer, relative, left_out, shape, proven_too),
         names=problem.names,
         sensors=problem.sensors,
         maxwell=answer,
-        delta_self=delta_self,
+        delta_self=_delta_self(levels, relative[: problem.sensors], bound[: problem.sensors], shape),
+        readings=combined_readings(problem, levels, answer, float(relative.max()), bound, shape, proven),
         levels=tuple(levels),
         rtol=rtol,
         seconds=seconds,
@@ -484,7 +446,58 @@ def _combined(
         wraps=problem.wraps,
         unit=problem.unit,
         geometry=shape,
+        left_out=left_out,
+        only_readings=only_readings,
     )
+
+
+def _boundary_error(problem: Conductors, relative_permittivity: float, finest: Level) -> Array:
+    """The error (n, n) of the open boundary; 0 in a room."""
+    if problem.room is not None:
+        return np.zeros_like(finest.maxwell)
+    farads = epsilon_0 * relative_permittivity * problem.unit
+    error = farads * open_boundary_error(finest.maxwell / farads, 1.0, OUTER_RADIUS)
+    return np.asarray(problem.most_charge**2 * error)
+
+
+def _matrix(
+    problem: Conductors, levels: Sequence[Level], boundary: Array, bound: Array, shape: GeometryError | None
+) -> tuple[Estimate, Enclosure | None, str | None]:
+    """The Maxwell matrix, its interval if it is enclosed, and what contradicts its errors, in words."""
+    found = best_value(levels)
+    value, error = found.value, found.error + boundary + np.sqrt(np.outer(bound, bound))
+    proven = [level.enclosure for level in levels if level.enclosure is not None]
+    checks = [level.check for level in levels if level.check is not None]
+    contradicted = None
+    if any(contradict(known) for known in (proven, checks) if known) or readings_contradict(levels):
+        contradicted = "the bounds of two meshes exclude each other"
+    interval = with_left_out(intersection(proven or checks), bound) if proven or checks else None
+    if shape is not None:
+        interval = None if interval is None else shape.widened(interval)
+        value, error = shape.corrected(value, error)
+    if proven and interval is not None:
+        value = np.clip(value, interval.lower, interval.upper)
+        reach = np.maximum(value - interval.lower, interval.upper - value)
+        # Where meshes contradict each other, no estimate of theirs is better than the interval that holds both.
+        error = np.minimum(error, reach) if contradicted is None else reach
+        return Estimate(value, error, found.extrapolated), interval, contradicted
+    answer, deviation = checked(Estimate(value, error, found.extrapolated), _exchanges(problem), interval)
+    return answer, None, "; ".join(filter(None, (contradicted, deviation))) or None
+
+
+def _delta_self(
+    levels: Sequence[Level], relative: Array, bound: Array, shape: GeometryError | None
+) -> Estimate:
+    """The sensors' `delta_self`; `relative` (m,) are the errors of the open boundary, and `bound` (m,) is what bodies left out may add."""
+    first = levels[0].enclosure
+    width = None if first is None else 2 * np.diag(first.half_width)[: len(relative)]
+    two_sided = [level.delta_self_from_bounds for level in levels if level.delta_self_from_bounds is not None]
+    change = difference_estimate(
+        [level.delta_self for level in levels], width, two_sided[-1] if two_sided else None
+    )
+    error = change.error + relative * np.abs(change.value) + bound
+    change = Estimate(change.value, error, change.extrapolated)
+    return change if shape is None else shape.corrected_change(change)
 
 
 def _exchanges(problem: Conductors) -> list[tuple[int, ...]]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
 
@@ -172,7 +172,13 @@ def conductors(
         for sensor in sensors
         for sides in scene.sensor_rectangles(sensor)
     ]
-    conducting = merged([object_part(scene, body, geometry, source) for body in solid], solid)
+    come = {body.name: comes for body, comes in zip(scene.objects, targets(scene))}
+    conducting = merged(
+        [object_part(scene, body, geometry, source) for body in solid],
+        solid,
+        [come[body.name] for body in solid],
+        geometry,
+    )
     fixed = [part for part, body in zip(conducting, solid) if body.potential != "floating"]
     free = [part for part, body in zip(conducting, solid) if body.potential == "floating"]
     parts = [*plates, *fixed, *free, *(object_part(scene, body, geometry, source) for body in dielectric)]
@@ -181,7 +187,7 @@ def conductors(
     _refuse_unknown(columns, rows, source)
     asked = [name for name in rows if not columns or name in columns]
     others = [name for name in rows if name not in asked]
-    comes_and_goes = _targets(scene, conducting, solid, source)
+    comes_and_goes = _targets(come, dielectric, conducting, solid, source)
     _refuse_contacts(parts, sensors, source)
     room = _room(scene)
     parts = meshable(scene, parts, room, geometry, source)
@@ -215,16 +221,19 @@ def conductors(
     )
 
 
-def _targets(scene: Scene, parts: Sequence[Part], solid: Sequence[Object], source: str) -> frozenset[str]:
-    """The names of the conductors, whose `parts` are the objects `solid`, and of the dielectric bodies that come and go.
+def _targets(
+    come: Mapping[str, bool],
+    dielectric: Sequence[Object],
+    parts: Sequence[Part],
+    solid: Sequence[Object],
+    source: str,
+) -> frozenset[str]:
+    """The names of the conductors, whose `parts` are the objects `solid`, and of the dielectric bodies that `come` and go.
 
     Raises InputError where only some bodies of a conductor do.
     """
-    come = {body.name: comes for body, comes in zip(scene.objects, targets(scene))}
     machine = {part.conductor: body.name for part, body in zip(parts, solid) if not come[body.name]}
-    found = {
-        body.name for body in scene.objects if body.relative_permittivity is not None and come[body.name]
-    }
+    found = {body.name for body in dielectric if come[body.name]}
     for part, body in zip(parts, solid):
         if come[body.name]:
             if part.conductor in machine:

@@ -27,11 +27,11 @@ def groups(count: int, pairs: Sequence[tuple[int, int]]) -> list[int]:
     return [order[group] for group in label]
 
 
-def meet(first: Surface, second: Surface) -> bool:
-    """Whether two bodies touch, overlap, or contain one another."""
-    if _boxes_apart(first, second):
+def meet(first: Surface, second: Surface, margin: float = 0.0) -> bool:
+    """Whether two bodies touch, overlap, contain one another, or are at most `margin` times the smaller of their sizes apart."""
+    if _boxes_apart(first, second, margin):
         return False
-    close = distance(first, second) <= TOUCHING * min(first.size, second.size)
+    close = distance(first, second) <= max(margin, TOUCHING) * min(first.size, second.size)
     return close or holds(first, second) or holds(second, first)
 
 

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import nnls
-from scipy.spatial.distance import cdist
 
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle, separation
 from fem_reference.bodies.polyhedron import Polyhedron
@@ -104,16 +103,40 @@ def distance(first: Surface, second: Surface) -> float:
     triangles = triangles_of(first), triangles_of(second)
     if triangles[0] is not None and triangles[1] is not None:
         return soup_distance(triangles[0], triangles[1])
-    one, other = _Pieces(first), _Pieces(second)
-    least = cdist(one.centres, other.centres) - one.reaches[:, None] - other.reaches[None]
-    i, j = np.unravel_index(least.argmin(), least.shape)
-    best = _piece_distance(one[i], other[j])
-    close = np.argwhere(least < best)
-    for i, j in close[np.argsort(least[close[:, 0], close[:, 1]])]:
-        if least[i, j] >= best:
+    if triangles[0] is not None:
+        return min(_from_triangles(triangles[0], piece) for piece in pieces(second))
+    if triangles[1] is not None:
+        return min(_from_triangles(triangles[1], piece) for piece in pieces(first))
+    pairs = [(one, other) for one in pieces(first) for other in pieces(second)]
+    least = [np.linalg.norm(one.centre - other.centre) - one.reach - other.reach for one, other in pairs]
+    best = np.inf
+    for k in np.argsort(least):
+        if least[k] >= best:
             break
-        best = min(best, _piece_distance(one[i], other[j]))
-    return best
+        best = min(best, _piece_distance(*pairs[k]))
+    return float(best)
+
+
+def _from_triangles(triangles: Vector, piece: Piece) -> float:
+    """The distance of triangles (n, 3, 3) from a convex piece.
+
+    A plane between the piece and the nearest triangle so far bounds all distances from below, so that few triangles are looked at.
+    """
+    centres = triangles.mean(axis=1)
+    least = np.linalg.norm(centres - piece.centre, axis=1) - piece.reach
+    least -= np.linalg.norm(triangles - centres[:, None], axis=2).max(axis=1)
+    best = np.inf
+    while True:
+        k = int(least.argmin())
+        if least[k] >= best * (1 - DISTANCE_TOLERANCE):
+            return float(best)
+        found, direction = _distance_and_direction(Piece(triangles[k]), piece)
+        best = min(best, found)
+        if best == 0:
+            return 0.0
+        behind = float(piece.extreme(direction) @ direction) + piece.radius
+        least = np.maximum(least, (triangles @ direction).min(axis=1) - behind)
+        least[k] = np.inf
 
 
 def triangles_of(body: Surface) -> Vector | None:
@@ -130,24 +153,6 @@ def triangles_of(body: Surface) -> Vector | None:
         quads = np.array(CUBOID_FACES)
         return np.asarray(body.corners[np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])])
     return None
-
-
-class _Pieces:
-    """The convex pieces of a body with the balls around them; those of triangles are made when they are asked for."""
-
-    def __init__(self, body: Surface) -> None:
-        triangles = triangles_of(body) if isinstance(body, Polyhedron | Soup) else None
-        self._pieces: Vector | list[Piece] = pieces(body) if triangles is None else triangles
-        if triangles is None:
-            self.centres = np.array([piece.centre for piece in self._pieces])
-            self.reaches = np.array([piece.reach for piece in self._pieces])
-        else:
-            self.centres = triangles.mean(axis=1)
-            self.reaches = np.linalg.norm(triangles - self.centres[:, None], axis=2).max(axis=1)
-
-    def __getitem__(self, k: int) -> Piece:
-        piece = self._pieces[k]
-        return piece if isinstance(piece, Piece) else Piece(piece)
 
 
 def in_contact(first: Body, second: Body) -> bool:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.bodies.boxes import cuboid_of
-from fem_reference.bodies.contacts import groups, meet, refuse_contact
+from fem_reference.bodies.contacts import SMALLEST_GAP, groups, meet, refuse_contact
 from fem_reference.bodies.distances import triangles_of
 from fem_reference.bodies.polyhedron import NotASolid, Polyhedron, polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
@@ -31,6 +31,9 @@ MOST_TRIANGLES = 5000
 becomes a face of the geometry; NUMERICS.md section 8 has the times that meshing these takes."""
 MOST_TRIANGLES_UNITED = 300
 """Largest number of triangles of clean meshes whose union OpenCASCADE is asked for unless `exact` is asked for."""
+BRIDGED = 5e-2
+"""Widest gap between bodies of one potential that is bridged if they would be wrapped where they touched, over the smaller of their sizes:
+no field gets into it. A gap that is too narrow to mesh is bridged beside any triangle mesh."""
 ROUNDNESS = 1e-3
 """Largest distance of the triangles of a round body that is wrapped from its surface, over the size of the body."""
 
@@ -49,8 +52,10 @@ class Part:
     conductor: str
     surface: Surface
     cluster: str
-    """The name of the first of the bodies of one conductor that touch each other, among which this one is."""
+    """The name of the first of the bodies of one conductor that touch or nearly touch each other, among which this one is."""
     dielectric: bool = False
+    bridged: bool = False
+    """Whether it nearly touches a body of its cluster, so that the gap has to be bridged by a wrap."""
 
     @property
     def body(self) -> Body:
@@ -112,11 +117,13 @@ def _surface_of_mesh(name: str, triangles: Array, file: str, most: int | None) -
     return cuboid_of(solid) or solid
 
 
-def merged(parts: Sequence[Part], objects: Sequence[Object]) -> list[Part]:
+def merged(
+    parts: Sequence[Part], objects: Sequence[Object], comes: Sequence[bool], geometry: Geometry
+) -> list[Part]:
     """The parts that these objects are, with those made one conductor that have the same `conductor`, or are grounded and touch.
 
     Such a conductor has the first name that an object in it gives it, else that of its first object. Bodies touch as well if they overlap
-    or contain one another.
+    or contain one another, or if the gap between them is bridged; that is not done between a target, which `comes` and goes, and what stays.
     """
     pairs = list(combinations(range(len(parts)), 2))
     told = [(i, j) for i, j in pairs if objects[i].conductor is not None]
@@ -124,13 +131,34 @@ def merged(parts: Sequence[Part], objects: Sequence[Object]) -> list[Part]:
     grounded = [k for k, body in enumerate(objects) if body.potential == "grounded"]
     candidates = sorted({*told, *combinations(grounded, 2)})
     touching = [(i, j) for i, j in candidates if meet(parts[i].surface, parts[j].surface)]
-    conductor, cluster = groups(len(parts), told + touching), groups(len(parts), touching)
+    near = []
+    if geometry.kind != "exact":
+        near = [(i, j) for i, j in candidates if (i, j) not in touching and comes[i] == comes[j]]
+        near = [(i, j) for i, j in near if _nearly_touch(parts[i].surface, parts[j].surface)]
+    bridged = {k for pair in near for k in pair}
+    conductor = groups(len(parts), told + touching + near)
+    cluster = groups(len(parts), touching + near)
     result = []
     for k, part in enumerate(parts):
         own = [body for body, number in zip(objects, conductor) if number == conductor[k]]
         name = next((body.conductor for body in own if body.conductor is not None), own[0].name)
-        result.append(replace(part, conductor=name, cluster=parts[cluster.index(cluster[k])].surface.name))
+        first = parts[cluster.index(cluster[k])].surface.name
+        result.append(replace(part, conductor=name, cluster=first, bridged=k in bridged))
     return result
+
+
+def _nearly_touch(first: Surface, second: Surface) -> bool:
+    """Whether the gap between two bodies of one potential is bridged."""
+    meshes = [surface for surface in (first, second) if isinstance(surface, Polyhedron | Soup)]
+    if not meshes:
+        return False
+    return meet(first, second, BRIDGED if _cannot_be_united(meshes) else SMALLEST_GAP)
+
+
+def _cannot_be_united(meshes: Sequence[Polyhedron | Soup]) -> bool:
+    """Whether meshes that touch have to be wrapped."""
+    count = sum(len(surface.triangles) for surface in meshes)
+    return count > MOST_TRIANGLES_UNITED or any(isinstance(surface, Soup) for surface in meshes)
 
 
 def meshable(
@@ -163,11 +191,12 @@ def _needs_wrap(own: Sequence[Part], geometry: Geometry, source: str) -> bool:
                 f'object "{part.surface.name}": shape.file',
                 f"{part.surface.defect}; without --geometry exact it would be wrapped",
             )
-    counts = [len(part.surface.triangles) for part in own if isinstance(part.surface, Polyhedron | Soup)]
-    if geometry.kind == "exact" or not counts:
+    if geometry.kind == "exact":
         return False
-    most = MOST_TRIANGLES if len(own) == 1 else MOST_TRIANGLES_UNITED
-    return sum(counts) > most or any(isinstance(part.surface, Soup) for part in own)
+    meshes = [part.surface for part in own if isinstance(part.surface, Polyhedron | Soup)]
+    if len(own) == 1 and meshes:
+        return isinstance(meshes[0], Soup)
+    return _cannot_be_united(meshes) or any(part.bridged for part in own)
 
 
 def _wrapped(

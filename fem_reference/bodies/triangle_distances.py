@@ -11,8 +11,12 @@ Indices = NDArray[np.int64]
 
 CHUNK = 20_000
 """Number of pairs of triangles whose distances are computed at a time."""
+FIRST_PAIRS = 1000
+"""Number of pairs of triangles whose least distance bounds that of all from above."""
 NO_AREA = 1e-24
 """Square of the height over the longest side at which a triangle has no area: only its sides count then."""
+ROUNDING = 1e-6
+"""Share by which lower bounds of distances are reduced, for rounding."""
 TINY = 1e-300
 """Squared length that takes the place of 0 in a division."""
 
@@ -20,18 +24,45 @@ TINY = 1e-300
 def soup_distance(first: Vector, second: Vector) -> float:
     """The shortest distance between triangles (n, 3, 3) and triangles (m, 3, 3); 0 where two of them meet.
 
-    Each triangle is enclosed in a ball. Pairs of triangles are taken in the order of the distance of their balls, until it exceeds
-    the least distance found.
+    The nearest of pairs with close centroids bounds it from above, so that only triangles near the other box have to be looked at. Each
+    is enclosed in a ball, and pairs are taken in the order of the distance of their balls, until it exceeds the least distance found.
     """
+    apart, nearest = cKDTree(second.mean(axis=1)).query(first.mean(axis=1))
+    close = np.argsort(apart)[:FIRST_PAIRS]
+    best = float(_distances(first[close], second[nearest[close]]).min())
+    first, second = _near_box(first, second, best), _near_box(second, first, best)
+    if best == 0 or not len(first) or not len(second):
+        return best
     one, other = _Balls(first), _Balls(second)
-    best = float(cKDTree(other.centres).query(one.centres)[0].min())
     pairs, least = one.pairs_within(other, best)
     for start in range(0, len(pairs), CHUNK):
         if least[start] > best or best == 0:
             break
         chosen = pairs[start : start + CHUNK]
-        best = min(best, float(_distances(first[chosen[:, 0]], second[chosen[:, 1]]).min()))
+        one_side, other_side = first[chosen[:, 0]], second[chosen[:, 1]]
+        near = _at_least(one_side, other_side) <= best
+        best = min(best, float(_distances(one_side[near], other_side[near]).min(initial=np.inf)))
     return best
+
+
+def _near_box(triangles: Vector, others: Vector, reach: float) -> Vector:
+    """The triangles (n, 3, 3) whose bounding boxes are at most `reach` from that of others (m, 3, 3)."""
+    low, high = others.min(axis=(0, 1)), others.max(axis=(0, 1))
+    apart = np.maximum(triangles.min(axis=1) - high, low - triangles.max(axis=1))
+    return np.asarray(triangles[apart.max(axis=1) <= reach * (1 + ROUNDING)])
+
+
+def _at_least(first: Vector, second: Vector) -> Vector:
+    """Lower bounds (n,) of the distances of pairs of triangles (n, 3, 3): between their bounding boxes, and from the plane of each."""
+    apart = np.maximum(first.min(axis=1) - second.max(axis=1), second.min(axis=1) - first.max(axis=1))
+    found = np.linalg.norm(np.maximum(apart, 0), axis=1)
+    for one, other in ((first, second), (second, first)):
+        normal = np.cross(one[:, 1] - one[:, 0], one[:, 2] - one[:, 0])
+        heights = np.einsum("nki,ni->nk", other - one[:, :1], normal)
+        beyond = np.maximum(heights.min(axis=1), -heights.max(axis=1))
+        found = np.maximum(found, beyond / np.maximum(np.linalg.norm(normal, axis=1), TINY))
+    # Rounding must not exclude the nearest pair.
+    return np.asarray(found * (1 - ROUNDING))
 
 
 class _Balls:

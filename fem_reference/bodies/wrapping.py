@@ -1,7 +1,7 @@
 """Wraps triangles in any state into a closed surface that strictly contains them: NUMERICS.md section 13.
 
-The wrap itself is made by CGAL's alpha wrap, in the program fringe-wrap. How closely it follows the triangles is chosen here, from the
-distance to whatever is nearest: there the wrap has to be exact.
+The wrap itself is made by CGAL's alpha wrap, in the program fringe-wrap. How closely it follows the triangles is chosen here, place by
+place, from the distance to what has another potential: near that the wrap has to be exact.
 """
 
 from __future__ import annotations
@@ -28,18 +28,19 @@ from geometries.scene.shapes import Shape
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-ALPHA_OF_GAP = 0.8
-"""Largest alpha, the radius of the narrowest hollow that the wrap follows, over the distance to the nearest other conductor. A ball of
-that distance around the other conductor's nearest point is empty, so that the wrap cannot bridge to it unless it lies in a cavity."""
-ALPHA_OF_EXTENT = 0.05
+ALPHA_SHARE = 0.4
+"""Alpha, the radius of the narrowest hollow that the wrap follows, over the distance to what has another potential. Near such a body alpha
+tends to 0, so that the wrap cannot bridge to it unless it lies in a cavity."""
+ALPHA_OF_EXTENT = 0.02
 """Largest alpha over the extent of the wrapped bodies."""
-LEAST_SHARE, LARGEST_SHARE = 2e-3, 2e-2
-"""Least and largest distance of the wrap from what it contains, over the distance to the nearest other conductor. Between them it is the
-relative accuracy that was asked for: to first order, a displacement of a surface changes capacitances by this share of themselves."""
+SHARE_OF_RTOL, LEAST_SHARE, LARGEST_SHARE = 0.125, 1e-3, 2.5e-3
+"""Distance of the wrap from what it contains, over the distance to what has another potential: this share of the relative accuracy that was
+asked for, within limits. To first order, a displacement of a surface changes capacitances by as much of themselves, or twice that after
+simplification. On an arm of 9,000 triangles shares of 2e-2 and 5e-3 cost 5 % and 2 % of the change by a hand."""
+OFFSET_OF_EXTENT = 0.25
+"""Distance at which the offset stops growing, over the extent of the wrapped bodies: their own shape counts there as well."""
 ALLOWED_OVER_OFFSET = 2.0
-"""Distance up to which the wrap is simplified, over its offset; far from other conductors, over what the offset would be there."""
-MOST_OF_EXTENT = 0.01
-"""Largest distance of the simplified wrap from what it contains, over the extent of the wrapped bodies; it is reached far away only."""
+"""Distance up to which the wrap is simplified, over its offset at that place."""
 SAMPLES = 100_000
 """Number of points on the wrapped bodies by which the body nearest to a place on the wrap is found."""
 CLOSED = 1.5
@@ -96,26 +97,40 @@ def member_names(body: Body) -> tuple[str, ...]:
     return body.members if isinstance(body, Wrap) else (body.name,)
 
 
+@dataclass(frozen=True)
+class LocalLength:
+    """A length (m) that is a share of the distance to what has another potential, within limits."""
+
+    share: float
+    least: float
+    most: float
+
+    def at(self, distances: Vector) -> Vector:
+        """The length at places with these distances."""
+        return np.clip(self.share * distances, self.least, self.most)
+
+
 def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geometry) -> Wrap:
     """Wrap the triangles (n, 3, 3) of bodies, named, of one conductor; `others` (m, 3, 3) are those of everything else, in metres.
 
     Raises RuntimeError when the program fails or is missing.
     """
     triangles = np.concatenate([own for _, own in members])
-    alpha, offset, allowed, share, most = _lengths(triangles, others, geometry)
+    alpha, offset = _lengths(triangles, others, geometry)
     samples, labels = spread_points([own for _, own in members])
 
     def wrapped() -> tuple[Vector, Indices, float]:
-        vertices, corners = _run(triangles, others, (alpha, offset, allowed, share, most))
-        return vertices, corners, _closed(vertices[corners], samples, others, (allowed, share, most))
+        vertices, corners = _run(triangles, others, alpha, offset)
+        return vertices, corners, _closed(vertices[corners], samples, others, offset)
 
     vertices, corners, closes = wrapped()
     if geometry.opens and closes:
-        widest, alpha = closes, 2 * OPENING * closes
+        widest, most = closes, 2 * OPENING * closes
         for _ in range(MOST_OPENINGS):
-            alpha = max(alpha / 2, 2 * offset)
+            most = max(most / 2, 2 * offset.least)
+            alpha = LocalLength(alpha.share, min(alpha.least, most), most)
             vertices, corners, closes = wrapped()
-            if closes < OPENED * widest or alpha <= 2 * offset:
+            if closes < OPENED * widest or most <= 2 * offset.least:
                 break
     parts = connected_parts(corners)
     return Wrap(
@@ -127,58 +142,58 @@ def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geomet
         members=tuple(name for name, _ in members),
         samples=samples,
         labels=labels,
-        alpha=alpha,
-        offset=offset,
+        alpha=alpha.least,
+        offset=offset.least,
         closes=closes,
     )
 
 
-def _lengths(
-    triangles: Vector, others: Vector, geometry: Geometry
-) -> tuple[float, float, float, float, float]:
-    """Alpha, offset, and the distances up to which the wrap may be simplified: everywhere, as a share of the distance to others, at most."""
+def _lengths(triangles: Vector, others: Vector, geometry: Geometry) -> tuple[LocalLength, LocalLength]:
+    """Alpha and the offset."""
     extent = float(np.linalg.norm(np.ptp(triangles.reshape(-1, 3), axis=0)))
     gap = soup_distance(triangles, others) if len(others) else math.inf
     if gap == 0:
         gap = extent
-    share = min(max(geometry.rtol, LEAST_SHARE), LARGEST_SHARE)
-    alpha = geometry.alpha or min(ALPHA_OF_GAP * gap, ALPHA_OF_EXTENT * extent)
-    offset = geometry.offset or share * min(gap, ALPHA_OF_EXTENT * extent)
-    offset *= geometry.coarseness
-    alpha = max(alpha * geometry.coarseness, 2 * offset)
-    allowed = ALLOWED_OVER_OFFSET * offset
-    share *= ALLOWED_OVER_OFFSET * geometry.coarseness
-    return alpha, offset, allowed, share, max(allowed, MOST_OF_EXTENT * extent)
+    share = geometry.coarseness * min(max(SHARE_OF_RTOL * geometry.rtol, LEAST_SHARE), LARGEST_SHARE)
+    widest = ALPHA_OF_EXTENT * extent
+    least = geometry.coarseness * geometry.offset if geometry.offset else share * min(gap, widest)
+    offset = LocalLength(share, least, max(least, share * OFFSET_OF_EXTENT * extent))
+    narrow, wide = (geometry.alpha or min(ALPHA_SHARE * gap, widest)), geometry.alpha or widest
+    narrow, wide = (max(geometry.coarseness * length, 2 * least) for length in (narrow, wide))
+    return LocalLength(geometry.coarseness * ALPHA_SHARE, narrow, wide), offset
 
 
-def _closed(wrapped: Vector, samples: Vector, others: Vector, allowance: tuple[float, float, float]) -> float:
+def _closed(wrapped: Vector, samples: Vector, others: Vector, offset: LocalLength) -> float:
     """The largest distance from `samples` of points on a wrap (n, 3, 3) that are farther away than it was allowed to be simplified; 0 if none
     are. The distance of points on the wrapped bodies from the nearest sample counts as nothing."""
     points, _ = spread_points([wrapped])
     tree = cKDTree(samples)
     away = tree.query(points)[0]
     spacing = float(np.quantile(tree.query(samples, k=2)[0][:, 1], SPACING_QUANTILE))
-    allowed, share, most = allowance
-    limit = np.full(len(points), allowed)
+    nearest = np.full(len(points), np.inf)
     if len(others):
         # All points of a distant plane are nearly equally far, and the exact nearest one takes a minute to find.
         nearest = cKDTree(spread_points([others])[0]).query(
-            points, eps=OTHERS_TOLERANCE, distance_upper_bound=most / share
+            points, eps=OTHERS_TOLERANCE, distance_upper_bound=offset.most / offset.share
         )[0]
-        limit = np.clip(share * nearest, allowed, most)
-    far = away > CLOSED * limit + SPACINGS * spacing
+    far = away > CLOSED * ALLOWED_OVER_OFFSET * offset.at(nearest) + SPACINGS * spacing
     return float(away[far].max(initial=0.0))
 
 
-def _run(triangles: Vector, others: Vector, lengths: Sequence[float]) -> tuple[Vector, Indices]:
+def _run(
+    triangles: Vector, others: Vector, alpha: LocalLength, offset: LocalLength
+) -> tuple[Vector, Indices]:
     """Run fringe-wrap; returns the vertices and triangles of its surface."""
     program = installation.wrap_program()
+    lengths = [number for own in (alpha, offset) for number in (own.least, own.share, own.most)]
     with temporary_folder() as folder:
         names = [folder / name for name in ("in.off", "others.off", "out.off")]
         _write_off(names[0], triangles)
         _write_off(names[1], others)
         try:
-            words = ending_with_this([program, *names, *(repr(float(length)) for length in lengths)])
+            words = ending_with_this(
+                [program, *names, *map(repr, map(float, [*lengths, ALLOWED_OVER_OFFSET]))]
+            )
         except FileNotFoundError as missing:
             raise RuntimeError(f"wrapping failed: {program} is missing: ./run builds it") from missing
         done = subprocess.run(words, capture_output=True, text=True, check=False)

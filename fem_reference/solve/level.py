@@ -98,9 +98,8 @@ def solve_level(
         ],
     )
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    found, on_bodies, done, interval, readings, from_bounds, marked, matrix = _charges_and_bounds(
-        problem, mesh, farads, bounds, planes, only_readings
-    )
+    solved = _solved(problem, mesh, farads, bounds, planes, only_readings)
+    found = solved.charges
     release_unused(mesh.mesh.comm)
     smallest = min(body.size for body in problem.bodies)
     edge_size = sizing.edge * smallest / sizing.refinement
@@ -116,14 +115,14 @@ def solve_level(
         farads * found.sensors_alone,
         farads * np.diag(found.maxwell[: problem.sensors, : problem.sensors] - found.sensors_alone),
         peak_memory(),
-        end - done,
-        interval if bounds == "enclosure" else None,
-        interval if bounds == "estimate" else None,
-        None if matrix is None else (farads * matrix[0], farads * matrix[1]),
-        tuple(farads * own for own in on_bodies),
-        None if readings is None else readings.scaled(farads),
-        None if from_bounds is None else from_bounds.scaled(farads),
-        marked,
+        end - solved.done,
+        solved.interval if bounds == "enclosure" else None,
+        solved.interval if bounds == "estimate" else None,
+        None if solved.between is None else (farads * solved.between[0], farads * solved.between[1]),
+        tuple(farads * own for own in solved.on_bodies),
+        None if solved.readings is None else solved.readings.scaled(farads),
+        None if solved.delta_self is None else solved.delta_self.scaled(farads),
+        solved.marks,
     )
     # All processes go on with the numbers of the first, to the last digit: these decide what all of them do next.
     if mesh.mesh.comm.size > 1:
@@ -131,27 +130,34 @@ def solve_level(
     return level
 
 
-def _charges_and_bounds(
+@dataclass(frozen=True)
+class _Solved:
+    """What one mesh yields (ε = 1, but for the interval); without bounds only the first three and the readings."""
+
+    charges: Charges
+    on_bodies: tuple[Array, ...]
+    """The charges on the bodies of each conductor."""
+    done: float
+    """When all charges were known (s), on the monotonic clock."""
+    readings: LevelReadings | None
+    interval: Enclosure | None = None
+    """Bounds of the Maxwell matrix (F)."""
+    delta_self: TwoSided | None = None
+    """`delta_self` from the bounds."""
+    marks: Marks | None = None
+    between: tuple[Array, Array] | None = None
+    """The Maxwell matrix between wide bounds, and its estimated error."""
+
+
+def _solved(
     problem: Conductors,
     mesh: TaggedMesh,
     farads: float,
     bounds: Bounds,
     planes: Sequence[Plane],
     only_readings: bool,
-) -> tuple[
-    Charges,
-    tuple[Array, ...],
-    float,
-    Enclosure | None,
-    LevelReadings | None,
-    TwoSided | None,
-    Marks | None,
-    tuple[Array, Array] | None,
-]:
+) -> _Solved:
     """Solve for the charges and, if asked for, their bounds, and for the readings.
-
-    Also returns the charges on bodies, the time when all charges were known, `delta_self` from the bounds (ε = 1), the cells' marks, and the
-    estimated matrix with its error (ε = 1).
 
     The matrices are local to this function, so that `release_unused` can free them afterwards.
     """
@@ -162,7 +168,7 @@ def _charges_and_bounds(
     on_bodies = body_charges(problem, system, found.potentials, planes)
     done = time.monotonic()
     if bounds == "none":
-        return found, on_bodies, done, None, level_readings(problem, system, found), None, None, None
+        return _Solved(found, on_bodies, done, level_readings(problem, system, found))
     with stage("bounding the energies"):
         cells = CondensedCells(mesh, ESTIMATE_DEGREE if bounds == "estimate" else FLUX_DEGREE)
         matrix = _bounded(problem, system, found.potentials, cells)
@@ -194,7 +200,7 @@ def _charges_and_bounds(
                 None if readings is None else replace(readings, value_bounds=None, background_bounds=None)
             )
         marked = marks(problem.bodies, problem.owner, *mesh.corners(), parts.of_cells, parts.whole)
-    return found, on_bodies, done, interval, readings, from_bounds, marked, between
+    return _Solved(found, on_bodies, done, readings, interval, from_bounds, marked, between)
 
 
 def _bounded(

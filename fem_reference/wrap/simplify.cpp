@@ -32,8 +32,7 @@ double height_over_side(const Point& a, const Point& b, const Point& c) {
 /// it, turn over, or be narrow.
 class Filter {
  public:
-  Filter(const Tree& inside, const Tree& others, const Allowance& allowance)
-      : inside_{&inside}, others_{&others}, allowance_{allowance} {}
+  Filter(const Tree& inside, const Lengths& lengths) : inside_{&inside}, lengths_{&lengths} {}
 
   template <typename Profile>
   boost::optional<Point> operator()(const Profile& profile, const boost::optional<Point>& placed) const {
@@ -67,26 +66,22 @@ class Filter {
 
  private:
   bool is_near(const Point& point) const {
-    double allowed = allowance_.everywhere;
-    if (!others_->empty()) {
-      const double away = std::sqrt(others_->squared_distance(point));
-      allowed = std::clamp(allowance_.share * away, allowed, std::max(allowed, allowance_.most));
-    }
+    const double allowed =
+        lengths_->allowed_over_offset * lengths_->offset.at(lengths_->distance_to_others(point));
     return inside_->squared_distance(point) <= allowed * allowed;
   }
 
   const Tree* inside_;
-  const Tree* others_;
-  Allowance allowance_;
+  const Lengths* lengths_;
 };
 
 }  // namespace
 
-void simplify(Mesh& mesh, const Tree& inside, const Tree& others, const Allowance& allowance) {
+void simplify(Mesh& mesh, const Tree& inside, const Lengths& lengths) {
   simplification::edge_collapse(mesh, simplification::Count_stop_predicate<Mesh>{4},
                                 CGAL::parameters::get_cost(simplification::LindstromTurk_cost<Mesh>{})
                                     .get_placement(simplification::LindstromTurk_placement<Mesh>{})
-                                    .filter(Filter{inside, others, allowance}));
+                                    .filter(Filter{inside, lengths}));
   mesh.collect_garbage();
 }
 

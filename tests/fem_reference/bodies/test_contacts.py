@@ -139,6 +139,31 @@ def test_only_conductors_that_need_it_are_wrapped(tmp_path: Path) -> None:
     assert isinstance(wrap, Wrap) and wrap.members == ("link", "tool") and wrap.name == "link"
 
 
+def links(folder: Path, gap: float) -> str:
+    """Two links of an arm, unclean meshes with a gap between them."""
+    cube = shapes.Cuboid((0.04, 0.04, 0.04)).triangles()
+    dirty = mesh_scene(folder, np.concatenate([cube, cube[:1]]))
+    return SENSOR + body("upper", dirty, (0, 0, 0.05)) + body("lower", dirty, (0.04 + gap, 0, 0.05))
+
+
+def test_links_that_nearly_touch_are_wrapped_together(tmp_path: Path) -> None:
+    """Once each was wrapped as finely as the gap between them, and the wraps of a whole arm did not end."""
+    found = conductors(loads(links(tmp_path, 1.5e-4)), geometry=Geometry(rtol=2e-2))
+    (wrap,) = found.wraps
+    assert found.names == ("front", "upper") and wrap.members == ("upper", "lower")
+    assert len(wrap.parts) == 1 and wrap.alpha > 1e-3 and len(wrap.triangles) < 400
+    assert conductors(loads(links(tmp_path, 4e-3)), geometry=Geometry(rtol=2e-2)).names[1:] == (
+        "upper",
+        "lower",
+    )
+
+
+def test_a_target_that_nearly_touches_the_machine_is_no_part_of_it(tmp_path: Path) -> None:
+    text = links(tmp_path, 1e-3) + "target = true\n"
+    found = conductors(loads(text), geometry=Geometry(rtol=2e-2))
+    assert found.names == ("front", "upper", "lower") and found.targets == {"lower"}
+
+
 def test_a_clean_mesh_is_wrapped_only_where_that_is_asked_for(tmp_path: Path) -> None:
     prism = mesh_scene(tmp_path, shapes.Cylinder(0.02, 0.04, 6).triangles())
     text = SENSOR + body("link", prism, (0, 0, 0.05))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 
@@ -15,6 +17,7 @@ from fem_reference.mesh.body_distances import (
 from fem_reference.bodies.distances import distance, holds, touch_with_faces
 from fem_reference.bodies.polyhedron import polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
+from fem_reference.bodies.soup import Soup
 from geometries.scene import polygons, shapes
 from geometries.scene.poses import AxisRotation
 
@@ -100,6 +103,19 @@ ROUND: list[ClosedFormBody] = [
     Swept("rounded", CENTRE, TURNED, (0.5, 0.7, 0.8), 0.1),
     *(Arc("arc", CENTRE, TURNED, 1.0, 1.6, 0.8, half) for half in (0.1, 0.6, 1.7, 3.0, np.pi)),
 ]
+
+
+def test_a_large_mesh_is_as_far_from_a_round_body_as_its_nearest_triangle() -> None:
+    """Of the 40,000 triangles few are looked at: once so many were that it took seconds."""
+    hand = Swept("hand", np.zeros(3), np.eye(3), (0.01, 0.03, 0.08), 0.01)
+    shift = np.array([0.07, 0.05, 0.12])
+    ball = shapes.Sphere(0.05, 202).triangles() + shift
+    start = time.process_time()
+    found = distance(Soup("ball", ball, ""), hand)
+    assert time.process_time() - start < 2
+    assert found == distance(hand, Soup("ball", ball, ""))
+    centre = np.linalg.norm(shift - [0.01, 0.03, 0.08])
+    assert found == pytest.approx(centre - 0.05 - 0.01, abs=2e-5)
 
 
 @pytest.mark.parametrize("body", ROUND, ids=lambda body: f"{body.name}")

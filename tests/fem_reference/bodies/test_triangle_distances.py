@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import time
+
 import numpy as np
 import pytest
 
@@ -40,3 +42,11 @@ def test_a_triangle_without_area_is_as_far_as_its_sides() -> None:
     plate = shapes.PlateShape((1.0, 1.0)).triangles() + [0.5, 0, 0.3]
     assert soup_distance(needle, plate) == pytest.approx(0.3)
     assert soup_distance(plate, point) == pytest.approx(0.3)
+
+
+def test_long_triangles_that_all_overlap_each_others_balls_take_no_longer() -> None:
+    """Two rods of 1200 triangles as long as they are, side by side: once every pair of triangles was looked at closely, for a minute."""
+    rod = shapes.Cylinder(0.05, 1.0, 300).triangles()
+    start = time.process_time()
+    assert soup_distance(rod, rod + [0.1003, 0.0, 0.0]) == pytest.approx(3e-4, rel=1e-6)
+    assert time.process_time() - start < 10

@@ -64,6 +64,17 @@ def test_a_wrap_does_not_bridge_to_a_sensor_1_cm_away() -> None:
     assert not found.holds(sensor.reshape(-1, 3)).any()
 
 
+def test_a_wrap_is_coarser_where_what_has_another_potential_is_far() -> None:
+    """A rod with slots 1 cm wide along it, and a sensor at one end: slots there are followed, those at the other end are closed."""
+    ribs = [shapes.Cuboid((0.01, 0.05, 0.05)).triangles() + [x, 0, 0] for x in np.arange(0, 0.6, 0.02)]
+    rod = np.concatenate([*ribs, shapes.Cuboid((0.6, 0.05, 0.01)).triangles() + [0.29, 0, -0.025]])
+    found = wrap([("rod", rod)], SENSOR - [0, 0, 0.002], Geometry(rtol=2e-2))
+    in_slots = np.array([[0.01, 0, 0.024], [0.03, 0, 0.024], [0.55, 0, 0.015], [0.57, 0, 0.015]])
+    assert found.holds(in_slots).tolist() == [False, False, True, True]
+    fine = np.count_nonzero(found.vertices[:, 0] < 0.1)
+    assert fine / 0.1 > 2 * (len(found.vertices) - fine) / 0.5
+
+
 def test_a_wrap_knows_which_body_is_where() -> None:
     found = wrap([("left", BOX), ("right", BOX + [0.05, 0.01, 0.01])], SENSOR, Geometry(rtol=2e-2))
     assert found.members == ("left", "right") and found.name == "left"
