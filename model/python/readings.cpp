@@ -36,7 +36,7 @@ std::optional<double> quantity(const PythonReading& reading, const std::string& 
   return name == "value" ? reading.value : name == "background" ? reading.background : reading.change;
 }
 
-std::string representation(const PythonReading& reading) {
+std::string printed(const PythonReading& reading) {
   std::string text = fmt::format("<fringe.Reading {}", reading.name);
   for (const std::string name : quantities)
     text += fmt::format("{} {} {}", name == quantities.front() ? ":" : ",", name,
@@ -58,7 +58,7 @@ std::string html(const PythonReading& reading) {
   return text + "</table>";
 }
 
-const Eigen::MatrixXd& array_of(const MotionTable& table, const std::string& name) {
+const Eigen::MatrixXd& numbers_of(const MotionTable& table, const std::string& name) {
   return name == "value" ? table.value : name == "background" ? table.background : table.change;
 }
 
@@ -77,7 +77,7 @@ py::object to_pandas(const MotionTable& table) {
   columns["answered_by"] = answered_by;
   const auto flat = [](const Eigen::MatrixXd& array) { return py::cast(array).attr("ravel")(); };
   for (const std::string name : quantities) {
-    columns[py::str(name + "_F")] = flat(array_of(table, name));
+    columns[py::str(name + "_F")] = flat(numbers_of(table, name));
     columns[py::str(name + "_error_F")] = flat(table.error.at(name));
   }
   return py::module_::import("pandas").attr("DataFrame")(columns);
@@ -87,7 +87,7 @@ py::object to_xarray(const MotionTable& table) {
   const py::tuple dimensions = py::make_tuple("frame", "reading");
   py::dict variables;
   for (const std::string name : quantities) {
-    variables[py::str(name)] = py::make_tuple(dimensions, array_of(table, name), py::dict("units"_a = "F"));
+    variables[py::str(name)] = py::make_tuple(dimensions, numbers_of(table, name), py::dict("units"_a = "F"));
     variables[py::str(name + "_error")] =
         py::make_tuple(dimensions, table.error.at(name), py::dict("units"_a = "F"));
   }
@@ -102,7 +102,7 @@ py::object plot(const MotionTable& table, const std::string& name, py::object ax
         fmt::format("there is no quantity \"{}\": it must be one of {}", name, fmt::join(quantities, ", ")));
   if (axes.is_none())
     axes = py::module_::import("matplotlib.pyplot").attr("subplots")().cast<py::tuple>()[1];
-  const Eigen::MatrixXd values = picofarads_per_farad * array_of(table, name),
+  const Eigen::MatrixXd values = picofarads_per_farad * numbers_of(table, name),
                         errors = picofarads_per_farad * table.error.at(name);
   py::list frames;
   for (std::size_t frame = 0; frame < table.frames.size(); ++frame)
@@ -120,7 +120,7 @@ py::object plot(const MotionTable& table, const std::string& name, py::object ax
   return axes;
 }
 
-std::string representation(const MotionTable& table) {
+std::string printed(const MotionTable& table) {
   std::string text = fmt::format("<fringe.MotionReadings of {} frames: {}>", table.frames.size(),
                                  fmt::join(table.readings, ", "));
   constexpr std::size_t most_lines = 12;
@@ -215,7 +215,7 @@ void add_readings(py::module_& module) {
           R"(The derivatives of the change by the pose of each link, {link: (6,) array}, if asked for.)")
       .def_readonly("derivative_errors", &PythonReading::derivative_errors,
                     "Estimates of their errors, {link: (6,) array}; None where the method states none.")
-      .def("__repr__", [](const PythonReading& reading) { return representation(reading); })
+      .def("__repr__", [](const PythonReading& reading) { return printed(reading); })
       .def("_repr_html_", &html);
   py::class_<MotionTable>(
       module, "MotionReadings",
@@ -230,7 +230,7 @@ void add_readings(py::module_& module) {
       .def_readonly("error", &MotionTable::error,
                     R"(Estimates of the errors: {"value", "background", "change"}, an array each.)")
       .def("__len__", [](const MotionTable& table) { return table.frames.size(); })
-      .def("__repr__", [](const MotionTable& table) { return representation(table); })
+      .def("__repr__", [](const MotionTable& table) { return printed(table); })
       .def("_repr_html_", [](const MotionTable& table) { return to_pandas(table).attr("_repr_html_")(); })
       .def("to_pandas", &to_pandas,
            "A table with a row for each frame and reading, and the columns of the tables of `fringe sweep`.")

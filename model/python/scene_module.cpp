@@ -61,12 +61,12 @@ py::dict dictionary(const FormulaTerms& terms) {
 
 /// The options of the methods as keywords of Python.
 struct Asked {
-  std::optional<std::string> method;
-  std::optional<double> rtol;
+  std::optional<std::string> method = {};
+  std::optional<double> rtol = {};
   bool entries = false;
-  std::optional<double> max_seconds;
+  std::optional<double> max_seconds = {};
   bool derivatives = false;
-  std::optional<std::filesystem::path> prepared;
+  std::optional<std::filesystem::path> prepared = {};
   double tolerance = 0;
 };
 
