@@ -72,8 +72,15 @@ EvaluationOptions with_method(EvaluationOptions options, std::string_view text) 
       text.remove_suffix(suffix.size());
     return found;
   };
-  options.faces = ends_with(facing_suffix) ? FaceRule::facing : FaceRule::all;
-  options.plates = ends_with(nearest_suffix) ? PlateRule::nearest : PlateRule::sum;
+  options.faces = FaceRule::all;
+  options.plates = PlateRule::sum;
+  // In either order.
+  for (bool found = true; found;) {
+    const bool is_facing = ends_with(facing_suffix), is_nearest = ends_with(nearest_suffix);
+    options.faces = is_facing ? FaceRule::facing : options.faces;
+    options.plates = is_nearest ? PlateRule::nearest : options.plates;
+    found = is_facing || is_nearest;
+  }
   options.method = parse_method(text);
   return options;
 }

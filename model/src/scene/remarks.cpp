@@ -358,7 +358,9 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
   if (!is_integral(method_of(options)) && detail::InsulatedReadings::knows(scene))
     remark_on_unknown_errors(answer, found);
   remark_on_insulators(scene, answer, found);
-  remark_on_shields(scene, bodies, answer, found);
+  // Readings that know the conductors around need no remark on them.
+  if (is_integral(method_of(options)) || !detail::InsulatedReadings::knows(scene))
+    remark_on_shields(scene, bodies, answer, found);
   return found;
 }
 

@@ -46,8 +46,9 @@ TEST(Auto, IsTheCheapestThatStatesTheAccuracy) {
   for (const double rtol : {1e-2, 1e-3, 3e-4, 1e-5}) {
     const Evaluation answer = evaluate(plates(), {.rtol = rtol, .entries = Entries::all});
     // The reduced method states no error below 1e-4.
-    if (rtol < 1e-4)
+    if (rtol < 1e-4) {
       EXPECT_EQ(answer.answered_by, "boundary-elements");
+    }
     EXPECT_TRUE(answer.reached);
     EXPECT_LE(target(answer).error.value(), rtol * target(answer).capacitance);
     EXPECT_NEAR(target(answer).capacitance, maxwell(plates(), {.rtol = 1e-6}).mutual(0, 1),

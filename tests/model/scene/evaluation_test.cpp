@@ -131,6 +131,7 @@ TEST(EvaluationOptions, HaveOneDefaultErrorAndAMethodThatReachesOneThatIsGiven) 
   EXPECT_EQ(method_text({.rtol = 0.03}), "auto");
   for (const char* text : {"gauss:3+nearest", "exact+nearest+facing", "reduced"})
     EXPECT_EQ(method_text(with_method({}, text)), text);
+  EXPECT_EQ(method_text(with_method({}, "split:2+facing+nearest")), "split:2+nearest+facing");
 }
 
 }  // namespace
