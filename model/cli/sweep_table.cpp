@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "csv_text.hpp"
+#include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 #include "fringe/triangulation.hpp"
 #include "fringe/version.hpp"
@@ -131,7 +132,13 @@ FrameRows refused_rows(const Scene& scene, std::size_t number, const std::string
 EarlierRows::EarlierRows(const std::filesystem::path& file) {
   std::ifstream stream(file);
   std::string line;
-  if (!std::getline(stream, line) || line + '\n' != sweep_header)
+  if (!std::getline(stream, line))
+    return;
+  // A table of another version of this program may be replaced, a user's own file not.
+  if (!line.starts_with("frame,name,reading,"))
+    throw InputError(
+        fmt::format("{} is no table of a sweep, and would be replaced: name another file", file.string()));
+  if (line + '\n' != sweep_header)
     return;
   while (std::getline(stream, line))
     lines_.insert(line);

@@ -41,7 +41,8 @@ class EarlierRows {
  public:
   EarlierRows() = default;
 
-  /// Reads a file; one that does not exist, or is no table of a sweep, holds no rows.
+  /// Reads a file; one that does not exist, or is a table of another version, holds no rows. Throws
+  /// InputError for a file that is no table of a sweep.
   explicit EarlierRows(const std::filesystem::path& file);
 
   bool empty() const { return lines_.empty(); }

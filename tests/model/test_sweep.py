@@ -215,6 +215,14 @@ def test_rows_of_another_scene_are_computed_again(
     assert not {row["key"] for row in before} & {row["key"] for row in rows(target.read_text())}
 
 
+def test_a_file_that_is_no_table_of_a_sweep_is_not_replaced(fringe_command: Command, scene: Path) -> None:
+    target = scene.with_name("notes.csv")
+    target.write_text("my,notes\n")
+    done = fringe_command("sweep", scene, "--output", target)
+    assert done.returncode == 2 and "is no table of a sweep" in done.stderr
+    assert target.read_text() == "my,notes\n"
+
+
 def test_a_mesh_that_changed_is_another_scene(fringe_command: Command, scene: Path) -> None:
     mesh, target = scene.with_name("hand.obj"), scene.with_name("sweep.csv")
     scene.write_text(
