@@ -46,7 +46,9 @@ double relative(double error, double scale) {
   if (error == 0)
     return 0;
   const double part = error / scale;
-  return std::isnan(part) ? infinity : part;
+  if (std::isnan(part))
+    return infinity;
+  return part;
 }
 
 /// Returns for each conductor of a matrix whether its row is asked for: all, or sensors and electrodes if
