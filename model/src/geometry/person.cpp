@@ -34,7 +34,7 @@ Build build_of(PersonAge age) {
   return {0.039, 0.285, 0.475, 0.818, 0.870, 0.186, 0.146, 0.108, 1.05, 1.0, 1.05};
 }
 
-// The rings of the lattice, by the tables of geometries/SCENE.md; lengths over the height.
+// The rings of the lattice, by the tables of geometries/scene/person.py; lengths over the height.
 
 struct TrunkRing {
   double share;  ///< of the way from crotch to shoulder

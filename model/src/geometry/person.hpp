@@ -4,8 +4,8 @@
 
 #include "fringe/triangle.hpp"
 
-/// A person: a closed surface on a lattice of cells, with the proportions that geometries/SCENE.md gives with
-/// their sources.
+/// A person: a closed surface on a lattice of cells, with the proportions that geometries/scene/person.py
+/// gives with their sources; geometries/people has the meshes.
 namespace fringe::detail {
 
 enum class PersonAge { adult, child, infant };
