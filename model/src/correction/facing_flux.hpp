@@ -6,7 +6,7 @@
 #include "fringe/rectangle.hpp"
 
 /// The flux between surfaces that face each other, with arcs as field lines (model/CORRECTIONS.md, section
-/// 3).
+/// 4).
 namespace fringe::detail {
 
 /// Sums over triangles. θ is the angle between a triangle and the plate; all sums are symmetric in the two.
