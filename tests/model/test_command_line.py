@@ -190,7 +190,7 @@ def test_tolerance_is_kept_and_said(fringe_command: Command, two_plates: Path) -
     ("options", "reason"),
     [
         (("--method", "exact+all"), "method 'exact+all' is not known"),
-        (("--method", "exact+facing+nearest"), "method 'exact+facing' is not known"),
+        (("--method", "exact+facing+far"), "method 'exact+facing+far' is not known"),
         (("--method", "formula+nearest"), "belong to exact, split:N and gauss:K"),
         (("--tolerance", "-1e-6"), "must be finite and not negative"),
         (("--tolerance", "inf"), "must be finite and not negative"),

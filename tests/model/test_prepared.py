@@ -105,7 +105,6 @@ def test_on_a_terminal_preparations_say_how_far_they_are(
     shown = shown_on_a_terminal("capacitance", scene, "--method", "reduced", "--rtol", "0.2")
     for part in ("machine", "targets"):
         assert re.search(rf"\r\x1b\[K{part}: \d+ panels, error [\d.e-]+ of [\d.]+ asked for, [\d.]+ s", shown)
-    assert "\r\x1b[Kfringe: remark: " in shown
 
 
 def test_auto_answers_within_the_time_by_what_it_has(fringe_command: Command, scene: Path) -> None:

@@ -170,7 +170,7 @@ shape = { type = "sphere", radius = 0.1, segments = 8 }
     ("options", "reason"),
     [
         ({"method": "exact+both"}, "exact.both"),
-        ({"method": "exact+facing+nearest"}, "exact.facing"),
+        ({"method": "exact+facing+far"}, "exact.facing.far"),
         ({"tolerance": -1.0}, "tolerance"),
         ({"tolerance": math.nan}, "tolerance"),
         ({"tolerance": 1e-6, "method": "split:4"}, "needs the method exact"),

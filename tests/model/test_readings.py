@@ -129,6 +129,7 @@ target = true
     assert reading["change"] > 0 and reading["error"]["change"] is None
     assert any("is not known" in remark for remark in document["remarks"])
     printed_table = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    assert "±" not in printed_table.split("Readings, pF")[1]
+    change = printed_table.split("Readings, pF")[1].split()[-1]
+    assert float(change) > 0 and printed_table.rstrip().endswith(change)
     found = model_stage.model_module().Scene.load(scene).readings("formula")["front"]
     assert found.error["change"] is None

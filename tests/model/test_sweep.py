@@ -408,7 +408,8 @@ def test_readings_of_a_motion_are_those_of_its_frames(scene: Path) -> None:
         assert found.change[number, 0] == expected.change
         assert found.error["change"][number, 0] == expected.error["change"]
         assert found.answered_by[number] == [expected.answered_by] == ["formula"]
-    assert np.isnan(found.value).all() and np.isnan(found.error["background"]).all()
+    assert found.value == pytest.approx(found.background + found.change)
+    assert (found.error["background"] > 0).all()
     poses = np.tile(np.eye(4), (len(HEIGHTS), 1, 1, 1))
     poses[:, 0, 2, 3] = HEIGHTS
     assert live.readings_of(poses, "formula").change.tolist() == found.change.tolist()

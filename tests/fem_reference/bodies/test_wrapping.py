@@ -82,10 +82,10 @@ def test_a_wrap_knows_which_body_is_where() -> None:
     assert found.samples[found.labels == 1, 0].max() == pytest.approx(0.1)
 
 
-def test_a_ball_of_40000_triangles_is_wrapped_in_a_few_hundred() -> None:
+def test_a_ball_of_40000_triangles_is_wrapped_in_a_tenth_of_them() -> None:
     ball = shapes.Sphere(0.05, 202).triangles()
     found = wrap([("ball", np.concatenate([ball, ball[:7]]))], SENSOR + [0, 0, 0.04], Geometry(rtol=2e-2))
-    assert len(ball) > 40_000 and 100 < len(found.triangles) < 2000
+    assert len(ball) > 40_000 and 100 < len(found.triangles) < 4000
     assert np.linalg.norm(surface(found).mean(axis=1), axis=1).min() > 0.0499
 
 
