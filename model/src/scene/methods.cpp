@@ -73,9 +73,10 @@ void name_readings(std::vector<ReadingAnswer>& readings, const std::string& answ
 }
 
 /// Fills in what follows from the matrix of an answer.
-void take_matrix(const Scene& scene, Evaluation& answer) {
+void take_matrix(const Scene& scene, bool with_sensors, Evaluation& answer) {
   name_readings(answer.matrix->readings, answer.answered_by);
-  answer.capacitance = fringe::capacitance(scene, *answer.matrix, answer.answered_by);
+  if (with_sensors)
+    answer.capacitance = fringe::capacitance(scene, *answer.matrix, answer.answered_by);
   answer.readings = answer.matrix->readings;
 }
 
@@ -110,19 +111,22 @@ double stated_error(const Evaluation& answer, const Scene& scene, Entries entrie
     return infinity;
   double largest = needs_matrix ? error_of_entries(*answer.matrix, scene, entries) : 0;
   VectorXd scales;
-  if (answer.matrix)
-    scales = value_scales(*answer.matrix, scene);
   for (std::size_t k = 0; entries != Entries::all && k < answer.readings.size(); ++k) {
     const auto& [name, value, background, change, answered_by, derivatives] = answer.readings[k];
     if (!change.value || !change.error)
       return infinity;
     largest =
         std::max(largest, relative(*change.error, change_scale(value.value.value_or(0), *change.value)));
-    if (value.value) {
-      const double least = scales.size() > 0 ? scales[static_cast<Index>(k)] : 0;
-      largest = std::max(largest,
-                         relative(value.error.value_or(infinity), std::max(std::abs(*value.value), least)));
-    }
+    if (!value.value)
+      continue;
+    const double error = value.error.value_or(infinity), size = std::abs(*value.value);
+    // Values are mostly more accurate than changes, and no small part of what their conductors have.
+    if (relative(error, size) <= largest)
+      continue;
+    if (answer.matrix && scales.size() == 0)
+      scales = value_scales(*answer.matrix, scene);
+    const double least = answer.matrix ? scales[static_cast<Index>(k)] : 0;
+    largest = std::max(largest, relative(error, std::max(size, least)));
   }
   return largest;
 }
@@ -252,15 +256,17 @@ void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool wi
   const double rtol = rtol_of(asked);
   answer.answered_by = to_string(Method(Reduced{}));
   answer.capacitance = {};
+  double error = infinity;
   if (reduces_to_matrix(scene, asked, contacts, answer)) {
-    take_matrix(scene, answer);
+    take_matrix(scene, with_sensors, answer);
+    error = stated_error(answer, scene, asked.entries);
     // The errors of changes are not those of entries, for which the bodies are prepared.
-    const double error = stated_error(answer, scene, asked.entries);
     if (error > rtol && std::isfinite(error) && sharper_ == 1 && rtol > least_reduced_rtol) {
       sharper_ = sharpened;
       reduced_.reset();
       if (reduces_to_matrix(scene, asked, contacts, answer))
-        take_matrix(scene, answer);
+        take_matrix(scene, with_sensors, answer);
+      error = stated_error(answer, scene, asked.entries);
     }
   } else {
     whole([&] {
@@ -272,8 +278,9 @@ void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool wi
       if (with_sensors)
         find_by_formula(scene, answer);
     });
+    error = stated_error(answer, scene, asked.entries);
   }
-  answer.reached = stated_error(answer, scene, asked.entries) <= rtol;
+  answer.reached = error <= rtol;
   if (answer.matrix)
     answer.matrix->reached = answer.reached;
 }
@@ -288,7 +295,7 @@ void Methods::solve(const Scene& scene, const EvaluationOptions& asked, Evaluati
                                                                                         : asked.entries,
                       .derivatives = asked.derivatives,
                       .before_refinement = asked.before_refinement});
-  take_matrix(scene, answer);
+  take_matrix(scene, true, answer);
   answer.reached = answer.matrix->reached;
 }
 
