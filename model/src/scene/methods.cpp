@@ -212,7 +212,8 @@ void Methods::find_by_formula(const Scene& scene, Evaluation& answer) {
         object.error = 0;
 }
 
-/// Returns the matrix of the reduced method, prepared for an accuracy and `sharper_` times it.
+/// Returns the matrix of the reduced method, prepared for an accuracy, or for `sharper_` times it and for the
+/// changes of readings, which take half of the time of a pose.
 const MaxwellMatrix& Methods::reduced_matrix(const Scene& scene, double rtol, ReducedContacts contacts,
                                              bool with_derivatives) {
   return whole([&]() -> const MaxwellMatrix& {
@@ -223,7 +224,7 @@ const MaxwellMatrix& Methods::reduced_matrix(const Scene& scene, double rtol, Re
       reduced_.emplace(scene,
                        ReducedOptions{.rtol = std::max(sharper_ * rtol, least_reduced_rtol),
                                       .contacts = contacts,
-                                      .with_changes = true},
+                                      .with_changes = sharper_ < 1},
                        poses_);
       reduced_rtol_ = rtol;
       reduced_contacts_ = contacts;
