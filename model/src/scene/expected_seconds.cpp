@@ -21,19 +21,21 @@ double seconds_of_formula(const SceneSize& size, const Effort& effort) {
 /// The preparation of bodies that are neither plates nor boxes takes most of it.
 double seconds_of_reduction(const SceneSize& size, const Effort& effort) {
   constexpr double per_pair = 2e-6, per_flat_body = 2e-3, per_curved_body = 3;
-  constexpr double per_pose = 1e-3, machine = 3, per_triangle = 1e-3;
+  constexpr double per_pose = 1e-3, machine = 20, per_triangle = 5e-4;
   if (effort.is_by_matrix)
     return per_pair * size.bodies * size.bodies +
            (effort.is_prepared ? 0 : per_curved_body * size.curved + per_flat_body * size.bodies);
   return effort.is_prepared ? per_pose : machine + per_triangle * size.prepared_triangles;
 }
 
-/// Fitted to 70 random scenes of 2 to 9 bodies at 1e-2 and 1e-3: 60 % of them took half to twice as long.
+/// Fitted to 70 random scenes of 2 to 9 bodies at 1e-2 and 1e-3: 60 % of them took half to twice as long. Of
+/// the bodies of a machine most are far from what is asked for, so that no more than some count.
 double seconds_of_boundary_elements(const SceneSize& size, const Effort& effort) {
   constexpr double of_body = 1.5e-3, by_bodies = 3.5, per_curved_body = 0.5, usual_rtol = 1e-2, by_rtol = 0.4;
   constexpr double with_insulators = 30;
-  const double of_size =
-      of_body * std::pow(std::max(size.bodies, 1.0), by_bodies) + per_curved_body * size.curved;
+  constexpr double most_bodies = 12;
+  const double of_size = of_body * std::pow(std::clamp(size.bodies, 1.0, most_bodies), by_bodies) +
+                         per_curved_body * std::min(size.curved, most_bodies);
   return of_size * std::pow(usual_rtol / effort.rtol, by_rtol) * (size.has_insulators ? with_insulators : 1);
 }
 
