@@ -19,9 +19,9 @@ struct LocalKernel : Kernel {
   const Lengths* lengths = nullptr;
 };
 
-/// Whether a facet is wide enough to pass: CGAL's test with the alpha of the facet's place, the smallest of
-/// those at its corners and in its middle. CGAL's algorithm calls this in the place of its own test, by
-/// argument-dependent lookup, for triangulations of a LocalKernel.
+/// Tells whether a facet is wide enough to pass: CGAL's test with the alpha of the facet's place, the
+/// smallest of those at its corners and in its middle. CGAL's algorithm calls this in the place of its own
+/// test, by argument-dependent lookup, for triangulations of a LocalKernel.
 template <typename Triangulation>
 requires requires(const Triangulation& cells) {
   cells.geom_traits().lengths;
@@ -55,7 +55,7 @@ class LocalOffset : public Triangles {
 
   using Triangles::do_intersect;
 
-  /// Whether the triangles are within the offset of a ball's centre; its radius is the largest offset.
+  /// Tells whether the triangles are within the offset of a ball's centre; its radius is the largest offset.
   bool do_intersect(const Ball& ball) const {
     const Point& centre = ball.boundary().center();
     const double offset = offset_at(centre);

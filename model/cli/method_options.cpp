@@ -29,7 +29,6 @@ constexpr std::array former_options{
 template <typename Option>
 bool has(const MethodRequest& method, Option MethodRequest::*option, const Option& value) {
   MethodRequest alone{.method = method.method};
-  // What is kept is prepared for an accuracy.
   alone.*option = value;
   try {
     options_of(alone);
@@ -71,7 +70,7 @@ void add_accuracy_options(CLI::App& command, MethodRequest& request) {
           "--max-seconds", request.max_seconds,
           "End after this time with the best answer so far, as Ctrl-C does; not with the model, which "
           "answers at once")
-      ->type_name("S:POSITIVE");
+      ->type_name("SECONDS");
   command
       .add_option(
           "--prepared", request.prepared,

@@ -79,7 +79,7 @@ void show_progress(std::size_t frame, std::size_t frames, const std::string& met
 /// Seconds that an answer gets at least: a limit must be positive.
 constexpr double least_seconds = 1e-3;
 
-/// What ends a sweep before its motion: Ctrl-C or a time.
+/// The end of a sweep before that of its motion, by Ctrl-C or a limit of time.
 class End {
  public:
   explicit End(std::optional<double> most_seconds) : most_seconds_(most_seconds) {}

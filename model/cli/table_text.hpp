@@ -11,7 +11,7 @@
 /// Formats the answers as tables for people: capacitances in pF, distances in mm.
 namespace fringe::cli {
 
-/// Of an evaluation without a Maxwell matrix.
+/// Lists what each object adds to each sensor; for evaluations without a Maxwell matrix.
 std::string capacitance_table(const Evaluation& evaluation, const EvaluationOptions& options, double seconds);
 
 std::string readings_table(const std::vector<DistanceReading>& readings);

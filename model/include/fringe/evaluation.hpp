@@ -27,14 +27,14 @@ struct EvaluationOptions {
   /// the scene names none; from 1e-6 to 0.5. None: 1e-2, and no accuracy is asked of the formula. The
   /// triangle integrals, which state no error, have none.
   std::optional<double> rtol = {};
-  /// Which entries of the Maxwell matrix the error is asked of, too: those of sensors tell what each object
-  /// adds to a sensor. Of the methods that find a matrix.
+  /// The entries of the Maxwell matrix that must be as accurate, too: those of sensors tell what each object
+  /// adds to a sensor. Only methods that find a matrix have them.
   Entries entries = Entries::of_readings;
   /// Seconds after which the best answer so far is to do; Interrupted is thrown where there is none by then.
   /// Not of the triangle-integral methods, which answer at once.
   std::optional<double> max_seconds = {};
-  /// Whether the derivatives of the readings' changes with respect to poses are asked for, too; not of the
-  /// formula, Split and Gauss.
+  /// Also finds the derivatives of the readings' changes with respect to poses. Formula, Split and Gauss know
+  /// none.
   bool derivatives = false;
   /// Is called before each refinement of boundary elements; may be empty.
   std::function<void(const RefinementLevel&)> before_refinement = {};
@@ -62,17 +62,17 @@ CapacitanceOptions integral_options(const EvaluationOptions& options);
 /// Returns the relative error asked for, or the default one.
 double rtol_of(const EvaluationOptions& options);
 
-/// What the sensors of a scene feel, by any method.
+/// The answer of a method for a scene: the capacitances of its sensors, and its readings.
 struct Evaluation {
   SceneCapacitance capacitance;
   std::optional<MaxwellMatrix> matrix;  ///< of boundary elements, and of the reduced method where it has one
-  /// What the readings of the scene measure, in their order. The triangle-integral methods know only the
-  /// change of a reading that drives the sensor it senses: the sum over the targets.
+  /// The readings in the order of the scene. The triangle-integral methods know only the change of a reading
+  /// that drives the sensor it senses: the sum over the targets.
   std::vector<ReadingAnswer> readings;
   std::string answered_by;  ///< the method that answered
   /// Tells whether the stated errors are within the error asked for; true where none was asked for.
   bool reached = true;
-  double expected_seconds = 0;  ///< what was expected, before it began, of the method that answered
+  double expected_seconds = 0;  ///< estimated before the answering method began
 };
 
 }  // namespace fringe

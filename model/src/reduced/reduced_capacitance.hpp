@@ -27,7 +27,7 @@ enum class ReducedContacts {
 struct ReducedOptions {
   double rtol = 1e-2;  ///< largest error of every entry, relative to the entry; from 1e-4 to 0.5
   ReducedContacts contacts = ReducedContacts::all;
-  /// Whether readings and their changes are asked for also in a scene that does not ask for changes.
+  /// Also finds readings and their changes to this accuracy in a scene that does not ask for changes.
   bool with_changes = false;
 };
 
