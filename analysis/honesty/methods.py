@@ -9,6 +9,7 @@ FIELD_SOLVER = "field-solver"
 BOUNDARY_ELEMENTS = "boundary-elements"
 METHODS: dict[str, dict[str, Any]] = {
     "formula": {"method": "formula"},
+    "reduced:1e-1": {"method": "reduced", "rtol": 1e-1},
     "reduced:1e-2": {"method": "reduced", "rtol": 1e-2},
     "reduced+entries:1e-2": {"method": "reduced", "rtol": 1e-2, "entries": True},
     "boundary-elements:1e-2": {"method": BOUNDARY_ELEMENTS, "rtol": 1e-2},

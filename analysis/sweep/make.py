@@ -52,7 +52,7 @@ def rtol_for(methods: str, asked: float | None) -> float | None:
 
 def make(name: str, motion_file: Path | None, target: Path | None, options: Options) -> Made:
     """Runs the sweep of a scene, a file or a name in geometries/scenes, and writes its page, with the table beside it under the same
-    name. Frames that the table holds already are not computed again. InputError for files that cannot be used.
+    name, of a scene outside of the repository in the current folder. Frames that the table holds already are not computed again. InputError for files that cannot be used.
     """
     path = find_scene(name)
     scene = reader.load(path)
@@ -60,7 +60,7 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
     if moved is None:
         raise InputError(str(path), "", "has no motion beside it: name one by --motion")
     frames = motion.load(moved, scene)
-    place = target or installation.results_folder() / "sweep" / f"{path.stem}.html"
+    place = target or installation.results_folder(path) / "sweep" / f"{path.stem}.html"
     table = place.with_suffix(".csv")
     arguments = ["sweep", str(path), "--motion", str(moved), "--method", options.methods]
     if options.rtol is not None:

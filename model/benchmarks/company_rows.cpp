@@ -20,7 +20,7 @@ void measure_hand_before_arm(std::size_t compared) {
   constexpr double truth_rtol = 1e-2;
   const Scene scene = hand_before_arm();
   const std::vector<Frame> motion = hand_poses(scene, poses);
-  for (const double rtol : {2e-2, 1e-2}) {
+  for (const double rtol : {1e-1, 5e-2, 1e-2}) {
     LiveScene live(scene);
     const EvaluationOptions options{.method = Reduced{}, .rtol = rtol};
     std::vector<std::vector<ReadingAnswer>> answers;

@@ -94,6 +94,10 @@ struct LanesSimd128 {
     y = Vector::Raw{points[1], points[4]};
     z = Vector::Raw{points[2], points[5]};
   }
+  /// Loads numbers of single precision.
+  static Vector load_singles(const float* from) {
+    return Vector::Raw{static_cast<double>(from[0]), static_cast<double>(from[1])};
+  }
   static Vector log(Vector x) { return Vector::Raw{std::log(x.value[0]), std::log(x.value[1])}; }
   static Vector atan2(Vector y, Vector x) {
     return Vector::Raw{std::atan2(y.value[0], x.value[0]), std::atan2(y.value[1], x.value[1])};

@@ -47,7 +47,7 @@ void add_method_options(CLI::App& command, MethodRequest& request) {
           "exact, split:N or gauss:K: the model, each with +nearest (only the nearest plate of a sensor "
           "counts a point) and +facing (only faces that see the plate count) after it; formula, in "
           "closed form; reduced, prepared once, then in micro- to milliseconds; boundary-elements; auto, "
-          "the cheapest of these three that states the accuracy")
+          "the cheaper of these two that states the accuracy")
       ->default_str("auto with --rtol, else exact");
   add_accuracy_options(command, request);
   command.add_flag("--entries", request.entries,

@@ -6,7 +6,7 @@
 //
 //   exact         the thesis' model, ε ∫ dA/d over all triangles, in closed form;
 //   split:4       the same integral by splitting each triangle into 4^4 equal ones;
-//   auto          the cheapest of formula, reduced method and boundary elements that states an error of 1 %
+//   auto          the cheaper of reduced method and boundary elements that states an error of 1 %
 //                 of what the sensor and each object feel.
 //
 // Run it:  build/examples/scene_capacitance model/examples/hand.toml

@@ -92,6 +92,9 @@ void refuse(const py::kwargs& others) {
       {"correction", "method=\"formula\", or \"auto\" for what was recommended"},
       {"plates", "+nearest after the method, as in \"exact+nearest\""},
       {"faces", "+facing after the method, as in \"exact+facing\""},
+      {"nearest", "+nearest after the method, as in \"exact+nearest\""},
+      {"facing", "+facing after the method, as in \"exact+facing\""},
+      {"only_readings", "nothing: readings are what is asked for, unless entries=True"},
   };
   for (const auto& [key, value] : others) {
     const auto name = key.cast<std::string>();
@@ -179,9 +182,11 @@ MotionTable readings_of_motion(SharedScene& scene, const py::object& motion, con
     names.push_back(frame.name);
   for (const Reading& reading : readings(present))
     of_readings.push_back(reading.name);
-  return motion_table(std::move(names), of_readings, scene.locked([&](LiveScene& live) {
-    return live.readings_of(frames, options, threads);
-  }));
+  const auto answers =
+      scene.locked([&](LiveScene& live) { return live.readings_of(frames, options, threads); });
+  // Fewer where the time ended.
+  names.resize(answers.size());
+  return motion_table(std::move(names), of_readings, answers);
 }
 
 /// Describes an answer by `describe`, a function of the scene, with the remarks on the scene.
@@ -523,9 +528,9 @@ A scene without readings has one for every sensor, which senses and drives it. A
 senses per volt on what it drives, times -1 if it does not drive that, too; background is the same without the targets,
 the objects that are marked as such, or all but electrodes; change is value - background.
 
-method: "formula", in closed form; "reduced", the reduced boundary element method, which prepares the scene once and then
-takes micro- to milliseconds for each pose; "boundary-elements"; or "auto", the cheapest of these that states the accuracy
-asked for. "exact", "split:N" and "gauss:K" know only the change of a reading that drives the sensor it senses, the sum over
+method: "reduced", the reduced boundary element method, which prepares the scene once and then takes micro- to milliseconds
+for each pose; "boundary-elements"; or "auto", the cheaper of these that states the accuracy asked for. "exact", "split:N",
+"gauss:K" and "formula" know only the change of a reading that drives the sensor it senses, the sum over
 the targets, and no error.
 rtol: the largest relative error of value and change asked for, from 1e-6 to 0.5; if not given, 1e-2. What was not reached
 is stated by the errors.
@@ -545,8 +550,9 @@ Raises InputError (a ValueError) for unknown or inconsistent options and for sce
           R"(The readings in every frame of a motion, MotionReadings: a file, or an array (frames, links, 4, 4) of the links' poses
 relative to their parents. Options as for readings(); max_seconds is for all frames together.
 
-"formula" and "reduced" prepare for all frames at once and answer them by all processors if threads is 0, with the same bits
-for any number. The scene stays in the poses of the last frame. Raises InputError for a file that cannot be used with the
+"reduced" prepares for all frames at once and answers them by all processors if threads is 0, with the same bits for any
+number. Where max_seconds ends before the last frame, the frames answered by then are returned. The scene stays in the poses
+of the last one. Raises InputError for a file that cannot be used with the
 scene, and as readings() does.)")
       .def("maxwell", &maxwell_of, "method"_a = "boundary-elements", "rtol"_a = py::none(),
            "max_seconds"_a = py::none(),

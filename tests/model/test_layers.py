@@ -12,16 +12,16 @@ HEADERS = ROOT / "model" / "include"
 
 # From the bottom to the top. Arithmetic and quadrature rules need nothing. Vector registers compute with numbers; shapes and poses are
 # made of both. Files, integrals over triangles and collisions know shapes, but not each other. Boundary elements integrate with the
-# quadratures of the integrals and measure gaps by collision; the reduced method compresses boundary elements. A sensing cone is a shape
+# quadratures of the integrals and measure gaps by collision; the pair formula needs no more; the reduced method compresses boundary elements. A sensing cone is a shape
 # that collision measures; a scene asks them all.
 LAYERS = (
     {"numeric"},
     {"simd"},
     {"geometry"},
     {"io", "integral", "collision"},
-    {"bem"},
+    {"bem", "formula"},
     {"reduced"},
-    {"sensing", "correction"},
+    {"sensing"},
     {"scene"},
 )
 LAYER = {room: height for height, rooms in enumerate(LAYERS) for room in rooms}

@@ -65,7 +65,7 @@ def test_the_command_finds_what_it_has_prepared(fringe_command: Command, scene: 
     first = fringe_command(*words, "--prepared", folder)
     times = {file: file.stat().st_mtime_ns for file in folder.iterdir()}
     second = fringe_command(*words, "--prepared", folder)
-    assert names(folder) == ["machine", "tables", "targets"]
+    assert names(folder) == ["link", "tables", "targets"]
     assert {file: file.stat().st_mtime_ns for file in folder.iterdir()} == times
     readings = [done.stdout.partition("Readings")[2] for done in (plain, first, second)]
     assert readings[0] and len(set(readings)) == 1
@@ -83,7 +83,7 @@ def test_a_sweep_gives_the_folder_to_the_methods_that_have_it(
     words = ("sweep", scene, "--rtol", "0.2", "--method")
     done = fringe_command(*words, "reduced", "--prepared", tmp_path / "folder")
     assert done.returncode in (0, 3) and done.stdout == fringe_command(*words, "reduced").stdout
-    assert set(names(tmp_path / "folder")) == {"machine", "tables", "targets"}
+    assert set(names(tmp_path / "folder")) == {"link", "tables", "targets"}
     several = fringe_command(*words, "exact,auto", "--prepared", tmp_path / "folder")
     assert several.returncode == 0 and several.stdout == fringe_command(*words, "exact,auto").stdout
     refused = fringe_command("sweep", scene, "--method", "exact", "--prepared", tmp_path / "other")
@@ -108,15 +108,15 @@ def test_on_a_terminal_preparations_say_how_far_they_are(
 
 
 def test_auto_answers_within_the_time_by_what_it_has(fringe_command: Command, scene: Path) -> None:
-    """The formula in closed form where there is no time for more."""
+    """A machine that is prepared roughly where there is no time for more."""
     done = fringe_command(
         "capacitance", scene, "--method", "auto", "--rtol", "1e-6", "--max-seconds", "0.001"
     )
     assert done.returncode == 3
-    assert done.stdout.startswith("auto: answered by formula\n")
+    assert done.stdout.startswith("auto: answered by reduced\n")
     assert done.stderr.endswith("stopped after 0.001 s: an error of 1e-06 was not reached\n")
     reading = fringe.Scene.load(scene).readings("auto", rtol=1e-6, max_seconds=0.001)["front"]
-    assert reading.answered_by == "formula"
+    assert reading.answered_by == "reduced"
     assert reading.change and reading.error["change"] and reading.error["change"] > 1e-6 * abs(reading.change)
 
 

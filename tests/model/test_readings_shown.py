@@ -68,7 +68,7 @@ def test_a_reading_is_a_table_in_a_notebook(reading: fringe.Reading) -> None:
 
 
 def test_those_of_a_motion_print_their_frames() -> None:
-    found = moved(20, "formula")
+    found = moved(20, "reduced")
     head, *lines = repr(found).splitlines()
     assert head == "<fringe.MotionReadings of 20 frames: <front>, side>"
     assert len(lines) == 13 and "8 more frames" in lines[-1]

@@ -67,7 +67,7 @@ function makeReadings({ data, byId, element, state, readings, theme, recolour, t
     const best = ["reference", "reduced", "formula", "model"].find(name => said[name] && said[name].change !== null && said[name].change !== undefined);
     if (!best) return "";
     const { change, error } = said[best], size = Math.abs(change);
-    if (best === "formula" && error === null) return "perhaps noticed (formula, error unknown)";
+    if (error === null) return `perhaps noticed (${best}, error unknown)`;
     if (size - (error || 0) > threshold) return `noticed (${best})`;
     return size + (error || 0) < threshold ? `not noticed (${best})` : `perhaps noticed (${best})`;
   }

@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
 from analysis.topics.insulators.set_ups import COUNTS, SetUp
-from analysis.topics.insulators.stage import FORMULA, IGNORING
+from analysis.topics.insulators.stage import REDUCED, IGNORING
 from analysis.topics.insulators.truths import Truths, read
 from analysis.topics.spread import Spread, spread
 
 
 @dataclass(frozen=True, eq=False)
 class Entry:
-    """A set-up; `changes` holds the change (F) by the formula, with the insulator and without it, where it answers."""
+    """A set-up; `changes` holds the change (F) by the reduced method, with the insulator and without it, where it answers."""
 
     set_up: SetUp
     true: Truths
@@ -41,13 +41,13 @@ class Entry:
         return added / self.true.without.change.value
 
     def error(self, method: str) -> float:
-        """Returns a change by the formula over the true one with the insulator, less one."""
+        """Returns a change by the reduced method over the true one with the insulator, less one."""
         return self.changes[method].value / self.true.insulated.change.value - 1
 
     @property
     def is_enclosed(self) -> bool:
-        """Tells whether the true change lies within the error that the formula states."""
-        found, true = self.changes[FORMULA], self.true.insulated.change
+        """Tells whether the true change lies within the error that the reduced method states."""
+        found, true = self.changes[REDUCED], self.true.insulated.change
         return abs(found.value - true.value) <= found.error + true.error
 
 
@@ -58,7 +58,7 @@ def by_family(found: list[Entry]) -> dict[str, list[Entry]]:
 
 
 def errors(found: Iterable[Entry], method: str) -> Spread | None:
-    """Returns the statistics of the formula's relative errors, of those entries for which it has an answer."""
+    """Returns the statistics of the reduced method's relative errors, of those entries for which it has an answer."""
     return spread(entry.error(method) for entry in found if method in entry.changes)
 
 
@@ -66,7 +66,7 @@ def entry(set_up: SetUp, answer: Document) -> Entry:
     """Returns a set-up with its answer."""
     changes = {
         name: Estimate(**answer["changes"][name])
-        for name in (FORMULA, IGNORING)
+        for name in (REDUCED, IGNORING)
         if "refused" not in answer["changes"][name]
     }
     return Entry(set_up, read(answer["truths"]), changes, answer["pairs"])

@@ -11,7 +11,7 @@ from analysis.results.units import percent, picofarads, signed_percent
 from analysis.topics.insulators import records
 from analysis.topics.insulators.records import Entry, by_family
 from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, TARGET
-from analysis.topics.insulators.stage import FORMULA, IGNORING
+from analysis.topics.insulators.stage import REDUCED, IGNORING
 from analysis.topics.insulators.truths import RTOL
 from analysis.topics.spread import range_of, spread
 
@@ -20,9 +20,9 @@ ABSENT = "This version of the model has no study of insulators yet: python3 -m a
 _WHAT = (
     "Change: the reading with the hand less that without it, the insulator as it is; a blanket comes with the hand. Factor: the change with the insulator over that "
     "without it, and of an insulating target over that of a grounded one of the same shape. False change: what the insulator by itself adds to the reading, over the "
-    "change by the hand without it. Layer rule: a covered plate counts as moved to the front by its cover's thickness times (1 − 1/permittivity), and the formula "
-    "keeps the plate behind it. Insulating targets: the formula has bounds, the changes without them and with conductors in their place, and an estimate "
-    "between both. Mattresses belong to the machine; the formula refuses them. Definitions: analysis/topics/experiments/EXPERIMENTS.md."
+    "change by the hand without it. Layer rule: a covered plate counts as moved to the front by its cover's thickness times (1 − 1/permittivity), and the reduced method "
+    "keeps the plate behind it. Insulating targets: the reduced method has bounds, the changes without them and with conductors in their place, and an estimate "
+    "between both. Mattresses belong to the machine and are left to boundary elements. Definitions: analysis/topics/experiments/EXPERIMENTS.md."
 )
 
 
@@ -47,7 +47,7 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
         page.finding(rule_finding(found)),
         page.figures([of_rule(found)]),
         page.table(
-            ["family", "formula", "answers", "rms error", "median", "worst", "within stated errors"],
+            ["family", "reduced method", "answers", "rms error", "median", "worst", "within stated errors"],
             _rows_of_model(found),
             text_columns=2,
         ),
@@ -90,17 +90,17 @@ def warnings(found: list[Entry]) -> str:
 
 
 def rule_finding(found: list[Entry]) -> str:
-    """Tells how far off the formula is under layers, with the layer rule and without it."""
+    """Tells how far off the reduced method is under layers, with the layer rule and without it."""
     phrases = []
     for family in (COVER, FILM):
         members = by_family(found).get(family, [])
-        ruled, ignoring = (records.errors(members, method) for method in (FORMULA, IGNORING))
+        ruled, ignoring = (records.errors(members, method) for method in (REDUCED, IGNORING))
         if ruled and ignoring:
             phrases.append(
                 f"under a {family} {percent(ruled.rms)} rms and {signed_percent(ruled.worst)} at worst ({percent(ignoring.rms)} and "
                 f"{signed_percent(ignoring.worst)} without regard to the layer)"
             )
-    return f"The formula, with the layer rule, is off by: {'; '.join(phrases)}."
+    return f"The reduced method, with the layer rule, is off by: {'; '.join(phrases)}."
 
 
 def _name(family: str) -> str:
@@ -122,14 +122,14 @@ def _rows(found: list[Entry]) -> list[list[str]]:
 def _rows_of_model(found: list[Entry]) -> list[list[str]]:
     rows = []
     for family, members in by_family(found).items():
-        for method, name in ((FORMULA, "as it is"), (IGNORING, "without regard to the insulator")):
+        for method, name in ((REDUCED, "as it is"), (IGNORING, "without regard to the insulator")):
             each = records.errors(members, method)
             if family == TARGET and method == IGNORING:
                 continue
             if each is None:
                 rows.append([family, name, f"refuses all {len(members)}", "", "", "", ""])
                 continue
-            enclosed = sum(entry.is_enclosed for entry in members if FORMULA in entry.changes)
+            enclosed = sum(entry.is_enclosed for entry in members if REDUCED in entry.changes)
             rows.append(
                 [
                     family,
@@ -138,7 +138,7 @@ def _rows_of_model(found: list[Entry]) -> list[list[str]]:
                     percent(each.rms),
                     signed_percent(each.median),
                     signed_percent(each.worst),
-                    f"{enclosed} of {each.count}" if method == FORMULA else "",
+                    f"{enclosed} of {each.count}" if method == REDUCED else "",
                 ]
             )
     return rows
@@ -154,7 +154,7 @@ def _numbers(found: list[Entry]) -> Markup:
         ("distance (mm)", lambda entry: f"{1e3 * entry.set_up.gap:.1f}"),
         ("change (pF)", lambda entry: _picofarads(entry.true.insulated.change)),
         ("without (pF)", lambda entry: _picofarads(entry.true.without.change)),
-        ("formula (pF)", lambda entry: _picofarads(entry.changes.get(FORMULA))),
+        ("reduced (pF)", lambda entry: _picofarads(entry.changes.get(REDUCED))),
         text_columns=2,
     )
 
@@ -204,19 +204,19 @@ def of_layers(found: list[Entry]) -> Panel:
 
 
 def of_rule(found: list[Entry]) -> Panel:
-    """Plots the errors of the formula's change with the layer rule and without regard to the layer."""
+    """Plots the errors of the reduced method's change with the layer rule and without regard to the layer."""
     traces = []
-    for index, method in enumerate((FORMULA, IGNORING)):
+    for index, method in enumerate((REDUCED, IGNORING)):
         points = [
             (entry.set_up.family, _PERCENT * entry.error(method), entry.set_up.name)
             for entry in found
             if method in entry.changes and entry.set_up.family in (COVER, FILM)
         ]
-        name = "with the layer rule" if method == FORMULA else "without regard to the layer"
+        name = "with the layer rule" if method == REDUCED else "without regard to the layer"
         traces.append(boxes(points, name, series_colour(index)))
     shown = figure(
         traces,
-        axis("formula: error of the change (%)"),
+        axis("reduced method: error of the change (%)"),
         rows_axis([COVER, FILM]),
         height=320,
         boxmode="group",
@@ -225,11 +225,11 @@ def of_rule(found: list[Entry]) -> Panel:
 
 
 def of_targets(found: list[Entry]) -> Panel:
-    """Plots the change by insulating targets over that by grounded ones, over their permittivity; the formula's estimates beside the truth."""
+    """Plots the change by insulating targets over that by grounded ones, over their permittivity; the reduced method's estimates beside the truth."""
     members = by_family(found).get(TARGET, [])
     changes = {
         ("true change", "circle"): [entry.true.insulated.change.value for entry in members],
-        ("formula's estimate", "x-thin-open"): [_estimate(entry) for entry in members],
+        ("estimate", "x-thin-open"): [_estimate(entry) for entry in members],
     }
     traces = [
         marks(
@@ -247,4 +247,4 @@ def of_targets(found: list[Entry]) -> Panel:
 
 
 def _estimate(entry: Entry) -> float:
-    return entry.changes[FORMULA].value if FORMULA in entry.changes else float("nan")
+    return entry.changes[REDUCED].value if REDUCED in entry.changes else float("nan")

@@ -38,7 +38,7 @@ _WHAT = (
     "the company are differences between true changes by boundary elements; the others are of the sensor and the target by themselves: faces turned away "
     "are triangles that the sensor does not see; another quantity is the charge on the target minus the change of the sensor's own; for a plate the rest is "
     "taken apart as in the page on two plates. The changes by exact and exact+facing are those of a grounded target: the plain model knows no other; the "
-    "formula knows company and floating targets. Of a reading between two sensors the plain model gives nothing; its error is then the whole change. Definitions: "
+    "reduced method, asked for 10 %, knows company and floating targets. Of a reading between two sensors the plain model gives nothing; its error is then the whole change. Definitions: "
     "analysis/topics/machines/MACHINES.md."
 )
 

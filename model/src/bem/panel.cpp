@@ -93,4 +93,15 @@ double outline_distance(const Triangle& triangle, const Vector3d& point) {
                    segment_distance(point, triangle[2], triangle[0])});
 }
 
+double triangle_distance(const Triangle& triangle, const Vector3d& point) {
+  const auto& [a, b, c] = triangle;
+  const Vector3d normal = (b - a).cross(c - a).stableNormalized();
+  const auto is_inside = [&](const Vector3d& from, const Vector3d& to) {
+    return (to - from).cross(point - from).dot(normal) >= 0;
+  };
+  if (normal.norm() > 0.5 && is_inside(a, b) && is_inside(b, c) && is_inside(c, a))
+    return std::abs((point - a).dot(normal));
+  return outline_distance(triangle, point);
+}
+
 }  // namespace fringe::detail

@@ -46,4 +46,7 @@ double segment_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& fro
 /// singular.
 double outline_distance(const Triangle& triangle, const Eigen::Vector3d& point);
 
+/// Returns the shortest distance from a point to a triangle.
+double triangle_distance(const Triangle& triangle, const Eigen::Vector3d& point);
+
 }  // namespace fringe::detail

@@ -15,15 +15,12 @@
 namespace fringe::detail {
 namespace {
 
-/// Least accuracy at which the formula is asked: it states less in few scenes (model/CORRECTIONS.md).
-constexpr double least_rtol_of_formula = 0.03;
-
-/// Largest stated error, relative, beyond which the formula is asked, too: its own is 10 % (rms).
+/// Largest stated error, relative, beyond which a rough preparation is asked, too: it states about as much.
 constexpr double most_unreached_error = 0.1;
 
-/// Seconds that the formula gets for an answer even where the time is over: several times what it takes for
-/// machines of some ten thousand triangles.
-constexpr double seconds_for_formula = 10;
+/// Seconds that an answer gets even where the time is over, if there is none yet: several times what a rough
+/// preparation of some ten thousand triangles takes.
+constexpr double seconds_of_grace = 10;
 
 /// The answer that states the smallest error so far.
 class Best {
@@ -110,10 +107,9 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
   EvaluationOptions asked = options;
   asked.rtol = rtol_of(options);
   Best best(scene, asked, limit);
-  const auto ask_formula = [&] {
-    const Effort effort{.rtol = rtol_of(asked), .has_surroundings = methods.knows_surroundings()};
-    best.ask(expected_seconds(Formula{}, size, effort), true,
-             [&](Evaluation& found) { methods.combine(scene, asked, with_sensors, found); });
+  const auto ask_roughly = [&] {
+    best.ask(expected_seconds(Reduced{}, size, {.rtol = rtol_of(asked), .is_rough = true}), true,
+             [&](Evaluation& found) { methods.reduce_roughly(scene, asked, with_sensors, found); });
   };
   const auto ask_reduction = [&] {
     // Bodies in contact on different links would be prepared again in every pose.
@@ -121,9 +117,8 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
       methods.reduce(scene, asked, with_sensors, ReducedContacts::of_one_link, found);
     });
   };
-  if (methods.knows_surroundings() && rtol_of(asked) >= least_rtol_of_formula && !asked.derivatives &&
-      asked.entries == Entries::of_readings)
-    ask_formula();
+  if (methods.may_be_rough(rtol_of(asked), asked.entries))
+    ask_roughly();
   const bool begins_reduced = prefers_reduction(methods, size, asked, 1);
   if (begins_reduced)
     ask_reduction();
@@ -136,10 +131,14 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
   }
   if (!begins_reduced && methods.reduction_is_bounded(asked.entries))
     ask_reduction();
-  if (!best.is_done() && best.error() > most_unreached_error && !asked.derivatives) {
+  if (!best.is_done() && best.error() > most_unreached_error) {
     if (best.is_late())
-      limit->grant(seconds_for_formula);
-    ask_formula();
+      limit->grant(seconds_of_grace);
+    if (methods.has_rough(asked.entries))
+      ask_roughly();
+    else if (!asked.derivatives)
+      best.ask(expected_seconds(Formula{}, size, {.rtol = rtol_of(asked)}), true,
+               [&](Evaluation& found) { methods.combine(scene, asked, found); });
   }
   return std::move(best).answer();
 }

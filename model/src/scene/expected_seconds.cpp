@@ -10,18 +10,17 @@
 namespace fringe::detail {
 namespace {
 
-double seconds_of_formula(const SceneSize& size, const Effort& effort) {
-  constexpr double per_triangle = 4e-6, surroundings = 0.4, per_pose = 3e-4;
-  const double of_pairs = per_triangle * size.triangles * size.sensors;
-  if (!effort.has_surroundings)
-    return of_pairs;
-  return of_pairs + (effort.is_prepared ? per_pose : surroundings);
+double seconds_of_formula(const SceneSize& size) {
+  constexpr double per_triangle = 4e-6;
+  return per_triangle * size.triangles * size.sensors;
 }
 
 /// The preparation of bodies that are neither plates nor boxes takes most of it.
 double seconds_of_reduction(const SceneSize& size, const Effort& effort) {
   constexpr double per_pair = 2e-6, per_flat_body = 2e-3, per_curved_body = 3;
-  constexpr double per_pose = 1e-3, machine = 20, per_triangle = 5e-4;
+  constexpr double per_pose = 1e-3, machine = 20, per_triangle = 5e-4, rough_machine = 0.6;
+  if (effort.is_rough)
+    return rough_machine;
   if (effort.is_by_matrix)
     return per_pair * size.bodies * size.bodies +
            (effort.is_prepared ? 0 : per_curved_body * size.curved + per_flat_body * size.bodies);
@@ -59,7 +58,7 @@ SceneSize::SceneSize(const Scene& scene)
 double expected_seconds(const Method& method, const SceneSize& size, const Effort& effort) {
   constexpr double per_integral = 3e-7;
   if (std::holds_alternative<Formula>(method))
-    return seconds_of_formula(size, effort);
+    return seconds_of_formula(size);
   if (std::holds_alternative<Reduced>(method))
     return seconds_of_reduction(size, effort);
   if (std::holds_alternative<BoundaryElements>(method))

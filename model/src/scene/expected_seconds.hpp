@@ -22,9 +22,9 @@ struct SceneSize {
 /// What of a question decides how long its answer takes.
 struct Effort {
   double rtol;
-  bool is_prepared = false;      ///< whether the method has answered before
-  bool is_by_matrix = true;      ///< whether the reduced method answers by a matrix
-  bool has_surroundings = true;  ///< whether the formula takes the conductors around into account
+  bool is_prepared = false;  ///< whether the method has answered before
+  bool is_by_matrix = true;  ///< whether the reduced method answers by a matrix
+  bool is_rough = false;     ///< whether it prepares a machine roughly
 };
 
 /// Estimates how long a method takes for an answer, on two cores of 2020; Auto is none of them.

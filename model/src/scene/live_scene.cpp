@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
+#include "fringe/interruption.hpp"
 #include "fringe/pose.hpp"
 #include "geometry/link_motion.hpp"
 #include "io/prepared_files.hpp"
@@ -82,11 +83,18 @@ class LiveScene::Implementation {
       if (frame < answers.size() && (!is_auto || detail::are_within(answers[frame], rtol)))
         continue;
       pose(frame);
-      const std::vector<ReadingAnswer>& found = evaluate(each, false).readings;
-      if (frame < answers.size())
-        answers[frame] = found;
-      else
-        answers.push_back(found);
+      try {
+        const std::vector<ReadingAnswer>& found = evaluate(each, false).readings;
+        if (frame < answers.size())
+          answers[frame] = found;
+        else
+          answers.push_back(found);
+      } catch (const Interrupted&) {
+        // What was answered in time is to do.
+        if (!limit || !limit->is_over() || answers.empty())
+          throw;
+        break;
+      }
     }
     return answers;
   }
@@ -108,7 +116,7 @@ class LiveScene::Implementation {
  private:
   void answer_by(const Method& method, const EvaluationOptions& options, bool with_sensors) {
     if (std::holds_alternative<Formula>(method))
-      methods_.combine(scene_, options, with_sensors, answer_);
+      methods_.combine(scene_, options, answer_);
     else if (std::holds_alternative<Reduced>(method))
       methods_.reduce(scene_, options, with_sensors, ReducedContacts::all, answer_);
     else if (std::holds_alternative<BoundaryElements>(method))
@@ -125,26 +133,29 @@ class LiveScene::Implementation {
         {.rtol = rtol,
          .is_prepared = is_reduced && methods_.is_reduction_prepared(rtol, options.entries),
          .is_by_matrix = methods_.reduces_to_matrix(options.entries),
-         .has_surroundings = methods_.knows_surroundings()});
+         .is_rough = is_reduced && methods_.may_be_rough(rtol, options.entries)});
   }
 
-  /// Returns the answers of all frames by a method that is prepared for all of them; none by others.
+  /// Returns the answers of all frames by the reduced method, which is prepared for all of them; none by
+  /// others, or where it does not answer many at once.
   std::vector<std::vector<ReadingAnswer>> answers_together(std::size_t frames,
                                                            const std::function<void(std::size_t)>& pose,
                                                            const EvaluationOptions& options,
                                                            std::size_t threads) {
     const Method method = method_of(options);
-    const bool reduces = std::holds_alternative<Reduced>(method) ||
-                         (std::holds_alternative<Auto>(method) &&
-                          automatic_.prefers_reduction(methods_, size_, options, frames));
-    if (!reduces && !std::holds_alternative<Formula>(method))
+    const bool is_auto = std::holds_alternative<Auto>(method);
+    const bool refines = std::holds_alternative<Reduced>(method) ||
+                         (is_auto && automatic_.prefers_reduction(methods_, size_, options, frames));
+    const double rtol = rtol_of(options);
+    if (!refines && !(is_auto && methods_.may_be_rough(rtol, options.entries)))
       return {};
-    const std::optional<double> rtol = reduces ? std::optional(rtol_of(options)) : std::nullopt;
     try {
-      return methods_.readings_of(scene_, frames, pose, rtol, threads)
+      return methods_
+          .readings_of(scene_, frames, pose, rtol,
+                       refines ? detail::Refinement::allowed : detail::Refinement::none, threads)
           .value_or(std::vector<std::vector<ReadingAnswer>>());
     } catch (const InputError&) {
-      if (!std::holds_alternative<Auto>(method))
+      if (!is_auto)
         throw;
       return {};
     }

@@ -34,6 +34,9 @@ constexpr double least_reduced_rtol = 1e-4;
 /// Part of the accuracy for which bodies are prepared again where they do not suffice for it.
 constexpr double sharpened = 0.3;
 
+/// Least accuracy for which a rough preparation is all that is made.
+constexpr double least_merely_rough_rtol = 0.1;
+
 /// Tells whether the reduced method's matrix takes no more than some seconds to prepare. Dielectric bodies
 /// take seconds to prepare, and many milliseconds for every pose.
 bool is_small(const SceneSize& size) {
@@ -132,13 +135,14 @@ double stated_error(const Evaluation& answer, const Scene& scene, Entries entrie
 }
 
 Methods::Methods(const Scene& scene, const SceneSize& size, std::shared_ptr<LinkPoses> poses)
-    : poses_(std::move(poses)), readings_of_objects_(scene),
-      knows_surroundings_(InsulatedReadings::knows(scene)), takes_rtol_(InsulatedReadings::takes_rtol(scene)),
-      matrix_is_small_(!scene.has_room && is_small(size)), closed_(poses_), reduced_readings_(poses_) {}
+    : poses_(std::move(poses)), readings_of_objects_(scene), knows_readings_(MachineReadings::knows(scene)),
+      has_insulators_(size.has_insulators), matrix_is_small_(!scene.has_room && is_small(size)),
+      // Plates and boxes take milliseconds to prepare.
+      matrix_is_quick_(matrix_is_small_ && size.curved == 0), rough_readings_(poses_), readings_(poses_) {}
 
 void Methods::keep_in(std::shared_ptr<const PreparedFiles> files) {
   files_ = std::move(files);
-  reduced_readings_.keep_in(files_);
+  readings_.keep_in(files_);
 }
 
 /// Returns an answer; ends the preparations that an exception leaves incomplete, which must not serve the
@@ -152,9 +156,9 @@ auto Methods::whole(const Answer& answer) -> decltype(answer()) {
   } catch (...) {
     evaluator_.reset();
     reduced_.reset();
-    closed_ = InsulatedReadings(poses_);
-    reduced_readings_ = InsulatedReadings(poses_);
-    reduced_readings_.keep_in(files_);
+    rough_readings_ = MachineReadings(poses_);
+    readings_ = MachineReadings(poses_);
+    readings_.keep_in(files_);
     prepared_rtol_.reset();
     throw;
   }
@@ -183,23 +187,12 @@ void Methods::integrate(const Scene& scene, const EvaluationOptions& asked, Eval
     readings_of_objects_.write_derivatives(*evaluator_, *poses_, answer.readings);
 }
 
-void Methods::combine(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
-                      Evaluation& answer) {
-  whole([&] {
-    answer.answered_by = to_string(Method(Formula{}));
-    answer.matrix.reset();
-    answer.capacitance = {};
-    refuse_thick_covers(scene);
-    if (knows_surroundings_) {
-      closed_.write(scene, answer.readings);
-      name_readings(answer.readings, answer.answered_by);
-    }
-    if (with_sensors || !knows_surroundings_)
-      find_by_formula(scene, answer);
-    if (!knows_surroundings_)
-      readings_of_objects_.write(answer.capacitance, answer.answered_by, answer.readings);
-    answer.reached = !asked.rtol || stated_error(answer, scene, Entries::of_readings) <= *asked.rtol;
-  });
+void Methods::combine(const Scene& scene, const EvaluationOptions& asked, Evaluation& answer) {
+  answer.answered_by = to_string(Method(Formula{}));
+  answer.matrix.reset();
+  find_by_formula(scene, answer);
+  readings_of_objects_.write(answer.capacitance, answer.answered_by, answer.readings);
+  answer.reached = !asked.rtol || stated_error(answer, scene, Entries::of_readings) <= *asked.rtol;
 }
 
 /// Writes what each object adds to each sensor.
@@ -240,7 +233,7 @@ bool Methods::reduces_to_matrix(const Scene& scene, const EvaluationOptions& ask
   answer.matrix.reset();
   if (!reduces_to_matrix(asked.entries))
     return false;
-  const bool has_readings = takes_rtol_ && asked.entries == Entries::of_readings;
+  const bool has_readings = knows_readings_ && asked.entries == Entries::of_readings;
   try {
     const ReducedContacts allowed = has_readings ? ReducedContacts::of_one_link : contacts;
     answer.matrix = reduced_matrix(scene, rtol_of(asked), allowed, asked.derivatives);
@@ -252,33 +245,55 @@ bool Methods::reduces_to_matrix(const Scene& scene, const EvaluationOptions& ask
   }
 }
 
-void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
-                     ReducedContacts contacts, Evaluation& answer) {
+/// Finds the readings before a machine.
+void Methods::read(const Scene& scene, const EvaluationOptions& asked, bool is_rough, bool with_sensors,
+                   Evaluation& answer) {
   const double rtol = rtol_of(asked);
   answer.answered_by = to_string(Method(Reduced{}));
   answer.capacitance = {};
-  double error = infinity;
-  if (reduces_to_matrix(scene, asked, contacts, answer)) {
-    take_matrix(scene, with_sensors, answer);
-    error = stated_error(answer, scene, asked.entries);
-    // The errors of changes are not those of entries, for which the bodies are prepared.
-    if (error > rtol && std::isfinite(error) && sharper_ == 1 && rtol > least_reduced_rtol) {
-      sharper_ = sharpened;
-      reduced_.reset();
-      if (reduces_to_matrix(scene, asked, contacts, answer))
-        take_matrix(scene, with_sensors, answer);
-      error = stated_error(answer, scene, asked.entries);
-    }
-  } else {
-    whole([&] {
-      reduced_readings_.write(scene, answer.readings, rtol, asked.derivatives);
+  answer.matrix.reset();
+  refuse_thick_covers(scene);
+  whole([&] {
+    MachineReadings& readings = is_rough ? rough_readings_ : readings_;
+    readings.write(scene, answer.readings, {rtol, is_rough}, asked.derivatives);
+    if (!is_rough)
       prepared_rtol_ = rtol;
-      if (asked.derivatives)
-        reduced_readings_.write_derivatives(answer.readings);
-      name_readings(answer.readings, answer.answered_by);
-      if (with_sensors)
-        find_by_formula(scene, answer);
-    });
+    if (asked.derivatives)
+      readings.write_derivatives(answer.readings);
+    name_readings(answer.readings, answer.answered_by);
+    if (with_sensors)
+      find_by_formula(scene, answer);
+  });
+  answer.reached = stated_error(answer, scene, asked.entries) <= rtol;
+}
+
+void Methods::reduce_roughly(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
+                             Evaluation& answer) {
+  read(scene, asked, true, with_sensors, answer);
+}
+
+void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
+                     ReducedContacts contacts, Evaluation& answer) {
+  const double rtol = rtol_of(asked);
+  if (may_be_rough(rtol, asked.entries)) {
+    reduce_roughly(scene, asked, with_sensors, answer);
+    if (answer.reached || rtol >= least_merely_rough_rtol)
+      return;
+  }
+  answer.answered_by = to_string(Method(Reduced{}));
+  answer.capacitance = {};
+  if (!reduces_to_matrix(scene, asked, contacts, answer)) {
+    read(scene, asked, false, with_sensors, answer);
+    return;
+  }
+  take_matrix(scene, with_sensors, answer);
+  double error = stated_error(answer, scene, asked.entries);
+  // The errors of changes are not those of entries, for which the bodies are prepared.
+  if (error > rtol && std::isfinite(error) && sharper_ == 1 && rtol > least_reduced_rtol) {
+    sharper_ = sharpened;
+    reduced_.reset();
+    if (reduces_to_matrix(scene, asked, contacts, answer))
+      take_matrix(scene, with_sensors, answer);
     error = stated_error(answer, scene, asked.entries);
   }
   answer.reached = error <= rtol;
@@ -302,19 +317,26 @@ void Methods::solve(const Scene& scene, const EvaluationOptions& asked, Evaluati
 
 std::optional<std::vector<std::vector<ReadingAnswer>>>
 Methods::readings_of(const Scene& scene, std::size_t frames, const std::function<void(std::size_t)>& pose,
-                     std::optional<double> rtol, std::size_t threads) {
-  if (rtol ? reduces_to_matrix(Entries::of_readings) : !knows_surroundings_)
+                     double rtol, Refinement refinement, std::size_t threads) {
+  const auto answers_by = [&](MachineReadings& readings, bool is_rough) {
+    return whole([&] {
+      auto answers = readings.write_frames(scene, frames, pose, {rtol, is_rough}, threads);
+      for (std::vector<ReadingAnswer>& frame : answers)
+        name_readings(frame, to_string(Method(Reduced{})));
+      return answers;
+    });
+  };
+  if (may_be_rough(rtol, Entries::of_readings)) {
+    auto answers = answers_by(rough_readings_, true);
+    if (rtol >= least_merely_rough_rtol || refinement == Refinement::none ||
+        std::ranges::all_of(answers, [&](const auto& frame) { return are_within(frame, rtol); }))
+      return answers;
+  }
+  if (reduces_to_matrix(Entries::of_readings) || refinement == Refinement::none)
     return std::nullopt;
-  return whole([&] {
-    InsulatedReadings& readings = rtol ? reduced_readings_ : closed_;
-    auto answers = readings.write_frames(scene, frames, pose, rtol, threads);
-    if (rtol)
-      prepared_rtol_ = rtol;
-    const std::string name = to_string(rtol ? Method(Reduced{}) : Method(Formula{}));
-    for (std::vector<ReadingAnswer>& frame : answers)
-      name_readings(frame, name);
-    return std::optional(std::move(answers));
-  });
+  auto answers = answers_by(readings_, false);
+  prepared_rtol_ = rtol;
+  return answers;
 }
 
 bool Methods::is_reduction_prepared(double rtol, Entries entries) const {

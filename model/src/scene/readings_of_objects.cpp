@@ -6,9 +6,9 @@
 #include <utility>
 #include <variant>
 
-#include "correction/insulated_readings.hpp"
 #include "fringe/reading.hpp"
 #include "geometry/wrench.hpp"
+#include "reduced/machine_readings.hpp"
 
 namespace fringe::detail {
 

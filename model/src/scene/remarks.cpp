@@ -1,6 +1,7 @@
 #include "fringe/remarks.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <optional>
 #include <utility>
@@ -9,7 +10,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "correction/insulated_readings.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "geometry/winding_number.hpp"
@@ -281,12 +281,11 @@ void remark_on_insulators(const Scene& scene, const Evaluation& answer, std::vec
   found.push_back(
       is_known
           ? fmt::format(
-                "object {}: dielectric, of which the formula only knows between which conductors' changes "
+                "object {}: dielectric, of which the method {} only knows between which conductors' changes "
                 "its change lies; the error says so. Compare with boundary-elements",
-                listed(enclosed))
-          : fmt::format("object {}: dielectric, of which the method {} knows no change; formula and "
-                        "boundary-elements "
-                        "do",
+                listed(enclosed), answer.answered_by)
+          : fmt::format("object {}: dielectric, of which the method {} knows no change; reduced and "
+                        "boundary-elements do",
                         listed(enclosed), answer.answered_by));
 }
 
@@ -298,17 +297,22 @@ void remark_on_room(const Scene& scene, const Evaluation& answer, std::vector<st
                                 answer.answered_by));
 }
 
-/// Remarks on changes that the formula cannot tell the error of.
-void remark_on_unknown_errors(const Evaluation& answer, std::vector<std::string>& found) {
-  std::vector<std::string> unknown;
+/// Remarks on changes that contact makes infinite or unknown.
+void remark_on_contact(const Evaluation& answer, std::vector<std::string>& found) {
+  std::vector<std::string> infinite, unknown;
   for (const ReadingAnswer& reading : answer.readings)
-    if (reading.change.value && !reading.change.error)
+    if (!reading.change.value)
       unknown.push_back(reading.name);
-  if (!unknown.empty())
-    found.push_back(
-        fmt::format("reading {}: how far off its change is, is not known: the {} is too coarse for "
-                    "it, and may be off by factors; auto reaches an accuracy",
-                    listed(unknown), answer.answered_by));
+    else if (std::isinf(*reading.change.value))
+      infinite.push_back(reading.name);
+  if (!infinite.empty())
+    found.push_back(fmt::format("reading {}: a target touches what it senses or drives, so that its change "
+                                "is infinite",
+                                listed(infinite)));
+  if (!unknown.empty() && answer.answered_by == to_string(Method(Reduced{})))
+    found.push_back(fmt::format("reading {}: bodies that touch may have different potentials, so that its "
+                                "change is not known",
+                                listed(unknown)));
 }
 
 /// Remarks on derivatives that are asked for and not known.
@@ -344,6 +348,7 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
   std::vector<std::string> found = remarks(scene, bodies);
   if (options.derivatives && !scene.links.empty())
     remark_on_derivatives(answer.readings, found);
+  remark_on_contact(answer, found);
   if (answer.matrix)
     return found;
   if (scene.sensors.empty())
@@ -355,11 +360,9 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
   if (options.faces == FaceRule::facing)
     remark_on_backs(answer.capacitance, found);
   remark_on_room(scene, answer, found);
-  if (!is_integral(method_of(options)) && detail::InsulatedReadings::knows(scene))
-    remark_on_unknown_errors(answer, found);
   remark_on_insulators(scene, answer, found);
-  // Readings that know the conductors around need no remark on them.
-  if (is_integral(method_of(options)) || !detail::InsulatedReadings::knows(scene))
+  // The reduced method knows what is around a sensor.
+  if (answer.answered_by != to_string(Method(Reduced{})))
     remark_on_shields(scene, bodies, answer, found);
   return found;
 }

@@ -8,8 +8,8 @@
 
 #include <fmt/format.h>
 
-#include "correction/formula.hpp"
-#include "correction/layer_rule.hpp"
+#include "formula/formula.hpp"
+#include "formula/layer_rule.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
 #include "fringe/pose.hpp"

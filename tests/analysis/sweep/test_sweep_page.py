@@ -169,6 +169,14 @@ def test_wrong_input_ends_with_status_2_and_no_page(
     assert capfd.readouterr().err and not target.exists()
 
 
+def test_the_page_of_a_scene_elsewhere_is_in_the_current_folder(
+    scene: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(scene.parent)
+    assert command_line.main(["sweep", str(scene), "--method", "exact"]) == 0
+    assert (scene.parent / "results" / "sweep" / f"{scene.stem}.html").is_file()
+
+
 def test_a_scene_without_a_motion_is_refused(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
     scene.with_name("arm.motion.toml").unlink()
     assert command_line.main(["sweep", str(scene)]) == 2

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "correction/surrounded.hpp"
 #include "fringe/pose.hpp"
+#include "reduced/surrounded.hpp"
 
 /// Memory that is allocated while something moves.
 

@@ -11,7 +11,8 @@
 #include "fringe/pose.hpp"
 #include "fringe/remarks.hpp"
 
-/// Covers and dielectric targets by the triangle integrals and the formula (model/CORRECTIONS.md, section 9).
+/// Covers and dielectric targets by the triangle integrals, and before a machine that
+/// is prepared roughly (model/CORRECTIONS.md, section 9).
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
@@ -64,6 +65,7 @@ std::string refusal(const Scene& scene, const EvaluationOptions& options) {
 
 const EvaluationOptions by_integral{};
 const EvaluationOptions by_formula{.method = Formula{}};
+const EvaluationOptions roughly{.method = Reduced{}, .rtol = 0.1};
 EvaluationOptions by_boundary_elements(double rtol) {
   return {.method = BoundaryElements{}, .rtol = rtol};
 }
@@ -83,17 +85,17 @@ TEST(LayerRule, ACoverOfTheMediumChangesNothing) {
   }
 }
 
-TEST(LayerRule, TheFormulaUnderACoverIsWithinItsErrorOfBoundaryElements) {
+TEST(LayerRule, AReadingUnderACoverIsWithinItsErrorOfBoundaryElements) {
   for (const auto& [gap, thickness] : {std::pair{0.012, 0.004}, std::pair{0.06, 0.008}}) {
     const Scene scene = covered(before_a_hand(gap), thickness, 4);
     const double truth = change(scene, by_boundary_elements(5e-2));
-    const Evaluation answer = evaluate(scene, by_formula);
+    const Evaluation answer = evaluate(scene, roughly);
     const Estimate found = answer.readings.at(0).change;
     EXPECT_LT(std::abs(*found.value - truth), 0.12 * truth) << gap;
     EXPECT_LT(std::abs(*found.value - truth), found.error.value()) << gap;
     // The cover is no object of its own.
     EXPECT_EQ(answer.capacitance.sensors.at(0).objects.size(), 2);
-    EXPECT_THAT(remarks(scene, by_formula, answer), ::testing::Contains(HasSubstr("layer rule")));
+    EXPECT_THAT(remarks(scene, roughly, answer), ::testing::Contains(HasSubstr("layer rule")));
   }
 }
 
@@ -108,11 +110,11 @@ TEST(LayerRule, ACoverThickerThanTheGapIsRefusedByBothNames) {
 TEST(DielectricTargets, TheTruthIsWithinTheStatedErrorBetweenNothingAndAConductor) {
   for (const double permittivity : {2.0, 80.0}) {
     const Scene scene = before_a_hand(0.03, Dielectric{permittivity});
-    const Estimate found = evaluate(scene, by_formula).readings.at(0).change;
+    const Estimate found = evaluate(scene, roughly).readings.at(0).change;
     const double truth = change(scene, by_boundary_elements(0.15));
     EXPECT_LT(std::abs(*found.value - truth), found.error.value()) << permittivity;
     EXPECT_GT(*found.value, 0);
-    EXPECT_LT(*found.value, change(before_a_hand(0.03, Floating{}), by_formula));
+    EXPECT_LT(*found.value, change(before_a_hand(0.03, Floating{}), roughly));
   }
 }
 
@@ -121,8 +123,8 @@ TEST(DielectricTargets, BesideAConductorTheyAddToItsChange) {
   Object blanket{"blanket", std::nullopt, Cuboid{0.1, 0.1, 0.004}, at(0.01, 0.005, 0.028), Dielectric{2}};
   blanket.target = true;
   scene.objects.push_back(blanket);
-  const Estimate found = evaluate(scene, by_formula).readings.at(0).change;
-  EXPECT_GT(*found.value, change(before_a_hand(0.03), by_formula));
+  const Estimate found = evaluate(scene, roughly).readings.at(0).change;
+  EXPECT_GT(*found.value, change(before_a_hand(0.03), roughly));
   EXPECT_LT(std::abs(*found.value - change(scene, by_boundary_elements(0.15))), found.error.value());
 }
 
@@ -131,7 +133,7 @@ TEST(DielectricTargets, OnGroundedBodiesTheyAreEnclosedByGroundedConductors) {
   scene.objects[1].pose = at(0.05, 0, 0);
   scene.objects[1].shape = Cuboid{0.02, 0.02, 0.02};
   scene.objects[0].shape = Cuboid{0.2, 0.1, 0.05};
-  const Estimate found = evaluate(scene, by_formula).readings.at(0).change;
+  const Estimate found = evaluate(scene, roughly).readings.at(0).change;
   ASSERT_TRUE(found.value.has_value());
   EXPECT_GE(*found.error, *found.value);
 }

@@ -58,16 +58,6 @@ TEST(Remarks, SayThatARoomIsNotKnown) {
         << method;
 }
 
-TEST(Remarks, SayOfWhichReadingsTheErrorIsUnknown) {
-  Scene scene = sensor_and_box();
-  scene.objects[0].target = true;
-  EXPECT_THAT(remarks_on(scene, {.method = Formula{}}), IsEmpty());
-  scene.objects[0] = object_of("wall", Plate{10, 10}, {0, 0, 0.1});
-  scene.objects[0].target = true;
-  EXPECT_THAT(remarks_on(scene, {.method = Formula{}}),
-              testing::Contains(AllOf(StartsWith("reading \"front\": how far off"), HasSubstr("auto"))));
-}
-
 TEST(Remarks, AskAboutLengthsThatMayBeInMillimetres) {
   Scene scene = sensor_and_box();
   scene.sensors[0].plates.push_back({{100, 0, 0}, {40, 0, 0}, {0, 30, 0}});

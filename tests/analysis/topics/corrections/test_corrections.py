@@ -34,7 +34,7 @@ REDUCED_RMS, REDUCED_WORST = 0.005, 0.01
 # Where the reduced method itself says that it has not reached its accuracy, bodies nearer than a thirtieth of their size.
 REDUCED_WORST_NEAR = 0.025
 SET_UPS = "set_ups/corrections.html"
-FORMULA_CODE = ROOT / "model" / "src" / "correction" / "formula.cpp"
+FORMULA_CODE = ROOT / "model" / "src" / "formula" / "formula.cpp"
 # The fit's own tolerance: its last digits depend on where it starts.
 FITTED_TO = 1e-3
 

@@ -23,7 +23,7 @@ from analysis.topics.insulators.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.insulators.stage import FORMULA, IGNORING, STAGES
+from analysis.topics.insulators.stage import IGNORING, REDUCED, STAGES
 from analysis.topics.insulators.topic import CHECK, INSULATORS
 from geometries.scene import reader
 
@@ -107,11 +107,11 @@ def test_boundary_elements_agree_with_every_record_of_the_field_solver() -> None
 def test_the_formula_follows_layers_and_encloses_insulating_targets(found: list[Entry]) -> None:
     for entry in found:
         if entry.set_up.family == MATTRESS:
-            assert FORMULA not in entry.changes and IGNORING in entry.changes
+            assert REDUCED not in entry.changes and IGNORING in entry.changes
             continue
         assert entry.is_enclosed, entry.set_up.name
         if entry.set_up.family in (COVER, FILM):
-            assert abs(entry.error(FORMULA)) < abs(entry.error(IGNORING))
+            assert abs(entry.error(REDUCED)) < abs(entry.error(IGNORING))
 
 
 def test_the_section_warns_in_numbers(found: list[Entry]) -> None:

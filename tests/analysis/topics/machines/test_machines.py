@@ -26,7 +26,7 @@ from analysis.topics.machines.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.machines.stage import EVERY, FORMULA, METHODS, STAGES
+from analysis.topics.machines.stage import EVERY, METHODS, REDUCED, STAGES
 from analysis.topics.machines.topic import MACHINES
 from analysis.topics.machines.truths import RTOL
 from geometries.common.installation import ROOT
@@ -167,9 +167,9 @@ def test_the_plain_model_gives_nothing_of_a_reading_between_sensors_and_the_form
     found: list[Entry],
 ) -> None:
     (entry,) = (entry for entry in found if entry.set_up.is_between_sensors)
-    assert entry.pairs is None and list(entry.methods) == [FORMULA]
+    assert entry.pairs is None and list(entry.methods) == [REDUCED]
     assert entry.error == -1 and entry.change.value < 0
-    assert entry.ratio(FORMULA) == pytest.approx(1, abs=0.15)
+    assert entry.ratio(REDUCED) == pytest.approx(1, abs=0.15)
     assert entry.parts()[parts.NOT_KNOWN] == pytest.approx(-entry.true.alone.value / entry.change.value)
     sensors = [
         len(scene.sensors) for chosen in ((), (SENSORS,)) for scene in parts.scenes(entry.set_up, chosen)

@@ -1,0 +1,121 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "bem/readings.hpp"
+#include "geometry/wrench.hpp"
+#include "io/prepared_files.hpp"
+#include "reduced/machine_link.hpp"
+#include "reduced/target_at_rest.hpp"
+
+/// A machine as its links, each of which is prepared by itself; one at rest is one link
+/// (model/CORRECTIONS.md, section 8).
+namespace fringe::detail {
+
+/// The poses of the frames of a machine's links, and of that of the targets.
+struct PoseOfMachine {
+  std::vector<Eigen::Isometry3d> links;
+  Eigen::Isometry3d target;
+
+  /// Returns the pose from the frame of the targets to that of a link.
+  Eigen::Isometry3d of_target(std::size_t link) const {
+    return links[link].inverse(Eigen::Isometry) * target;
+  }
+};
+
+/// A reading by the places of what it senses and drives among the loads of a machine.
+struct OfReading {
+  Eigen::Index sense;
+  Eigen::Index drive;
+  double sign;
+};
+
+/// What a reading changes by targets, and what it is without them, with their errors in m, to be multiplied
+/// by 4πε; a change that is NaN cannot be found.
+struct SolvedReading {
+  double change;
+  double error;
+  double background;
+  double background_error;
+};
+
+/// Returns the error stated of a change, from the sum of its estimated parts; infinity where it is not known.
+/// @param nearness the largest ratio of the radius of a function of the targets to its distance
+double stated_error_of(double change, double parts, double nearness);
+
+/// The contribution of two groups of bodies to the derivatives of all readings, as the first one moves: in 1
+/// and in m, to be multiplied by 4πε.
+struct GroupWrenches {
+  std::size_t first;  ///< a link; LinkedMachine::none: the targets
+  std::size_t second;
+  std::vector<Wrench> of_readings;
+};
+
+/// How finely the links of a machine are prepared: those with what is sensed or driven, and the others.
+struct MachineResolution {
+  SurfaceResolution used, others;
+};
+
+/// Stated error of the charges of a machine that is prepared roughly, in a second at most.
+constexpr double rough_rtol = 3e-2;
+
+/// Returns how finely a machine is prepared for an accuracy.
+MachineResolution machine_resolution(double rtol, bool is_rough, bool has_one_link);
+
+/// A machine of links, prepared for a motion.
+class LinkedMachine {
+ public:
+  /// Prepares the links' bodies, joined, each in its own frame. No conductor that floats has bodies on two of
+  /// them.
+  /// @param poses the poses of the links' frames, for each of some poses of the motion; a machine at rest
+  /// needs none
+  /// @param targets boxes around the targets, in a frame of their own; none: they may be anywhere
+  /// @param of_targets the poses of that frame
+  /// @param files that keep the links; may be null
+  /// @throws InputError for a reading of what is neither a sensor nor an electrode.
+  LinkedMachine(std::vector<ChargedBodies> links, const std::vector<Reading>& readings,
+                const std::vector<std::vector<Eigen::Isometry3d>>& poses,
+                const std::vector<Eigen::AlignedBox3d>& targets,
+                const std::vector<Eigen::Isometry3d>& of_targets, const MachineResolution& resolutions,
+                std::size_t threads, const PreparedFiles* files = nullptr);
+
+  const std::vector<MachineLink>& links() const { return links_; }
+  const std::vector<OfReading>& readings() const { return readings_; }
+  Eigen::Index loads() const { return loads_; }
+  /// Returns the readings by the potentials of the conductors of a link.
+  const std::vector<ChargedReading>& readings_on(std::size_t link) const { return charged_[link]; }
+  /// Returns boxes around the bodies of a link that are sensed or driven.
+  const std::vector<PlacedBox>& used(std::size_t link) const { return used_[link]; }
+
+  /// Returns all that the first link was prepared from.
+  const std::string& input() const { return input_; }
+
+  /// Returns how near a body comes to what is sensed or driven, in its own frame; `skipped` is a link whose
+  /// own boxes are left out.
+  /// @param frames the poses of the body's frame
+  Approach approach(const std::vector<Eigen::Isometry3d>& frames,
+                    const std::vector<std::vector<Eigen::Isometry3d>>& poses, std::size_t skipped) const;
+  static constexpr std::size_t none = static_cast<std::size_t>(-1);
+
+ private:
+  std::vector<std::vector<ChargedReading>> charged_;
+  std::vector<std::vector<PlacedBox>> used_;
+  std::vector<OfReading> readings_;
+  Eigen::Index loads_ = 0;
+  std::vector<MachineLink> links_;
+  std::string input_;
+};
+
+/// Returns the largest ratio, in a pose, of the radius of a function of the target to its distance from what
+/// is sensed or driven: gaps below it are not resolved.
+double nearness(const LinkedMachine& machine, const TargetAtRest& target, const PoseOfMachine& pose);
+/// Returns the same for boxes around what is sensed or driven, in a pose from the frame of the targets to
+/// theirs.
+double nearness(const std::vector<PlacedBox>& used, const TargetAtRest& target,
+                const Eigen::Isometry3d& pose);
+
+}  // namespace fringe::detail

@@ -1,0 +1,155 @@
+#include "fringe/machine_potentials.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <Eigen/Cholesky>
+#include <fmt/format.h>
+
+#include "fringe/error.hpp"
+#include "fringe/reading.hpp"
+#include "numeric/parallel.hpp"
+#include "reduced/linked_machine.hpp"
+#include "reduced/node_kernels.hpp"
+#include "reduced/outside_potentials.hpp"
+#include "reduced/posed_potentials.hpp"
+
+namespace fringe {
+
+using detail::index_of;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+using Eigen::Vector3d;
+
+namespace {
+
+/// Number of points that a thread takes at once, about.
+constexpr std::size_t points_together = 1024;
+
+}  // namespace
+
+struct MachinePotentials::Machine {
+  Machine(const Scene& scene, const MachinePotentialsOptions& options)
+      : machine({detail::charged_bodies(scene)}, fringe::readings(scene), {}, {}, {},
+                {{options.rtol, options.most_panels, options.functions}, {}}, options.threads),
+        // Charges of a sensor and of the ground behind it nearly cancel far away.
+        potentials(link().functions(), true) {
+    for (const detail::OfReading& reading : machine.readings())
+      readings.push_back(
+          {static_cast<std::size_t>(reading.sense), static_cast<std::size_t>(reading.drive), reading.sign});
+  }
+
+  /// Finds the changes of the readings, over 4πε, by a body in one pose.
+  /// @param loads potentials of the given charges (columns) at the body's points
+  /// @param matrix its potential coefficients with the machine there
+  /// @param to_ground as in MachinePotentials::changes()
+  /// @return false if the matrix is not positive definite, as within the machine
+  bool find_changes(const MatrixXd& loads, const MatrixXd& matrix, std::optional<double> to_ground,
+                    Eigen::Ref<Eigen::RowVectorXd> changes) const {
+    const Eigen::LLT<MatrixXd> factor(matrix);
+    if (factor.info() != Eigen::Success)
+      return false;
+    const MatrixXd charges = factor.solve(loads);
+    const Eigen::RowVectorXd net = charges.colwise().sum();
+    const double own = to_ground ? factor.solve(Eigen::VectorXd::Ones(matrix.rows())).sum() + *to_ground : 1;
+    for (std::size_t k = 0; k < readings.size(); ++k) {
+      const Index sense = index_of(readings[k].sense), drive = index_of(readings[k].drive);
+      double change = loads.col(sense).dot(charges.col(drive));
+      if (to_ground)
+        change -= net[sense] * net[drive] / own;
+      changes[index_of(k)] = readings[k].sign * change;
+    }
+    return true;
+  }
+
+  const detail::MachineLink& link() const { return machine.links().front(); }
+
+  detail::LinkedMachine machine;
+  detail::OutsidePotentials potentials;
+  std::vector<OfReading> readings;
+};
+
+MachinePotentials::MachinePotentials(const Scene& scene, const MachinePotentialsOptions& options) {
+  if (!(options.rtol >= 1e-4 && options.rtol <= 0.5))
+    throw InputError(fmt::format("rtol {} must be from 0.0001 to 0.5", options.rtol));
+  if (options.functions == 0)
+    throw InputError("functions must be at least 1");
+  if (scene.has_room)
+    throw InputError("room: boundary elements compute only conductors in free space");
+  if (fringe::readings(scene).empty())
+    throw InputError("a machine without sensors or electrodes has no readings");
+  machine_ = std::make_shared<const Machine>(scene, options);
+}
+
+const std::vector<MachinePotentials::OfReading>& MachinePotentials::readings() const {
+  return machine_->readings;
+}
+
+Eigen::MatrixXd MachinePotentials::answers() const {
+  const detail::MachineLink& link = machine_->link();
+  return detail::charges_by_potentials(link.functions().energies(), link.net().cast<double>(),
+                                       link.to_ground());
+}
+
+double MachinePotentials::error() const {
+  return machine_->link().error();
+}
+
+std::size_t MachinePotentials::panels() const {
+  return machine_->potentials.panels();
+}
+
+MachinePotentials::Values MachinePotentials::at(std::span<const Vector3d> points, bool with_parts,
+                                                std::size_t threads) const {
+  detail::OutsidePotentials::Values values = machine_->potentials.at(points, with_parts, nullptr, threads);
+  return {values.of_given.leftCols(machine_->machine.loads()), std::move(values.of_functions)};
+}
+
+MachinePotentials::Changes MachinePotentials::changes(const Body& body,
+                                                      std::span<const Eigen::Isometry3d> poses,
+                                                      const MatrixXf& answers,
+                                                      std::optional<double> to_ground,
+                                                      std::size_t threads) const {
+  const Index count = index_of(body.points.size());
+  if (body.potentials.rows() != count || body.potentials.cols() != count || count == 0)
+    throw InputError(fmt::format("potentials: {} × {} values for {} points", body.potentials.rows(),
+                                 body.potentials.cols(), count));
+  if (const std::size_t parts = machine_->link().functions().count();
+      static_cast<std::size_t>(answers.rows()) != parts)
+    throw InputError(fmt::format("answers have {} rows, but there are {} parts", answers.rows(), parts));
+  const detail::FunctionCharges charges(answers);
+  std::vector<Vector3d> positions;
+  positions.reserve(poses.size());
+  for (const Eigen::Isometry3d& pose : poses)
+    positions.emplace_back(pose.translation());
+  const std::vector<std::size_t> order = detail::along_curve(positions);
+  Changes result{MatrixXd::Zero(index_of(poses.size()), index_of(machine_->readings.size())),
+                 std::vector<bool>(poses.size())};
+  // Threads cannot write single bits.
+  std::vector<char> clears(poses.size());
+  const std::size_t together = std::max(std::size_t{1}, points_together / body.points.size());
+  detail::parallel_for((poses.size() + together - 1) / together, threads, [&](std::size_t group) {
+    const auto indices =
+        std::span(order).subspan(group * together, std::min(together, poses.size() - group * together));
+    std::vector<Vector3d> points;
+    for (const std::size_t index : indices)
+      for (const Vector3d& point : body.points)
+        points.emplace_back(poses[index] * point);
+    detail::PosedPotentials potentials(machine_->potentials, charges);
+    potentials.evaluate(points);
+    Eigen::RowVectorXd changes(result.values.cols());
+    for (std::size_t k = 0; k < indices.size(); ++k) {
+      const std::size_t first = k * body.points.size();
+      const MatrixXd matrix = body.potentials - potentials.answers(first, count);
+      clears[indices[k]] =
+          machine_->find_changes(potentials.given(first, count), matrix, to_ground, changes) ? 1 : 0;
+      if (clears[indices[k]] != 0)
+        result.values.row(index_of(indices[k])) = changes;
+    }
+  });
+  std::copy(clears.begin(), clears.end(), result.clears.begin());
+  return result;
+}
+
+}  // namespace fringe

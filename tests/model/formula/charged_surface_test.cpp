@@ -1,0 +1,91 @@
+#include "formula/charged_surface.hpp"
+
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "fringe/boundary_elements.hpp"
+#include "fringe/triangulation.hpp"
+
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
+
+double own_capacitance(const Shape& shape) {
+  return make_charged_surface(triangulate(shape)).own_capacitance / (4 * std::numbers::pi);
+}
+
+// Own capacitances from the literature for conductors of size 1; the formula needs two digits.
+TEST(ChargedSurface, KnowsTheOwnCapacitance) {
+  EXPECT_NEAR(own_capacitance(Plate{1, 1}), 0.366788, 0.005);
+  EXPECT_NEAR(own_capacitance(Cuboid{1, 1, 1}), 0.660678, 0.01);
+  EXPECT_NEAR(own_capacitance(Sphere{1, 48}), 1, 0.015);
+}
+
+// The result must not depend on the position of the apex: potentials at the centres of cells shaped like the
+// triangle itself would be far off.
+TEST(ChargedSurface, OfANeedleHasTheOwnCapacitanceThatBoundaryElementsGiveIt) {
+  for (const double height : {3e-3, 1e-4, 1e-7})
+    for (const double foot : {0.0, 0.13, 0.5, 0.787}) {
+      const Triangle needle{{{0, 0, 0}, {1, 0, 0}, {foot, height, 0}}};
+      Scene scene;
+      scene.objects = {
+          {"needle", {}, Mesh{"", 1, {needle}}, Eigen::Isometry3d::Identity(), Grounded{}, true}};
+      const double expected = maxwell(scene, {.rtol = 1e-2}).values(0, 0) / vacuum_permittivity;
+      EXPECT_NEAR(make_charged_surface({needle}).own_capacitance, expected, 0.03 * expected)
+          << height << ' ' << foot;
+    }
+}
+
+TEST(ChargedSurface, HasNoChargeOnWhatRoundingMakesOfALine) {
+  const Triangle whole{{{0, 0.34, 0.3}, {-0.7, 0.09, -1}, {0, -0.9, 0.3}}};
+  const Triangle line{{{0.0849508001749888, 0, -0.125},
+                       {-0.9355730474531689, 0, -0.8053730954002256},
+                       {-0.8762812525796406, 1.03786404433746e-17, -0.7658438456882323}}};
+  EXPECT_TRUE(has_area(whole));
+  EXPECT_FALSE(has_area(line));
+  EXPECT_EQ(make_charged_surface({whole, line}).own_capacitance,
+            make_charged_surface({whole}).own_capacitance);
+}
+
+TEST(ChargedSurface, OfAPlateHasItsChargeAtTheEdges) {
+  const ChargedSurface plate = make_charged_surface(triangulate(Plate{1, 1}));
+  EXPECT_NEAR(plate.charges.sum(), 1, 1e-12);
+  EXPECT_GT(plate.charges.minCoeff(), 0);
+  EXPECT_FALSE(plate.closed);
+  double outer = 0;
+  for (Eigen::Index i = 0; i < plate.nodes.cols(); ++i)
+    if (plate.nodes.col(i).lpNorm<Eigen::Infinity>() > 0.25)
+      outer += plate.charges[i];
+  // This region has three quarters of the area.
+  EXPECT_GT(outer, 0.85);
+}
+
+TEST(ChargedSurface, HasOrthonormalModesWithoutCharge) {
+  const ChargedSurface box = make_charged_surface(triangulate(Cuboid{1, 0.5, 0.3}));
+  EXPECT_TRUE(box.closed);
+  EXPECT_EQ(box.linear_modes, 3);
+  EXPECT_LT(box.modes.rowwise().sum().cwiseAbs().maxCoeff(), 1e-12);
+  const Eigen::MatrixXd products =
+      box.modes * box.charges.cwiseInverse().asDiagonal() * box.modes.transpose();
+  EXPECT_LT((products - Eigen::MatrixXd::Identity(products.rows(), products.cols())).norm(), 1e-9);
+}
+
+TEST(ChargedSurface, DoesNotMindSurfacesUponEachOther) {
+  const std::vector<Triangle> once = triangulate(Plate{1, 1});
+  std::vector<Triangle> twice = once;
+  twice.insert(twice.end(), once.begin(), once.end());
+  EXPECT_NEAR(make_charged_surface(twice).own_capacitance / make_charged_surface(once).own_capacitance, 1,
+              0.02);
+}
+
+TEST(ChargedSurface, OfManyTrianglesHasClustersWithTheirArea) {
+  const ChargedSurface sphere = make_charged_surface(triangulate(Sphere{1, 72}));
+  std::size_t members = 0;
+  for (const Cluster& cluster : sphere.clusters)
+    members += cluster.members.size();
+  EXPECT_EQ(members, sphere.triangles.size());
+  EXPECT_LE(sphere.nodes.cols(), 128);
+}
+
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE

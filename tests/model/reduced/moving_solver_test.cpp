@@ -1,0 +1,162 @@
+/// What a target changes in the readings of a machine of two links, prepared apart from each other: against
+/// boundary elements of the whole, and what must not matter.
+
+#include "reduced/moving_solver.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "bem/scenes.hpp"
+#include "fringe/boundary_elements.hpp"
+#include "fringe/capacitance.hpp"
+#include "fringe/pose.hpp"
+#include "fringe/reading.hpp"
+#include "geometry.hpp"
+#include "reduced/link_tables.hpp"
+#include "reduced/linked_machine.hpp"
+#include "reduced/placed_box.hpp"
+
+namespace fringe::detail::FRINGE_TEST_FILE {
+namespace {
+
+using Eigen::AlignedBox3d;
+using Eigen::Isometry3d;
+using Eigen::Vector3d;
+
+const Cuboid housing{0.12, 0.1, 0.04}, hand{0.05, 0.09, 0.02};
+
+Scene sensor_alone() {
+  Scene scene;
+  scene.sensors = {test::sensor("sensor", {test::square(0.06, 0)})};
+  return scene;
+}
+Scene body_alone(const char* name, const Shape& shape) {
+  Scene scene;
+  scene.objects = {test::object(name, shape, test::at(0, 0, 0))};
+  return scene;
+}
+
+/// The change by the hand over 4πε by boundary elements.
+double truth(const PoseOfMachine& pose) {
+  Scene scene = sensor_alone();
+  scene.links = {{"sensor", {}, pose.links[0]}, {"housing", {}, pose.links[1]}, {"hand", {}, pose.target}};
+  scene.sensors[0].link = 0;
+  scene.objects = {test::object("housing", housing, test::at(0, 0, 0)),
+                   test::object("hand", hand, test::at(0, 0, 0))};
+  scene.objects[0].link = 1;
+  scene.objects[1].link = 2;
+  scene.objects[1].target = true;
+  return maxwell(scene, {.rtol = 3e-3}).readings.at(0).change.value.value() /
+         (4 * std::numbers::pi * vacuum_permittivity);
+}
+
+/// A sensor that moves before a housing, and a hand.
+struct Prepared {
+  static constexpr double rtol = 0.05;
+
+  static PoseOfMachine pose(double gap, double turn, const Vector3d& place) {
+    return {{pose_from_axis({0, 1, 0}, turn, {0, 0, 0}), test::at(0, 0, -gap)},
+            pose_from_axis({1, 2, 3}, 20, place)};
+  }
+
+  double change(const PoseOfMachine& at, double* error = nullptr) {
+    const SolvedReading found = solver.solved(machine, tables, target, at)[0];
+    if (error != nullptr)
+      *error = found.error;
+    return found.change;
+  }
+
+  const std::vector<PoseOfMachine> poses{pose(0.035, 0, {0.01, 0.02, 0.05}), pose(0.06, 25, {-0.02, 0, 0.07}),
+                                         pose(0.035, -10, {0.03, 0.03, 0.12})};
+  const std::vector<std::vector<Isometry3d>> of_links{poses[0].links, poses[1].links, poses[2].links};
+  const std::vector<Isometry3d> of_target{poses[0].target, poses[1].target, poses[2].target};
+  const ChargedBodies hand_bodies = charged_bodies(body_alone("hand", hand));
+  const LinkedMachine machine{
+      {charged_bodies(sensor_alone()), charged_bodies(body_alone("housing", housing))},
+      readings(sensor_alone()),
+      of_links,
+      {bounds_of(hand_bodies.bodies[0])},
+      of_target,
+      machine_resolution(rtol, false, false),
+      1};
+  const TargetAtRest target{
+      hand_bodies, {rtol, 6000, 384}, machine.approach(of_target, of_links, LinkedMachine::none)};
+  LinkTables tables{machine, target};
+  MovingSolver solver;
+};
+
+/// All tests share what is prepared.
+class MovingSolverTest : public testing::Test {
+ protected:
+  static Prepared& prepared() {
+    static Prepared of_all;
+    return of_all;
+  }
+
+  double change(const PoseOfMachine& at, double* error = nullptr) { return prepared().change(at, error); }
+
+  const std::vector<PoseOfMachine>& poses = prepared().poses;
+  const LinkedMachine& machine = prepared().machine;
+  const TargetAtRest& target = prepared().target;
+  LinkTables& tables = prepared().tables;
+  MovingSolver& solver = prepared().solver;
+};
+
+TEST_F(MovingSolverTest, IsTheChangeByBoundaryElementsInEveryPose) {
+  tables.extend(machine, target, poses, 1);
+  for (const PoseOfMachine& at : poses) {
+    double error = 0;
+    const double found = change(at, &error), expected = truth(at);
+    EXPECT_NEAR(found, expected, error + 3e-3 * expected);
+    EXPECT_NEAR(found, expected, 0.05 * expected);
+    EXPECT_GT(error, 0);
+    EXPECT_LT(error, 0.5 * expected);
+  }
+}
+
+// Only poses relative to each other count, not what was evaluated before.
+TEST_F(MovingSolverTest, DoesNotDependOnWhereEverythingIsNorOnEarlierPoses) {
+  tables.extend(machine, target, poses, 1);
+  const double first = change(poses[0]);
+  change(poses[1]);
+  EXPECT_NEAR(change(poses[0]), first, 1e-5 * first);
+  const Isometry3d away = pose_from_axis({3, 1, -1}, 130, {5, -2, 1});
+  const PoseOfMachine moved{{away * poses[0].links[0], away * poses[0].links[1]}, away * poses[0].target};
+  EXPECT_NEAR(change(moved), first, 1e-4 * first);
+  EXPECT_NEAR(nearness(machine, target, moved), nearness(machine, target, poses[0]), 1e-9);
+  EXPECT_GT(nearness(machine, target, poses[0]), nearness(machine, target, poses[2]));
+}
+
+TEST_F(MovingSolverTest, HasWrenchesThatAddUpToNothing) {
+  tables.extend(machine, target, poses, 1);
+  change(poses[0]);
+  // The target's own derivative by central differences of its place.
+  constexpr double step = 5e-4;
+  Vector3d difference;
+  for (int axis = 0; axis < 3; ++axis) {
+    double sum = 0;
+    for (const double sign : {1.0, -1.0}) {
+      PoseOfMachine there = poses[0];
+      there.target.pretranslate(sign * step * Vector3d::Unit(axis));
+      tables.extend(machine, target, std::vector{there}, 1);
+      sum += sign * change(there) / (2 * step);
+    }
+    difference[axis] = sum;
+  }
+  change(poses[0]);
+  Vector3d of_target = Vector3d::Zero();
+  for (const GroupWrenches& pair : solver.wrenches(machine, tables, target, poses[0])) {
+    const Vector3d force = pair.of_readings[0].force;
+    if (pair.first == LinkedMachine::none)
+      of_target += force;
+    else if (pair.second == LinkedMachine::none)
+      of_target -= force;
+  }
+  EXPECT_LT((of_target - difference).norm(), 0.03 * difference.norm());
+}
+
+}  // namespace
+}  // namespace fringe::detail::FRINGE_TEST_FILE
