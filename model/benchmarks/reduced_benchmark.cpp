@@ -16,7 +16,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "company_rows.hpp"
+#include "machine_rows.hpp"
 #include "cover_rows.hpp"
 #include "fringe/error.hpp"
 #include "fringe/scene_reader.hpp"
@@ -255,11 +255,11 @@ int main(int argument_count, char** arguments) {
   program.add_option("SCENE", request.files, "Scene files that are measured, too");
   program.add_option("--meshes", request.meshes, "Only bodies of triangles, in so many poses");
   program.add_option("--machine", request.machine,
-                     "Only the formula for a hand before an arm; so many poses are compared");
+                     "Only readings of a hand before an arm; so many poses are compared");
   program.add_option("--covers", request.covers, "Only sensors under covers, in so many poses");
   program
       .add_option("--moving", request.moving,
-                  "Only the formula on a scene and so many frames of the motion beside it, and with prepared "
+                  "Only readings of a scene in so many frames of the motion beside it, and with prepared "
                   "data in a folder")
       ->expected(2, 3);
   CLI11_PARSE(program, argument_count, arguments);

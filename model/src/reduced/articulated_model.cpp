@@ -19,6 +19,9 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
+/// Number of threads with which a single pose is prepared: as many as this process may run at once.
+constexpr std::size_t all_cores = 0;
+
 /// Number of poses that one thread answers in turn, with the same arrays.
 constexpr std::size_t poses_together = 8;
 
@@ -371,19 +374,19 @@ void ArticulatedModel::write(const Scene& scene, std::vector<ReadingAnswer>& ans
   const std::span<const PoseOfMachine> present(&pose_, 1);
   refuse_contacts_of_links(pose_);
   if (!machine_ || !target_)
-    prepare(scene, present, 1);
+    prepare(scene, present, all_cores);
   find_contacts(pose_, touching_);
   // What contact decides needs no tables, which would be fine everywhere.
   if (needs_solution(touching_))
-    tabulate(present, 1);
+    tabulate(present, all_cores);
   write_pose(solvers_, pose_, touching_, answers);
   if (!needs_solution(touching_) || are_within(answers, accuracy.rtol) ||
       !is_much_nearer(nearness(*machine_, *target_, pose_), prepared_nearness_))
     return;
   std::vector<PoseOfMachine> approach = approach_;
   approach.push_back(pose_);
-  prepare(scene, approach, 1);
-  tabulate(present, 1);
+  prepare(scene, approach, all_cores);
+  tabulate(present, all_cores);
   write_pose(solvers_, pose_, touching_, answers);
 }
 

@@ -65,7 +65,7 @@ double limit_of_part(const ChargeFunctions& link, std::size_t function) {
 }  // namespace
 
 LinkTable::LinkTable(const ChargeFunctions& functions, double largest)
-    : functions_(functions), potentials_(functions, true), table_(potentials_, largest) {
+    : functions_(functions), potentials_(functions), table_(potentials_, largest) {
   const FunctionPoints& points = functions.points(level_of_near);
   const Index count = index_of(points.at.size());
   const auto padded = static_cast<std::size_t>(whole_blocks(count));

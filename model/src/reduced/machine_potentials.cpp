@@ -33,8 +33,7 @@ struct MachinePotentials::Machine {
   Machine(const Scene& scene, const MachinePotentialsOptions& options)
       : machine({detail::charged_bodies(scene)}, fringe::readings(scene), {}, {}, {},
                 {{options.rtol, options.most_panels, options.functions}, {}}, options.threads),
-        // Charges of a sensor and of the ground behind it nearly cancel far away.
-        potentials(link().functions(), true) {
+        potentials(link().functions()) {
     for (const detail::OfReading& reading : machine.readings())
       readings.push_back(
           {static_cast<std::size_t>(reading.sense), static_cast<std::size_t>(reading.drive), reading.sign});

@@ -63,7 +63,7 @@ class MachineReadings {
   std::optional<Conducting> grounded_;  ///< with grounded ones where `upper_` has floating ones
   std::optional<Conducting> lower_;     ///< without dielectric targets, if there are others, too
   std::shared_ptr<const PreparedFiles> files_;
-  bool has_insulators_ = false;
+  bool has_insulators_ = false, has_covers_ = false;
   /// Estimated share that dielectric targets have of the change by conductors; none: there are none of them.
   std::optional<double> share_;
   std::vector<bool> drive_themselves_;  ///< for every reading, whether it drives what it senses only

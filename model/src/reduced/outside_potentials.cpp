@@ -26,11 +26,9 @@ using Eigen::MatrixXf;
 using Eigen::Vector3d;
 
 /// Largest ratios of a part's radius to its distance at which the points of each level from `first_level` on
-/// suffice, usually and where charges nearly cancel; closer parts are panels.
+/// suffice, though charges of both signs nearly cancel; closer parts are panels.
 constexpr std::size_t most_levels = 3;
-using PartRatios = std::array<double, most_levels>;
-constexpr std::array<PartRatios, 2> largest_part_ratios{PartRatios{0.3, 0.5, 0.7},
-                                                        PartRatios{0.02, 0.08, 0.3}};
+constexpr std::array<double, most_levels> largest_part_ratios{0.02, 0.08, 0.3};
 constexpr std::size_t first_level = ChargeFunctions::first_with_moments;
 
 /// Distance from a panel's centre, over its radius, beyond which it counts as a point.
@@ -82,8 +80,7 @@ FunctionCharges::FunctionCharges(const MatrixXf& charges)
       values[static_cast<std::size_t>(function * stride + k)] = charges(function, k);
 }
 
-OutsidePotentials::OutsidePotentials(const ChargeFunctions& functions, bool is_fine)
-    : functions_(functions), is_fine_(is_fine) {
+OutsidePotentials::OutsidePotentials(const ChargeFunctions& functions) : functions_(functions) {
   for (const Triangle& corners : functions.panels().corners) {
     const Panel panel = make_panel(corners);
     panels_.push_back({panel.centre, panel.radius});
@@ -200,7 +197,6 @@ void OutsidePotentials::evaluate(std::span<const Vector3d> points, bool with_fun
                   index_of(sources.first[function + 1] - first)},
                  columns, inverse_distances);
   };
-  const PartRatios& largest_ratios = largest_part_ratios[is_fine_ ? 1 : 0];
   const Vector3d centre = box.center();
   const double radius = box.diagonal().norm() / 2;
   scratch.of_given.assign(static_cast<std::size_t>(given()) * block, 0.0F);
@@ -211,7 +207,7 @@ void OutsidePotentials::evaluate(std::span<const Vector3d> points, bool with_fun
   for (std::size_t function = 0; function < functions_.count(); ++function) {
     const double distance = (functions_.centre(function) - centre).norm() - radius;
     std::size_t level = 0;
-    while (level < most_levels && functions_.radius(function) > largest_ratios[level] * distance)
+    while (level < most_levels && functions_.radius(function) > largest_part_ratios[level] * distance)
       ++level;
     if (level == most_levels) {
       scratch.close.push_back(function);

@@ -35,8 +35,7 @@ class OutsidePotentials {
   static constexpr std::size_t block = node_block;
 
   /// Keeps a reference to the functions.
-  /// @param is_fine whether charges that nearly cancel are to be resolved, for some ten times the time
-  explicit OutsidePotentials(const ChargeFunctions& functions, bool is_fine = false);
+  explicit OutsidePotentials(const ChargeFunctions& functions);
 
   struct Values {
     TrianglePotentials of_given;      ///< of the given charges (columns) at the points
@@ -99,7 +98,6 @@ class OutsidePotentials {
   void correct(std::span<const Eigen::Vector3d> points, const Coordinates& at, Scratch& scratch) const;
 
   const ChargeFunctions& functions_;
-  bool is_fine_;
   std::vector<PanelPoint> panels_;
   std::vector<PanelRule> rules_;  ///< the nearest first
   std::vector<Sources> levels_;   ///< the coarsest first; the last are the panels' centres

@@ -66,7 +66,7 @@ double side_of_cells(const TargetAtRest& target) {
 }  // namespace
 
 TabulatedMachine::TabulatedMachine(const LinkedMachine& machine, const TargetAtRest& target)
-    : machine_(machine), potentials_(link().functions(), true), table_(potentials_, side_of_cells(target)) {}
+    : machine_(machine), potentials_(link().functions()), table_(potentials_, side_of_cells(target)) {}
 
 void TabulatedMachine::extend(const TargetAtRest& target, std::span<const Isometry3d> poses,
                               std::size_t threads) {

@@ -68,7 +68,6 @@ TargetAtRest::TargetAtRest(const ConductorsAtRest& conductors, const SurfaceReso
     ones.col(static_cast<Index>(k)) = columns[k];
   net_ = ones;
   equilibrium_ = inverse * ones;
-  own_ = ones.transpose() * equilibrium_;
   to_ground_ = Eigen::Map<const VectorXd>(to_ground.data(), static_cast<Index>(to_ground.size()));
 }
 

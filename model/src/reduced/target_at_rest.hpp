@@ -28,8 +28,6 @@ class TargetAtRest {
   const std::vector<float>& inverse() const { return inverse_; }
   /// Returns the charges of the functions (rows) for each conductor at unit potential, the others grounded.
   const Eigen::MatrixXd& equilibrium() const { return equilibrium_; }
-  /// Returns the Maxwell matrix of the targets by themselves, in m.
-  const Eigen::MatrixXd& own() const { return own_; }
   /// Returns the net charges of the functions on each conductor.
   const Eigen::MatrixXd& net() const { return net_; }
   /// Returns the numbers of the conductors that are not grounded, and their capacitances to the ground in m.
@@ -50,7 +48,7 @@ class TargetAtRest {
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {
     archive(self.functions_, self.parts_, self.coarse_, self.inverse_, self.net_, self.equilibrium_,
-            self.own_, self.floating_, self.to_ground_, self.rtol_, self.error_);
+            self.floating_, self.to_ground_, self.rtol_, self.error_);
   }
 
  private:
@@ -63,7 +61,6 @@ class TargetAtRest {
   std::vector<float> inverse_;
   Eigen::MatrixXd net_;
   Eigen::MatrixXd equilibrium_;
-  Eigen::MatrixXd own_;
   std::vector<Eigen::Index> floating_;
   Eigen::VectorXd to_ground_;
   double rtol_ = 0;  ///< asked for

@@ -44,7 +44,7 @@ class OutsidePotentialsTest : public testing::Test {
 
   const LinkedMachine whole{{bodies()}, readings(scene()), {}, {}, {}, {{0.1, 800, 40, 100}, {}}, 1};
   const MachineLink& machine = whole.links().front();
-  const OutsidePotentials potentials{machine.functions(), true};
+  const OutsidePotentials potentials{machine.functions()};
   const Index functions = static_cast<Index>(machine.functions().count());
 };
 

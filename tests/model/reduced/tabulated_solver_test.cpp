@@ -46,7 +46,7 @@ class TabulatedSolverTest : public testing::Test {
   const MachineLink& machine = whole.links().front();
   const Eigen::Isometry3d pose = pose_from_axis({1, 2, 3}, 0.4, {0.02, 0.01, 0.06});
   const TargetAtRest target{charged_bodies(hand_scene()), {5e-2, 1000, 48}, approach(pose)};
-  const OutsidePotentials potentials{machine.functions(), true};
+  const OutsidePotentials potentials{machine.functions()};
 
   Approach approach(const Eigen::Isometry3d& of_target) const {
     return whole.approach({of_target}, {{Eigen::Isometry3d::Identity()}}, LinkedMachine::none);

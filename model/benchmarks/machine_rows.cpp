@@ -1,4 +1,4 @@
-#include "company_rows.hpp"
+#include "machine_rows.hpp"
 
 #include <algorithm>
 #include <cmath>
