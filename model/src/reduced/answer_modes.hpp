@@ -24,12 +24,17 @@ struct AnswerModes {
   }
 };
 
+/// Returns a root of the matrix by which a machine at rest answers potentials on its functions with charges:
+/// the root times its transpose is the matrix.
+Eigen::MatrixXd root_of_answers(const MachineLink& machine);
+
 /// Returns the modes that answer unit charges at given places best, in the mean of the energies, the most
 /// important ones first.
 ///
-/// @param machine at rest, a link by itself
+/// @param root root_of_answers(machine)
 /// @param most the largest number of modes
-AnswerModes answer_modes(const MachineLink& machine, const OutsidePotentials& potentials,
-                         std::span<const Eigen::Vector3d> places, Eigen::Index most, std::size_t threads);
+AnswerModes answer_modes(const MachineLink& machine, const Eigen::MatrixXd& root,
+                         const OutsidePotentials& potentials, std::span<const Eigen::Vector3d> places,
+                         Eigen::Index most, std::size_t threads);
 
 }  // namespace fringe::detail

@@ -96,7 +96,9 @@ void TabulatedMachine::extend(const TargetAtRest& target, std::span<const Isomet
   if (places.empty())
     for (std::size_t function = 0; function < target.functions().count(); ++function)
       places.push_back(poses.front() * target.functions().centre(function));
-  modes_ = answer_modes(link(), potentials_, places, most_modes, threads);
+  if (root_.size() == 0)
+    root_ = root_of_answers(link());
+  modes_ = answer_modes(link(), root_, potentials_, places, most_modes, threads);
   table_.forget_values();
   table_.fill(modes_.charges, threads);
 }

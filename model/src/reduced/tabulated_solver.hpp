@@ -48,6 +48,7 @@ class TabulatedMachine {
   const LinkedMachine& machine_;
   OutsidePotentials potentials_;
   PotentialTable table_;
+  Eigen::MatrixXd root_;  ///< of the machine's answers, once it is needed
   AnswerModes modes_;
   std::size_t places_ = 0;  ///< number of cells for which the modes were chosen
 };
