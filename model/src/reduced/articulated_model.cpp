@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <ranges>
 #include <utility>
 
 #include "fringe/capacitance.hpp"
@@ -67,13 +66,16 @@ ChargedBodies part_of(const ChargedBodies& bodies, const std::vector<std::size_t
 
 /// Tells whether each floating conductor has all its bodies in one group.
 bool have_own_floating(const ChargedBodies& bodies, const std::vector<std::vector<std::size_t>>& groups) {
-  for (std::size_t conductor = 0; conductor < bodies.conductors.size(); ++conductor)
-    if (bodies.conductors[conductor].role == Role::floating &&
-        std::ranges::count_if(groups, [&](const std::vector<std::size_t>& group) {
-          return std::ranges::any_of(
-              group, [&](std::size_t body) { return bodies.bodies[body].conductor == conductor; });
-        }) > 1)
-      return false;
+  std::vector<std::optional<std::size_t>> group_of(bodies.conductors.size());
+  for (std::size_t group = 0; group < groups.size(); ++group)
+    for (const std::size_t body : groups[group]) {
+      const std::size_t conductor = bodies.bodies[body].conductor;
+      if (bodies.conductors[conductor].role != Role::floating)
+        continue;
+      if (group_of[conductor].value_or(group) != group)
+        return false;
+      group_of[conductor] = group;
+    }
   return true;
 }
 
@@ -233,9 +235,10 @@ void ArticulatedModel::prepare_machine(std::span<const PoseOfMachine> poses, std
 
 void ArticulatedModel::prepare_targets(std::span<const PoseOfMachine> poses) {
   const auto are_same = [](const PoseOfMachine& a, const PoseOfMachine& b) {
-    return are_same_pose(a.target, b.target) && std::ranges::equal(a.links, b.links, are_same_pose);
+    return are_same_pose(a.target, b.target) &&
+           std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(), are_same_pose);
   };
-  if (target_ && std::ranges::equal(poses, approach_, are_same))
+  if (target_ && std::equal(poses.begin(), poses.end(), approach_.begin(), approach_.end(), are_same))
     return;
   std::vector<std::vector<Isometry3d>> of_links;
   std::vector<Isometry3d> of_targets;
