@@ -18,9 +18,10 @@ double seconds_of_formula(const SceneSize& size) {
 /// The preparation of bodies that are neither plates nor boxes takes most of it.
 double seconds_of_reduction(const SceneSize& size, const Effort& effort) {
   constexpr double per_pair = 2e-6, per_flat_body = 2e-3, per_curved_body = 3;
-  constexpr double per_pose = 1e-3, machine = 20, per_triangle = 5e-4, rough_machine = 0.6;
+  constexpr double per_pose = 1e-3, machine = 20, per_triangle = 5e-4;
+  constexpr double rough_machine = 0.6, rough_triangle = 9e-5;
   if (effort.is_rough)
-    return rough_machine;
+    return rough_machine + rough_triangle * size.prepared_triangles;
   if (effort.is_by_matrix)
     return per_pair * size.bodies * size.bodies +
            (effort.is_prepared ? 0 : per_curved_body * size.curved + per_flat_body * size.bodies);
