@@ -125,7 +125,6 @@ ELSEWHERE = {
     "python3 -m analysis verify": (OPTIONS, "test_an_option_reaches_what_it_is_for", "verify"),
     "python3 -m analysis measure field-check machines": ("analysis/topics/test_stored.py", "test_the_commands_solve_by_topic_and_tell_what_is_left", "machines"),
     "python3 -m analysis measure field-check company": ("analysis/topics/test_stored.py", "test_the_commands_solve_by_topic_and_tell_what_is_left", "company"),
-    "python3 -m analysis measure fit": ("analysis/topics/corrections/test_corrections.py", "test_the_formula_written_a_second_time_agrees_and_its_constants_are_those_of_the_fit", "fit"),
     "python3 -m analysis measure corrections": ("analysis/topics/corrections/test_corrections.py", "test_the_table_of_errors_is_the_one_computed", "corrections"),
     "python3 -m analysis measure truths corrections": ("analysis/topics/corrections/test_corrections.py", "test_stored_truths_are_what_boundary_elements_say", "truths"),
     "python3 -m fem_reference analysis/documentation/hand.toml --error estimate --rtol 1e-3": ("fem_reference/test_command_line.py", "test_json_is_one_document_with_the_whole_answer", "estimate"),
