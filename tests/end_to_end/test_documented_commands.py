@@ -51,8 +51,6 @@ SMALL = {
     "python3 -m geometries person OUT": "python3 -m geometries person {out}/person.obj",
     "python3 -m geometries convert IN OUT": "python3 -m geometries convert {out}/in.vtu {out}/out.stl",
     "python3 -m tests.bad_input.corpus FOLDER": "python3 -m tests.bad_input.corpus {out}/corpus",
-    "python3 -m tests.fem_reference.study_estimates": "python3 -m tests.fem_reference.study_estimates sphere",
-    "python3 -m tests.fem_reference.study_enclosures": "python3 -m tests.fem_reference.study_enclosures --cases 1",
     "python3 -m tests.model.random_boundary_elements --count 120 --seed 1": "python3 -m tests.model.random_boundary_elements --count 2",
     "python3 -m tests.model.random_boundary_elements --meshes --count 25 --seed 1": "python3 -m tests.model.random_boundary_elements --meshes --count 1",
     "python3 -m tests.model.random_boundary_elements --sizes --count 60 --seed 2": "python3 -m tests.model.random_boundary_elements --sizes --count 1",
