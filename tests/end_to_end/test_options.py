@@ -145,7 +145,7 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     ("analysis", "documentation"): {"--help": SAID, "--output": PASSED_ON},
     ("analysis", "show"): {
         "--help": SAID,
-        "--motion": ("analysis/show/test_show.py", "test_a_wrong_motion_is_refused"),
+        "--motion": FILM,
         "--output": ("analysis/show/test_show.py", "test_the_example_is_shown_by_its_name"),
         "--readings": FILM,
         "--between": FILM,
