@@ -87,20 +87,6 @@ def _parser(program: str) -> argparse.ArgumentParser:
     documentation.add_argument(
         "--output", type=Path, metavar="DIR", help="where to write the site (default: results/documentation)"
     )
-    table = commands.add_parser(
-        "table",
-        help="compute the published table of capacitances (an hour of one core; finished answers are kept)",
-    )
-    table.add_argument(
-        "--answers", type=Path, metavar="DIR", help="where to keep the answers (default: results/published)"
-    )
-    table.add_argument(
-        "--output",
-        type=Path,
-        metavar="DIR",
-        help="where to write the table (default: analysis/topics/published)",
-    )
-    _add_jobs(table, "solves")
     show = commands.add_parser(
         "show", help="write one page with a scene, its sensors' readings and its motion"
     )

@@ -24,11 +24,7 @@ from analysis.show import make as show, readings as show_readings
 from analysis.study import report, workflow
 from analysis.sweep import make as sweep
 from analysis.topics.all import TOPICS
-from analysis.topics.published import (
-    files as published_files,
-    stage as published_stage,
-    table as published_table,
-)
+from analysis.topics.published.topic import PUBLISHED
 from analysis.topics.topic import Topic
 from analysis.topics.trends import changes, commits, counts, page as trends_page, records
 from analysis.topics.trends.changes import Mark
@@ -319,21 +315,6 @@ def _golden(options: argparse.Namespace) -> int:
     return FAILED if comparison is not None and comparison.faults else ANSWERED
 
 
-def _table(answers: Path | None, target: Path | None, jobs: int | None) -> int:
-    place, output = (
-        answers or installation.results_folder() / published_stage.FOLDER,
-        target or published_table.PLACE,
-    )
-    with exclusive(place):
-        made = published_table.make(place, output, jobs)
-    _tell(made.failures)
-    if made.failures:
-        return FAILED
-    print(made.headline)
-    print(f"table: {output / published_files.TABLE}")
-    return ANSWERED
-
-
 _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "run": _run,
     "report": lambda options: _reached(_report(options.results)),
@@ -341,9 +322,8 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "job": lambda options: _job(options.file),
     "diff": lambda options: _diff(options.old, options.new, options.output),
     "trends": _look_back,
-    **{topic.verb: partial(_topic, topic) for topic in TOPICS},
-    # It writes the table itself, beside the folder of the answers.
-    "table": lambda options: _table(options.answers, options.output, options.jobs),
+    # The published table is kept as it is.
+    **{topic.verb: partial(_topic, topic) for topic in TOPICS if topic is not PUBLISHED},
     "documentation": lambda options: _documentation(options.output),
     "show": _show,
     "live": _live,

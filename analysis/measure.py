@@ -24,10 +24,6 @@ MEASURES = {
     "field-check": Measure(
         "readings of a topic's set-ups by the field solver that have no record", "analysis.topics.field_check"
     ),
-    "fit": Measure(
-        "constants of the formula, fitted to the set-ups that are not sealed",
-        "analysis.topics.corrections.fit",
-    ),
     "corrections": Measure(
         "tables of errors in model/CORRECTIONS.md, section 5", "analysis.topics.corrections.notes"
     ),

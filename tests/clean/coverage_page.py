@@ -41,15 +41,7 @@ REASONS = [
             "",
             "`python3 -m analysis verify` runs it, minutes of field solving",
         )
-        for name in ("properties", "rows", "set_ups", "stage")
-    ),
-    *(
-        Reason(
-            f"analysis/topics/published/{name}.py",
-            "",
-            "`python3 -m analysis table` runs it, for three quarters of an hour",
-        )
-        for name in ("stage", "table", "upper_bound")
+        for name in ("rows", "set_ups", "stage")
     ),
     Reason("analysis/topics/corrections/stage.py", "", "`./run` runs it over 450 set-ups"),
     Reason(

@@ -36,7 +36,6 @@ GOLDEN = ("analysis/golden/test_run.py", "test_every_option_of_the_command_acts"
 PERSON = ("geometries/scene/test_person.py", "test_the_command_writes_a_mesh_or_capsules")
 HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
 EXPORTED = ("end_to_end/test_export.py", "test_the_method_and_the_error_asked_for_are_the_users")
-TABLE = ("analysis/topics/published/test_table.py", "test_the_options_of_the_command_reach_what_they_are_for")
 SAID = (HERE, "test_help_and_version_are_printed_and_nothing_else")
 PASSED_ON = (HERE, "test_an_option_reaches_what_it_is_for")
 # Command → option → the demonstration, a file of tests and a function.
@@ -144,10 +143,9 @@ OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
     ("analysis", "insulators"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
     ("analysis", "corrections"): {"--help": SAID, "--output": PASSED_ON},
     ("analysis", "documentation"): {"--help": SAID, "--output": PASSED_ON},
-    ("analysis", "table"): {"--help": SAID, "--answers": TABLE, "--output": TABLE, "--jobs": TABLE},
     ("analysis", "show"): {
         "--help": SAID,
-        "--motion": ("analysis/show/test_show.py", "test_a_wrong_motion_is_refused"),
+        "--motion": FILM,
         "--output": ("analysis/show/test_show.py", "test_the_example_is_shown_by_its_name"),
         "--readings": FILM,
         "--between": FILM,

@@ -263,76 +263,6 @@ def test_the_canonical_text_of_poses_and_links(folder: Path) -> None:
     assert_same_conductors(folder / "canonical.toml")
 
 
-@pytest.mark.parametrize(
-    "wrong",
-    [
-        "colour = 1\n" + SENSOR,
-        SENSOR.replace("0, 0.03, 0.04", "0, 0, 0"),
-        SENSOR.replace("edge_v = [0, 0.1, 0]", "edge_v = [0.01, 0.1, 0]"),
-        SENSOR + SENSOR,
-        SENSOR + 'link = "nowhere"\n',
-        SENSOR + '[[link]]\nname = "a"\nparent = "a"\n',
-        *(
-            SENSOR + f'[[link]]\nname = "a"\njoint = {{ name = "j", {joint} }}\n'
-            for joint in (
-                'type = "ball", axis = [0, 0, 1]',
-                'type = "revolute", axis = [0, 0, 0]',
-                'type = "revolute", axis = [0, 0, 1], lower = 1, upper = 0',
-                'type = "revolute", axis = [0, 0, 1], position = 0, mimic = { joint = "j" }',
-                'type = "revolute", axis = [0, 0, 1], mimic = { joint = "j" }',
-                'type = "revolute", axis = [0, 0, 1], mimic = { joint = "k" }',
-            )
-        ),
-        SENSOR
-        + 2
-        * '[[link]]\nname = "a"\njoint = { name = "j", type = "revolute", axis = [0, 0, 1] }\n'.replace(
-            '"a"', '"b"', 1
-        ),
-        SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, 0] }\n',
-        SENSOR + '[[object]]\nname = "o"\nshape = { type = "plate", size = [0.1, nan] }\n',
-        SENSOR + '[[object]]\nname = "o"\nshape = { type = "sphere", radius = 1, segments = 2 }\n',
-        *(
-            SENSOR + f'[[object]]\nname = "o"\nshape = {{ type = {shape} }}\n'
-            for shape in (
-                '"ellipsoid", semi_axes = [1, 0, 1]',
-                '"ellipsoid", radius = 1',
-                '"capsule", radius = 1',
-                '"capsule", radius = 1, length = 0',
-                '"person", height = 0',
-                '"person", height = 1.7, age = "old"',
-                '"person", height = 1.7, posture = 3',
-                '"disc", radius = -1',
-                '"box", size = [1, 2, 3], rounding = 0.51',
-                '"box", size = [1, 2, 3], rounding = -0.1',
-                '"box", size = [1, 2, 3], segments = 8',
-                '"polygon", vertices = 3',
-                '"polygon", vertices = [[0, 0], [1, 0], [1, 1, 1]]',
-                '"polygon", vertices = [[0, 0], [1, 0], [1, inf]]',
-            )
-        ),
-        SENSOR + '[[object]]\nname = "o"\nshape = { type = "mesh", file = "missing.stl" }\n',
-        SENSOR + '[[object]]\nname = "o"\nshape = { type = "cube", size = 1 }\nquaternion = [0, 0, 0, 0]\n',
-        SENSOR
-        + '[[object]]\nname = "o"\nshape = { type = "cube", size = 1 }\nquaternion = [1, 0, 0, 0]\n'
-        + "rotation = { axis = [0, 0, 1], degrees = 1 }\n",
-        "[medium]\nrelative_permittivity = 0\n" + SENSOR,
-        "[room]\nsize = [1, 2]\n" + SENSOR,
-        'units = "inch"\n' + SENSOR,
-        SENSOR.replace("edge_v = [0, 0.1, 0]", "edge_v = [2e-5, 0.1, 0]"),
-        "[room]\nsize = [1, 2, 0]\n" + SENSOR,
-        '[room]\nsize = [1, 2, 3]\nlink = "hand"\n' + SENSOR + LINKS,
-        "",
-    ],
-)
-def test_both_refuse_what_the_format_does_not_allow(folder: Path, wrong: str) -> None:
-    path = folder / "scene.toml"
-    path.write_text(wrong)
-    with pytest.raises(ValueError):
-        reader.load(path)
-    with pytest.raises(ValueError):
-        model_module().Scene.load(str(path))
-
-
 def object_of(name: str, more: str) -> str:
     return f'[[object]]\nname = "{name}"\nshape = {{ type = "cube", size = 1 }}\n{more}\n'
 
@@ -495,22 +425,6 @@ def test_the_cover_of_a_sensor_is_read_by_both(folder: Path) -> None:
     (folder / "canonical.toml").write_text(canonical(reader.load(folder / "scene.toml")))
     assert reader.load(folder / "canonical.toml") == reader.load(folder / "scene.toml")
     assert_same_roles(folder / "canonical.toml")
-
-
-@pytest.mark.parametrize(
-    "cover, words",
-    [
-        ("{ thickness = 1e-3, relative_permittivity = 0.5 }", "a cover's must be at least 1"),
-        ("{ thickness = 0, relative_permittivity = 2 }", "thickness"),
-        ("{ thickness = 1e-3 }", "relative_permittivity"),
-    ],
-)
-def test_both_refuse_covers_that_are_none(folder: Path, cover: str, words: str) -> None:
-    path = folder / "scene.toml"
-    path.write_text(SENSOR + f"cover = {cover}\n")
-    for load in (reader.load, model_module().Scene.load):
-        with pytest.raises(ValueError, match=words):
-            load(str(path))
 
 
 def test_the_example_with_readings_is_read_by_both() -> None:

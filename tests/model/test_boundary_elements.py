@@ -186,21 +186,6 @@ def test_options_that_would_change_nothing_are_refused(
     assert reason in done.stderr
 
 
-@pytest.mark.parametrize(
-    ("options", "reason"),
-    [
-        ({"method": "boundary-elements+facing"}, "belong to exact"),
-        ({"method": "reduced", "tolerance": 0.1}, "tolerance is no option of reduced"),
-        ({"method": "boundary-elements", "rtol": 0.9}, "must be from"),
-        ({"method": "exact", "rtol": 1e-3}, "rtol is no option of exact"),
-        ({"entries": True}, "entries is no option of exact"),
-    ],
-)
-def test_the_module_refuses_as_the_command_does(scene: Path, options: dict[str, Any], reason: str) -> None:
-    with pytest.raises(fringe.InputError, match=reason):
-        fringe.Scene.load(scene).capacitance(**options)
-
-
 def test_other_shapes_are_answered_as_their_triangles(fringe_command: Command, tmp_path: Path) -> None:
     path = tmp_path / "ball.toml"
     path.write_text(

@@ -190,14 +190,9 @@ def test_tolerance_is_kept_and_said(fringe_command: Command, two_plates: Path) -
     ("options", "reason"),
     [
         (("--method", "exact+all"), "method 'exact+all' is not known"),
-        (("--method", "exact+facing+far"), "method 'exact+facing+far' is not known"),
-        (("--method", "formula+nearest"), "belong to exact, split:N and gauss:K"),
-        (("--tolerance", "-1e-6"), "must be finite and not negative"),
-        (("--tolerance", "inf"), "must be finite and not negative"),
         (("--tolerance", "nan"), "must be finite and not negative"),
         (("--tolerance", "small"), "tolerance"),
         (("--tolerance", "1e-6", "--method", "split:4"), "needs the method exact"),
-        (("--tolerance", "1e-6", "--method", "gauss:4"), "needs the method exact"),
     ],
 )
 def test_wrong_options(fringe_command: Command, scene: Path, options: tuple[str, ...], reason: str) -> None:
@@ -355,13 +350,6 @@ def test_wrong_usage(fringe_command: Command, scene: Path, arguments: tuple[str,
 
 def test_an_unknown_command_is_named(fringe_command: Command, scene: Path) -> None:
     assert "no command 'collapse'" in fringe_command("collapse", scene).stderr
-
-
-@pytest.mark.parametrize("method", ["", "split", "split:11", "gauss:0", "reduce", "boundary-element", "none"])
-def test_unknown_method(fringe_command: Command, scene: Path, method: str) -> None:
-    done = fringe_command("capacitance", scene, "--json", f"--method={method}")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "method" in done.stderr
 
 
 def test_wrong_input_names_file_line_key_and_reason(fringe_command: Command, tmp_path: Path) -> None:

@@ -10,7 +10,6 @@ import fringe
 import pytest
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
-MODEL = ("exact", "split:2", "gauss:3", "exact+nearest", "exact+facing", "exact+nearest+facing")
 STATING = ("reduced", "boundary-elements", "auto")
 
 
@@ -28,16 +27,6 @@ def scene(tmp_path: Path) -> Path:
 
 def total(answer: dict[str, Any]) -> float:
     return float(answer["sensors"][0]["total"])
-
-
-@pytest.mark.parametrize("method", [*MODEL, "formula", *STATING])
-def test_command_and_module_agree(fringe_command: Command, scene: Path, method: str) -> None:
-    printed = json.loads(fringe_command("capacitance", scene, "--json", "--method", method).stdout)
-    answer = fringe.Scene.load(scene).capacitance(method)
-    assert printed["options"] == answer["options"] and answer["options"]["method"] == method
-    assert printed["answered_by"] == answer["answered_by"]
-    assert answer["answered_by"] == method or (method == "auto" and answer["answered_by"] in STATING)
-    assert total(printed) == pytest.approx(total(answer), rel=1e-12)
 
 
 def test_the_formula_is_nearer_to_the_truth_than_the_model_and_the_others_are_right(scene: Path) -> None:
@@ -72,15 +61,3 @@ def test_an_unknown_name_is_refused_with_the_choices(fringe_command: Command, sc
         fringe.Scene.load(scene).capacitance("magic")
     with pytest.raises(TypeError, match='no keyword "magic"'):
         fringe.Scene.load(scene).capacitance(magic=1)
-
-
-def test_options_that_would_change_nothing_are_refused(fringe_command: Command, scene: Path) -> None:
-    for method, options in (
-        ("formula+facing", ()),
-        ("formula", ("--tolerance", "0.1")),
-        ("formula", ("--prepared", "folder")),
-        ("exact", ("--max-seconds", "1")),
-        ("split:2", ("--derivatives",)),
-    ):
-        answer = fringe_command("capacitance", scene, "--method", method, *options)
-        assert answer.returncode == 2 and answer.stdout == "" and answer.stderr.count("\n") == 1

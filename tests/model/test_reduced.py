@@ -90,21 +90,6 @@ def test_the_table_for_people(fringe_command: Command, scene: Path) -> None:
     assert "the truth" not in done.stdout
 
 
-@pytest.mark.parametrize(
-    ("arguments", "reason"),
-    [
-        (("--method", "reduced", "--rtol", "1e-9"), "rtol 1e-09 must be from 1e-06 to 0.5"),
-        (("--method", "reduced+nearest"), "belong to exact, split:N and gauss:K, not to reduced"),
-    ],
-)
-def test_wrong_options_are_refused(
-    fringe_command: Command, scene: Path, arguments: tuple[str, ...], reason: str
-) -> None:
-    done = fringe_command("capacitance", scene, *arguments)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert reason in done.stderr
-
-
 def test_the_module_refuses_as_the_command_does(scene: Path) -> None:
     with pytest.raises(fringe.InputError, match="rtol 1e-09 must be from 1e-06 to 0.5"):
         fringe.Scene.load(scene).maxwell(method="reduced", rtol=1e-9)

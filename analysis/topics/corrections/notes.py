@@ -21,8 +21,8 @@ from geometries.common.installation import ROOT
 
 PAGE = ROOT / "model" / "CORRECTIONS.md"
 _HEADER = (
-    "| | rms | median | 95 % | worst | sealed rms / worst | left out rms / worst |",
-    "|---|---|---|---|---|---|---|",
+    "| | rms | median | 95 % | worst | sealed rms / worst |",
+    "|---|---|---|---|---|---|",
 )
 
 
@@ -41,7 +41,7 @@ def by_family(found: Sequence[Evaluation]) -> str:
 def _row(each: Evaluation) -> str:
     every = each.all
     phrases = (_per_cent(value) for value in (every.rms, every.median, every.percentile_95, every.worst))
-    return f"| `{each.name}` | {' | '.join(phrases)} | {_both(each.sealed)} | {_both(each.left_out)} |"
+    return f"| `{each.name}` | {' | '.join(phrases)} | {_both(each.sealed)} |"
 
 
 def _both(errors: Errors) -> str:
@@ -54,10 +54,10 @@ def _per_cent(value: float) -> str:
 
 
 def figures(module: Any) -> list[str]:
-    """Returns all lines; takes half a minute."""
+    """Returns all lines; takes some seconds."""
     chosen = list(set_ups(module))
     asked = estimates.estimate(module, chosen)
-    found = evaluation.evaluations(module, asked, chosen)
+    found = evaluation.evaluations(asked)
     return [
         *errors_table(found),
         f"{near_misses(asked)} of {len(chosen)} set-ups are more than 1 % off by reduced",

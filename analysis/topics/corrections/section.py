@@ -92,8 +92,6 @@ def _table(document: Document) -> Markup:
         ("worst", _error("all", "worst")),
         ("sealed: rms", _error("sealed", "rms")),
         ("worst", _error("sealed", "worst")),
-        ("family left out: rms", _error("left_out", "rms")),
-        ("worst", _error("left_out", "worst")),
         *((f"ns, {shape}", _time(known)) for shape, known in document["nanoseconds"].items()),
         strong=frozenset({_names(document).index(REDUCED)}),
     )
@@ -123,8 +121,7 @@ def _in_family(family: str) -> Callable[[Document], str]:
 def _explanation(document: Document) -> str:
     return (
         f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); {document['sealed']} of them are sealed "
-        "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Family left out: each family with "
-        "the formula's constants fitted to the others, the reduced method as it is; for the plain model, with the others' mean factor divided out. Times: one "
+        "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Times: one "
         f"core, one run, new pose each time. Repeat: {stage.COMMAND}."
     )
 

@@ -81,7 +81,7 @@ def evaluated(module: Any) -> Document:
         "sealed": int(found.sealed.sum()),
         "corrections": [
             {name.rstrip("_"): value for name, value in asdict(entry).items()}
-            for entry in evaluation.evaluations(module, found, chosen)
+            for entry in evaluation.evaluations(found)
         ],
         "cases": cases.documents(module, found, chosen),
     }

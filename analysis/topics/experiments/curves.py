@@ -93,15 +93,18 @@ class Curve:
     def error(self) -> Array:
         return np.array([point.reference.error for point in self.points])
 
-    def until(self, last: float) -> Curve:
-        """Returns the part of the curve that ends at `last`."""
-        return replace(self, points=tuple(point for point in self.points if point.at <= last))
+    @property
+    def untuned(self) -> Array:
+        """The model's delta output (V) as the thesis computes it: ε = 1, the scene's coupling capacitance, no own capacitance."""
+        return Divider(self.coupling, 0.0, self.voltage).delta_output(self.model)
 
     @property
-    def target_area(self) -> float:
-        """The target's area (m²)."""
-        x, y = self.target_size
-        return x * y
+    def change_over_mutual(self) -> Array:
+        return np.array([point.change.value / point.mutual.value for point in self.points])
+
+    @property
+    def cases(self) -> list[str]:
+        return [point.case for point in self.points]
 
     @property
     def target_size(self) -> tuple[float, float]:

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, joined, power_axis, series_colour
 from analysis.results.units import PICOFARAD
-from analysis.topics.experiments import plots, tables
-from analysis.topics.experiments.curves import Curve
+from analysis.topics.experiments import plots, words
 
 NOTHING_MEASURED = (
     "Measured quantity: none. The thesis compares two evaluations of its own formula, and so does this section; their difference is the same "
@@ -23,20 +20,10 @@ _MEASURED = (
     "machine around the sensor or a floating plate makes of the change: Experiment VII."
 )
 _OF_EXPERIMENT = {
-    "II": "The tuning absorbs a constant ratio of change to mutual; theirs is not constant.",
-    "III": "The tuning absorbs the ratio of change to mutual of one plate only.",
+    "II": "The thesis' tuning absorbs a constant ratio of change to mutual; theirs is not constant.",
+    "III": "The thesis' tuning absorbs the ratio of change to mutual of one plate only.",
     "IV": "The ratio of change to mutual depends on the angle, too. The holder of the thesis' plate, a dielectric, is left out.",
 }
-
-
-@dataclass(frozen=True)
-class Share:
-    """The change over mutual along a curve, with the place (m or degrees) of each."""
-
-    least: float
-    least_at: float
-    greatest: float
-    greatest_at: float
 
 
 def measured(experiment: str) -> Markup:
@@ -44,7 +31,7 @@ def measured(experiment: str) -> Markup:
     return page.paragraph(_MEASURED.format(_OF_EXPERIMENT[experiment]))
 
 
-def parts(labelled: list[tuple[str, Curve]], swept: str) -> list[Markup]:
+def parts(labelled: words.Labelled, swept: str) -> list[Markup]:
     """Returns the ratio of change to mutual, and a figure of both, for curves with their names."""
     return [
         page.finding(finding(labelled, swept)),
@@ -52,26 +39,13 @@ def parts(labelled: list[tuple[str, Curve]], swept: str) -> list[Markup]:
     ]
 
 
-def share(curve: Curve) -> Share:
-    """Returns the range of the change over mutual."""
-    ratios = [(point.change.value / point.mutual.value, point.at) for point in curve.points]
-    (least, least_at), (greatest, greatest_at) = min(ratios), max(ratios)
-    return Share(least, least_at, greatest, greatest_at)
-
-
-def finding(labelled: list[tuple[str, Curve]], swept: str) -> str:
+def finding(labelled: words.Labelled, swept: str) -> str:
     """Tells how much of mutual the change is on every curve."""
-    phrases = []
-    for name, curve in labelled:
-        found = share(curve)
-        phrases.append(
-            f"{name} {found.least:.3f} (at {tables.place(found.least_at, swept)}) to {found.greatest:.3f} "
-            f"(at {tables.place(found.greatest_at, swept)})"
-        )
-    return f"The change of the reading, over mutual: {'; '.join(phrases)}."
+    ranges = words.ranges(labelled, lambda curve: curve.change_over_mutual, swept)
+    return f"The change of the reading, over mutual: {ranges}."
 
 
-def _both(labelled: list[tuple[str, Curve]], swept: str) -> Panel:
+def _both(labelled: words.Labelled, swept: str) -> Panel:
     traces = []
     for index, (name, curve) in enumerate(labelled):
         for what, dash in (("change", "solid"), ("mutual", "dot")):
@@ -79,9 +53,8 @@ def _both(labelled: list[tuple[str, Curve]], swept: str) -> Panel:
             values, bars = (
                 [getattr(estimate, part) / PICOFARAD for estimate in estimates] for part in ("value", "error")
             )
-            cases = [point.case for point in curve.points]
             across, colour, hover = plots.across(curve, swept), series_colour(index), "%{y:.4g} pF<br>%{text}"
-            more = {"dash": dash, "text": cases, "customdata": cases}
+            more = {"dash": dash, "text": curve.cases, "customdata": curve.cases}
             traces.append(joined(f"{what}, {name}", across, values, colour, hover, bars, **more))
     y = power_axis("capacitance (pF)")
     return Panel(

@@ -10,16 +10,15 @@ from analysis.topics.experiments import (
     materials,
     measured_section,
     neighbours,
+    plots,
     splitting,
-    tables,
-    tuned_sections,
+    words,
 )
-from analysis.topics.experiments.calibration import FORMS, OBSERVABLE, calibrate
-from analysis.topics.experiments.curves import Curve, curves, with_flat_start
+from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve, curves, with_flat_start
 
 _TITLES = {
     "I": "Experiment I: splitting against the exact integral",
-    "II": "Experiment II: tuning to one plate",
+    "II": "Experiment II: one plate over distance",
     "III": "Experiment III: other plate sizes",
     "IV": "Experiment IV: a pivoted plate",
     "V": "Experiment V: two adjacent sensors",
@@ -27,12 +26,8 @@ _TITLES = {
 }
 _DELTA = (
     "Delta output: the sensor's output without the plate minus that with it. The reference's, with delta_self and the sensor's "
-    "own capacitance in the divider, takes the place of the physical sensor's; its error bars are mostly too small to see. "
-    "Tuned with the own capacitance counted, coupling capacitance and ε are free; in the thesis' divider only their ratio "
-    "counts, and ε is free at the scene's coupling capacitance. Volts alike: the fit weights all residuals equally, as an eye does "
-    "on the plot; by error bars: residuals are weighted by the reference's error bars. Errors of the constants are standard errors with the scatter of the "
-    f"residuals. Observable: at least {100 * OBSERVABLE:.0f} % of the greatest delta output of the plate tuned to; the thesis ends "
-    "its curves where the plate is hardly so. Its sizes and distances are blacked out. Points name their case."
+    "own capacitance in the divider, takes the place of the physical sensor's; its error bars are mostly too small to see. The "
+    "model's is by the thesis' divider, without the own capacitance, and not tuned. Points name their case."
 )
 
 
@@ -48,34 +43,42 @@ def section(results: Results) -> Markup:
     elif results.experiment == "VI":
         parts = materials.parts(results)
     else:
-        parts = _tuned(results.experiment, curves(results))
+        parts = _over_distance_or_angle(results.experiment, curves(results))
     return page.section(_TITLES[results.experiment], *parts)
 
 
-def _tuned(experiment: str, found: list[Curve]) -> list[Markup]:
-    """Returns the parts for each sensor, calibrated on its first plate over distance."""
+def _over_distance_or_angle(experiment: str, found: list[Curve]) -> list[Markup]:
+    """Returns the parts for each sensor: its plates over distance, or its pivoted ones over angle."""
     groups: dict[tuple[float, float], list[Curve]] = {}
     for curve in found:
         groups.setdefault(curve.sensor_size, []).append(curve)
     parts = [measured_section.measured(experiment)]
     parts += [] if groups else [page.paragraph("No curve has both answers.")]
     for size, members in groups.items():
-        parts += [page.heading(f"Sensor of {tables.size(size)}"), *_of_sensor(experiment, members)]
+        parts += [page.heading(f"Sensor of {words.size(size)}"), *_of_sensor(experiment, members)]
     return [*parts, page.soft(_DELTA)]
 
 
 def _of_sensor(experiment: str, found: list[Curve]) -> list[Markup]:
-    flat = next((curve for curve in found if curve.family == "parallel"), None)
-    if flat is None:
-        return [page.paragraph("No curve over distance has both answers, so nothing can be tuned.")]
-    try:
-        tunings = [calibrate(flat, form) for form in FORMS]
-    except ValueError as error:
-        return [page.paragraph(f"Not tuned: {error}.")]
-    if experiment == "II":
-        return tuned_sections.one_plate(flat, tunings)
-    if experiment == "III":
-        others = [curve for curve in found if curve.family == "parallel" and curve is not flat]
-        return tuned_sections.other_sizes(flat, others, tunings)
-    pivoted = [with_flat_start(curve, flat) for curve in found if curve.family == "inclined"]
-    return tuned_sections.pivoted_plates(flat, pivoted, tunings)
+    flat = [curve for curve in found if curve.family == "parallel"]
+    if experiment == "IV":
+        pivoted = [curve for curve in found if curve.family == "inclined"]
+        starting = [with_flat_start(curve, flat[0]) if flat else curve for curve in pivoted]
+        swept = ANGLE
+        labelled = [(f"hinge at {words.place(curve.hinge_gap, DISTANCE)}", curve) for curve in starting]
+    else:
+        swept = DISTANCE
+        labelled = [(f"plate of {words.plate(curve)}", curve) for curve in flat]
+    if not labelled:
+        return [page.paragraph("None of this experiment's curves has both answers.")]
+    return [
+        page.finding(finding(labelled, swept)),
+        page.figures([plots.delta_output(labelled, swept), plots.ratios(labelled, swept)]),
+        *measured_section.parts(labelled, swept),
+    ]
+
+
+def finding(labelled: words.Labelled, swept: str) -> str:
+    """Tells how far the model's delta output is from the reference's on every curve."""
+    ranges = words.ranges(labelled, lambda curve: curve.untuned / curve.reference, swept)
+    return f"The model's delta output, over the reference's: {ranges}."

@@ -12,11 +12,12 @@ from analysis.report.plot import Panel, axis, figure, joined, power_axis, series
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.study_results import CaseResult, Results
-from analysis.topics.experiments import claims
 
 IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL = "region I", "region II", "region III", "several regions"
 REGIONS = (IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL)
 _SPLIT = "split:"
+# Thesis 6.1: "after splitting up the triangle only four or more times, the difference is negligible".
+_NEGLIGIBLE_FROM_LEVEL = 4
 # Relative tolerance for the rounding of a plate that ends above the sensor's edge.
 _TOLERANCE = 1e-9
 
@@ -107,8 +108,7 @@ def parts(found: list[Accuracy]) -> list[Markup]:
 def finding(found: list[Accuracy]) -> str:
     """Tells the error at the thesis' recommended level in every region, and how often splitting gives too little."""
     levels = {each.level for each in found}
-    recommended = claims.NEGLIGIBLE_FROM_LEVEL
-    level = recommended if recommended in levels else max(levels)
+    level = _NEGLIGIBLE_FROM_LEVEL if _NEGLIGIBLE_FROM_LEVEL in levels else max(levels)
     regions = [each for each in found if each.level == level]
     phrases = ", ".join(
         f"{each.region} {100 * each.median:.2g} % ({100 * each.worst:.2g} %)" for each in regions
@@ -116,7 +116,7 @@ def finding(found: list[Accuracy]) -> str:
     errors = [error for each in found for error in each.errors]
     low = sum(error < 0 for error in errors) / len(errors)
     return (
-        f"After {level} splits (the thesis: negligible from {recommended} on) the median error, and in brackets the worst, is: {phrases}; "
+        f"After {level} splits (the thesis: negligible from {_NEGLIGIBLE_FROM_LEVEL} on) the median error, and in brackets the worst, is: {phrases}; "
         f"splitting is below the exact integral in {100 * low:.0f} % of all set-ups and levels."
     )
 

@@ -1,8 +1,9 @@
-"""Writes and reads the table and its checks as CSV files."""
+"""Reads the table and its checks, CSV files that are kept with the project; TABLE.md tells how they were made."""
 
 from __future__ import annotations
 
 import csv
+import hashlib
 import io
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,8 +12,13 @@ import numpy as np
 
 from analysis.results.set_up import Rectangle
 from analysis.topics.published.rows import QUANTITIES, Row, Value
+from geometries.studies import study
+from geometries.studies.study import EMPTY, Case
 
+PLACE = Path(__file__).parent
+"""The folder of the published table."""
 TABLE, CHECKS, PAGE = "reference_table.csv", "checks.csv", "TABLE.md"
+STUDY = "published"
 
 _LENGTHS = ("target_x", "target_y", "gap", "height")
 _ANGLES = ("tilt_degrees", "turn_degrees")
@@ -41,20 +47,9 @@ class Check:
         return abs(self.value - self.best) <= self.error + self.best_error
 
 
-def to_csv(found: list[Row]) -> str:
-    """Writes a line for each set-up; metres, degrees, picofarad."""
-    return _text([_record(row) for row in found])
-
-
 def from_csv(text: str) -> list[Row]:
     """Reads the rows of the table."""
     return [_row(record) for record in csv.DictReader(io.StringIO(text))]
-
-
-def checks_to_csv(checks: list[Check]) -> str:
-    return _text(
-        [{name: f"{v:.8g}" if isinstance(v, float) else v for name, v in vars(c).items()} for c in checks]
-    )
 
 
 def checks_from_csv(text: str) -> list[Check]:
@@ -66,7 +61,7 @@ def checks_from_csv(text: str) -> list[Check]:
     ]
 
 
-def load(folder: Path) -> tuple[list[Row], list[Check]]:
+def load(folder: Path = PLACE) -> tuple[list[Row], list[Check]]:
     """Returns the table in a folder and its checks."""
     return (
         from_csv((folder / TABLE).read_text(encoding="utf-8")),
@@ -74,28 +69,15 @@ def load(folder: Path) -> tuple[list[Row], list[Check]]:
     )
 
 
-def _text(records: list[dict[str, object]]) -> str:
-    text = io.StringIO()
-    writer = csv.DictWriter(text, list(records[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records)
-    return text.getvalue()
+def digest() -> str:
+    """Returns a hash of the table and of its checks."""
+    contents = [(PLACE / name).read_bytes() for name in (TABLE, CHECKS)]
+    return hashlib.sha256(b"".join(contents)).hexdigest()
 
 
-def _record(row: Row) -> dict[str, object]:
-    record: dict[str, object] = {"case": row.case, "family": row.family}
-    for name in _LENGTHS:
-        record[f"{name}_m"] = f"{row.parameters[name]:g}" if name in row.parameters else ""
-    for name in _ANGLES:
-        record[name] = f"{row.parameters[name]:g}" if name in row.parameters else ""
-    for vector in _VECTORS:
-        # The sum turns -0.0 into 0.0.
-        numbers = np.round(getattr(row.target, vector), 12) + 0.0
-        record |= {f"{vector}_{axis}_m": f"{number:.12g}" for axis, number in zip("xyz", numbers)}
-    for quantity in QUANTITIES:
-        value = row.values[quantity]
-        record |= {f"{quantity}{suffix}_pF": f"{getattr(value, part):.8g}" for suffix, part in _PARTS.items()}
-    return record
+def cases() -> list[Case]:
+    """Returns the set-ups in the order of the table."""
+    return [case for case in study.load(study.find(STUDY)).cases() if case.family != EMPTY]
 
 
 def _row(record: dict[str, str]) -> Row:

@@ -1,4 +1,4 @@
-"""The published table as a topic: its page and its set-ups, of the table as it is kept with the project. `python3 -m analysis table` makes it anew."""
+"""The published table as a topic: its page and its set-ups, of the table as it is kept with the project."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 from analysis.pipeline.set_up_stages import Whole
 from analysis.results.store import Document
 from analysis.results.study_results import Failure
-from analysis.topics.published import files, page, section, stage, table
+from analysis.topics.published import files, section
 from analysis.topics.published.section import Published
 from analysis.topics.topic import Topic
 
@@ -18,27 +18,26 @@ from analysis.topics.topic import Topic
 class Kept:
     """The table that is kept with the project, whatever answers there are."""
 
-    name: str = stage.FOLDER
+    name: str = files.STUDY
 
     def run(self, folder: Path, _: Iterable[Whole], workers: int | None = None) -> list[Failure]:
-        """Computes the missing answers of a folder; returns the failures."""
-        return stage.run(folder, workers)
+        """Returns no failures: there is nothing to compute."""
+        return []
 
     def load(self, _: Path, __: Iterable[Whole]) -> dict[str, Document]:
         """Returns the hash of the table."""
-        return {Whole().id: {"digest": table.digest()}}
+        return {Whole().id: {"digest": files.digest()}}
 
 
 PUBLISHED = Topic[Whole, Published](
     stages=Kept(),
     set_ups=lambda: (Whole(),),
-    entry=lambda _, __: files.load(table.PLACE),
+    entry=lambda _, __: files.load(),
     sections=lambda found, _, set_ups: [section.section(found[0], set_ups)],
-    finding=lambda found: page.headline(*found[0]),
+    finding=lambda found: section.headline(found[0][0]),
     absent="",
     title=section.TITLE,
     question="Which values can others be held against?",
     short="published table",
     set_ups_page=lambda found, *around: section.set_ups_document(found[0], *around),
-    command="table",
 )

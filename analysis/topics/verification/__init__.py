@@ -1,1 +1,1 @@
-"""Verifies the reference: known capacitances, properties, run time against error."""
+"""Verifies the reference: known capacitances, run time against error."""

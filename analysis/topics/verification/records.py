@@ -69,21 +69,6 @@ class Compared:
 
 
 @dataclass(frozen=True)
-class Held:
-    """A property with its measured number and its limit."""
-
-    group: str
-    words: str
-    measured: float
-    allowed: float
-    because: str
-
-    @property
-    def holds(self) -> bool:
-        return self.measured <= self.allowed
-
-
-@dataclass(frozen=True)
 class Point:
     """Seconds from the start to an answer, and the largest relative error of an entry; `unknowns` of its mesh."""
 
@@ -174,16 +159,6 @@ def worst_of_each_case(found: Iterable[Compared]) -> list[Compared]:
         known = worst.setdefault(row.case, row)
         worst[row.case] = max(known, row, key=lambda r: r.off / r.stated)
     return list(worst.values())
-
-
-def held(rows: Mapping[str, Document]) -> list[Held]:
-    """Returns the statements of the rows property/…, in their order."""
-    return [
-        Held(name.partition("/")[2], **statement)
-        for name, row in rows.items()
-        if name.startswith("property/")
-        for statement in row["statements"]
-    ]
 
 
 def cost(rows: Mapping[str, Document], asked: Asked) -> Cost | None:

@@ -1,6 +1,6 @@
 """Solves one row of the verification in a process of its own: python3 -m analysis.topics.verification.rows ROW prints JSON.
 
-A row is `truth/CASE`, `cost/CASE/METHOD`, or `property/NAME`.
+A row is `truth/CASE` or `cost/CASE/METHOD`.
 """
 
 from __future__ import annotations
@@ -16,7 +16,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.topics.verification.properties import PROPERTIES
 from analysis.topics.verification.set_ups import CostCase, Quantity, TrueCase, cost_cases, true_cases
 from fem_reference.solve.level import Level
 from fem_reference.common.limits import Limits
@@ -35,7 +34,6 @@ ENCLOSURE_RTOL = 5e-4
 def row_names() -> list[str]:
     """Returns the names of all rows, grouped by kind."""
     names = [f"truth/{name}" for name in true_cases()]
-    names += [f"property/{name}" for name in PROPERTIES]
     for case in cost_cases().values():
         methods = [method for method in METHODS if method != TIGHT or len(case.targets) > 1]
         names += [f"cost/{case.name}/{method}" for method in methods]
@@ -47,8 +45,6 @@ def solve_row(name: str) -> Document:
     kind, _, rest = name.partition("/")
     if kind == "truth":
         return _truth(true_cases()[rest])
-    if kind == "property":
-        return {"statements": [statement.document() for statement in PROPERTIES[rest]()]}
     case, _, method = rest.partition("/")
     return _cost(cost_cases()[case], method)
 

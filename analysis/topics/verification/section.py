@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, guide, marks, power_axis, series_colour
-from analysis.topics.verification.records import Compared, Held, worst_of_each_case
+from analysis.topics.verification.records import Compared, worst_of_each_case
 
 TITLE = "The reference against known capacitances"
 ABSENT = (
@@ -31,19 +31,16 @@ _ORDER = (
 _SMALLEST = 1e-7
 
 
-def chapter(found: list[Compared], properties: list[Held], missing: list[str]) -> Markup:
+def chapter(found: list[Compared], missing: list[str]) -> Markup:
     """Returns everything but run times; one sentence when there is nothing."""
-    if not found and not properties:
+    if not found:
         return page.section(TITLE, page.paragraph(ABSENT))
     parts = []
     if missing:
         words = f"{len(missing)} rows failed or are not solved yet; the numbers above do not include them: {'; '.join(missing)}."
         parts.append(page.paragraph(words))
-    if found:
-        parts += _truths(found)
-        parts += _orders(found)
-    if properties:
-        parts += _properties(properties)
+    parts += _truths(found)
+    parts += _orders(found)
     parts.append(page.soft("Again, from the project's folder: python3 -m analysis verify"))
     return page.section(TITLE, *parts)
 
@@ -199,25 +196,3 @@ def _error_over_size(shown: list[Compared]) -> go.Figure:
     traces.append(guide("order 1", sizes, [middle * size for size in sizes], width=2))
     x = power_axis("edge size over that of the first mesh", tickvals=[1, 0.5, 0.25, 0.125, 0.0625])
     return figure(traces, x | {"exponentformat": "none"}, power_axis("relative error of a mesh"), height=420)
-
-
-def _properties(properties: list[Held]) -> list[Markup]:
-    return [
-        page.heading("Properties of any capacitances"),
-        page.finding(property_finding(properties)),
-        page.table_of(
-            properties,
-            ("property", lambda entry: entry.group),
-            ("what", lambda entry: entry.words),
-            ("measured", lambda entry: f"{entry.measured:.2g}"),
-            ("at most", lambda entry: f"{entry.allowed:.2g}, {entry.because}"),
-            ("holds", lambda entry: page.yes_or_no(entry.holds)),
-            text_columns=2,
-        ),
-    ]
-
-
-def property_finding(properties: list[Held]) -> str:
-    broken = [entry.words for entry in properties if not entry.holds]
-    sentence = f"{len(properties) - len(broken)} of {len(properties)} statements hold"
-    return f"{sentence}; broken: {'; '.join(broken)}." if broken else f"{sentence}."

@@ -22,11 +22,10 @@ _SOURCES = (
     "boundary_elements.json",
     "rooms.json",
     "set_ups.py",
-    "properties.py",
     "rows.py",
 )
 # Expected seconds of a row on one core, for the order and the progress bar.
-_SECONDS = {"truth": 8.0, "property": 6.0, "cost": 12.0}
+_SECONDS = {"truth": 8.0, "cost": 12.0}
 _LONG = {
     "truth/facing strips, width/gap 1": 30.0,
     "truth/facing strips, width/gap 5": 30.0,
@@ -80,7 +79,7 @@ class Rows:
     def run(self, folder: Path, rows: Iterable[Row], workers: int | None = None) -> list[Failure]:
         """Solves the rows that are missing or out of date; returns those that failed.
 
-        Truths and properties come first, then the rows whose run times are measured, `workers` at a time.
+        Truths come first, then the rows whose run times are measured, `workers` at a time.
         """
         current = code()
         missing = outdated([stage(folder, row.id, current) for row in rows])

@@ -1,4 +1,4 @@
-"""The verification of the field reference as a topic: known capacitances, properties of any, and run time against error."""
+"""The verification of the field reference as a topic: known capacitances, and run time against error."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def truths(found: list[Entry]) -> Markup:
     """Returns the chapter on known capacitances; one sentence without rows."""
     rows = dict(found)
     missing = [row.id for row in all_rows() if row.id not in rows] if rows else []
-    return section.chapter(records.compared(rows), records.held(rows), missing)
+    return section.chapter(records.compared(rows), missing)
 
 
 def costs(found: list[Entry]) -> Markup:

@@ -57,24 +57,18 @@ def test_a_study_run_by_snakemake_has_the_table_of_one_run_without(
     assert plain.table() == toy.table()
 
 
-def test_a_value_that_moved_fails_the_night_and_is_told(toy: ToyRepository) -> None:
+def test_values_that_moved_and_methods_that_disagree_fail_the_night_and_are_told(toy: ToyRepository) -> None:
     with (toy.folder / "fem_reference" / "__main__.py").open("a") as source:
         source.write("# another version\n")
-    third = toy.run("nightly", TOY_SHIFT="0.5")
+    (toy.folder / "model").mkdir()
+    (toy.folder / "model" / "another_version.cpp").write_text("")
+    third = toy.run("nightly", TOY_SHIFT="0.5", TOY_BOUNDARY="9")
     assert third.returncode == 1
     assert "6 values moved by more than their errors" in third.stdout
     found = records.load(toy.results)
     assert "6 of them have changed" in trends_page.finding(found, changes.marks(found))
-
-
-def test_two_methods_that_disagree_fail_the_night_and_are_told_first(toy: ToyRepository) -> None:
-    (toy.folder / "model").mkdir()
-    (toy.folder / "model" / "another_version.cpp").write_text("")
-    night = toy.run("nightly", TOY_SHIFT="0.5", TOY_BOUNDARY="9")
-    assert night.returncode == 1
-    assert (
-        "values of boundary elements and the field solver disagree by more than their errors" in night.stdout
-    )
+    disagreeing = "values of boundary elements and the field solver disagree by more than their errors"
+    assert disagreeing in third.stdout
     head = (toy.results / "report.html").read_text().partition("<header>")[0]
     assert "values of the two references disagree" in head and 'href="report/cross_check.html"' in head
 

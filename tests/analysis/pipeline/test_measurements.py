@@ -122,12 +122,6 @@ def test_a_changed_model_makes_measurements_void(workshop: Workshop) -> None:
     assert not (workshop.results / "speed.json").is_file()
 
 
-def test_another_machine_makes_measurements_void(workshop: Workshop, monkeypatch: pytest.MonkeyPatch) -> None:
-    workshop.run(measure_model=True)
-    monkeypatch.setattr(machine, "identity", lambda: {"name": "another"})
-    assert len(workshop.run(measure_model=True)) == 4
-
-
 def test_the_key_knows_sources_arguments_and_machine(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -71,64 +71,25 @@ def test_a_study_that_is_no_experiment_has_no_such_section(tmp_path: Path) -> No
     assert section(make_results(tmp_path)) == ""
 
 
-def test_a_reference_that_is_the_model_with_other_constants_is_met(tmp_path: Path) -> None:
-    text = section(make_results(tmp_path, SIZES, answers([0.8, 0.8, 0.8]), experiment="II"))
-    finding, _ = findings(text)
-    assert "a coupling capacitance of 5 ± " in finding and "ε = 0.8 ± " in finding
-    assert text.count("plotly-graph-div") == 4
-    # The model as it comes: ε = 1 and the sensor's own 4 pF left out.
-    exact = Divider(5 * PICO, 4 * PICO, 2.5).delta_output(0.8 * MODEL * PICO)
-    missed = 1000 * np.sqrt(np.mean((Divider(5 * PICO, 0, 2.5).delta_output(MODEL * PICO) - exact) ** 2))
-    assert finding.endswith(f"not tuned by {missed:.3g} mV.")
+def times(factor: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """The model's delta output over that of a reference so many times the model's capacitance, with the sensor's own 4 pF."""
+    reference = Divider(5 * PICO, 4 * PICO, 2.5).delta_output(factor * MODEL * PICO)
+    return np.asarray(Divider(5 * PICO, 0, 2.5).delta_output(MODEL * PICO) / reference)
 
 
-def test_other_sizes_are_held_beside_the_thesis(tmp_path: Path) -> None:
-    """The reference of the smaller plate is above the model's prediction, that of the larger below."""
-    text = section(make_results(tmp_path, SIZES, answers([0.8, 0.85, 0.5]), experiment="III"))
-    finding, _ = findings(text)
-
-    def off(factor: float) -> float:
-        divider = Divider(5 * PICO, 4 * PICO, 2.5)
-        tuned, true = (divider.delta_output(f * MODEL * PICO) for f in (0.8, factor))
-        errors = tuned / true - 1
-        return float(errors[np.argmax(np.abs(errors))])
-
-    assert f"−{-100 * off(0.85):.1f} % for 5 cm × 5 cm" in finding and "24 % on a smaller plate" in finding
-    assert f"{100 * off(0.5):+.0f} % for 15 cm × 15 cm" in finding and "10 % on a larger plate" in finding
-    assert finding.endswith("that is so for all of them here.")
-    assert "<td>yes</td>" in text and "<td>no</td>" in text
-
-
-def test_signs_unlike_the_thesis_are_told(tmp_path: Path) -> None:
-    text = section(make_results(tmp_path, SIZES, answers([0.8, 0.7, 0.5]), experiment="III"))
-    assert findings(text)[0].endswith("that is so for 1 of 2 here.")
-
-
-def test_a_pivoted_plate_is_predicted_from_the_parallel_one(tmp_path: Path) -> None:
-    """With the hinge at 1 cm the model is right but for 90 degrees; with that at 2 cm always."""
-    given = answers([0.8])
-    for place in range(6):
-        factor = 0.4 if place == 2 else 0.8
-        given[COUNT + place] = (reference_document(2, factor * 3), model_document(3))
-    text = section(make_results(tmp_path, ANGLES, given, experiment="IV"))
-    finding, _ = findings(text)
-    assert "at 90° with the hinge at 1 cm" in finding and "the nearest, as in the thesis" in finding
-    divider = Divider(5 * PICO, 4 * PICO, 2.5)
-    high, true = (float(divider.delta_output(np.array([f * 3 * PICO]))[0]) for f in (0.8, 0.4))
-    worst = f"{100 * (high / true - 1):+.0f} %"
-    assert f"off by up to {worst}" in finding
-    assert f"the deviation changes by +0.00 % to {worst};" in finding
-
-
-def test_every_sensor_is_tuned_by_itself(tmp_path: Path) -> None:
+def test_the_model_as_it_comes_is_shown_beside_the_reference(tmp_path: Path) -> None:
     other = SIZES.replace("sensor_size = [0.1, 0.1]", "sensor_size = [0.3, 0.3]")
-    given = answers([0.8, 0.8, 0.8, 0.6, 0.6, 0.6])
+    given = answers([0.8, 0.85, 0.5, 0.6, 0.6, 0.6])
     text = section(make_results(tmp_path, SIZES + other, given, experiment="III"))
     assert "Sensor of 10 cm × 10 cm" in text and "Sensor of 30 cm × 30 cm" in text
-    assert len(findings(text)) == 4 and all("where it is +0.00 % off" in each for each in findings(text)[::2])
+    assert text.count("plotly-graph-div") == 6 and len(findings(text)) == 4
+    for plate, factor in (("10 cm × 10 cm", 0.8), ("5 cm × 5 cm", 0.85), ("15 cm × 15 cm", 0.5)):
+        least, greatest = min(times(factor)), max(times(factor))
+        told = f"plate of {plate} {least:.3g} (at 1 cm) to {greatest:.3g} (at 16 cm)"
+        assert told in findings(text)[0]
 
 
-@pytest.mark.parametrize(("experiment", "number"), [("II", 1), ("III", 3), ("IV", 2)])
+@pytest.mark.parametrize(("experiment", "number"), [("II", 3), ("III", 3), ("IV", 2)])
 def test_the_change_of_the_reading_is_held_beside_mutual(
     tmp_path: Path, experiment: str, number: int
 ) -> None:
@@ -142,7 +103,7 @@ def test_the_change_of_the_reading_is_held_beside_mutual(
     given[place] = (reference_document(4, 1), model_document(3))
     text = section(make_results(tmp_path, scenes, given, experiment=experiment))
     measured = findings(text)[1]
-    assert measured.count(" to ") == number and f" 0.250 (at {at}) to 0.500 " in measured
+    assert measured.count(" to ") == number and f" 0.25 (at {at}) to 0.5 " in measured
     assert text.count("not mutual: that is the charge on the plate") == 1
 
 
@@ -156,12 +117,6 @@ def test_an_experiment_without_answers_still_has_a_report(tmp_path: Path, experi
     none = {number: (None, None) for number in range(12)}
     text = section(make_results(tmp_path, ANGLES, none, experiment=experiment))
     assert f"Experiment {experiment}:" in text and not findings(text)
-
-
-def test_too_few_points_are_told(tmp_path: Path) -> None:
-    few = SIZES.replace("geomspace = [0.01, 0.16, 6]", "geomspace = [0.01, 0.16, 2]")
-    text = section(make_results(tmp_path, few, {}, experiment="II"))
-    assert "2 points are too few to fit 2 constants" in text
 
 
 def test_a_study_without_a_reference_solves_nothing(tmp_path: Path) -> None:

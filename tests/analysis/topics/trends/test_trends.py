@@ -12,7 +12,6 @@ from pathlib import Path
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.results import store
 from analysis.study import report
 from analysis.topics.trends import changes, commits, counts, page, records
 from analysis.topics.trends.records import Record

@@ -21,7 +21,7 @@ from analysis.topics.verification import (
     stage as verification_stage,
     truths,
 )
-from analysis.topics.verification.records import Asked, Cost, Held
+from analysis.topics.verification.records import Asked, Cost
 from analysis.topics.verification.set_ups import true_cases
 from analysis.topics.verification.stage import Row
 from analysis.topics.verification.topic import VERIFICATION
@@ -55,7 +55,7 @@ OUTSIDE = quantity(2.02, 0.01, lower=2.01, upper=2.04)
 
 
 def test_errors_effectivities_and_order_computed_by_hand() -> None:
-    (found,) = verification.compared({"truth/a plate": truth_row(INSIDE), "property/x": {"statements": []}})
+    (found,) = verification.compared({"truth/a plate": truth_row(INSIDE)})
     assert (found.case, found.quantity, found.source) == ("a plate", "C11", "a book")
     assert (found.off, found.stated) == pytest.approx((0.001, 0.005))
     assert found.effectivity == pytest.approx(5) and found.within
@@ -89,14 +89,6 @@ def test_of_each_case_the_worst_quantity_is_shown() -> None:
     rows = verification.compared({"truth/a": truth_row(INSIDE, worse), "truth/b": truth_row(INSIDE)})
     shown = verification.worst_of_each_case(rows)
     assert [(row.case, row.quantity) for row in shown] == [("a", "C12"), ("b", "C11")]
-
-
-def test_broken_properties_are_named() -> None:
-    held = Held("scaling", "twice the size", 1e-12, 1e-11, "rounding")
-    broken = Held("monotony", "the larger one", 1.1, 1.0, "it contains the smaller")
-    assert verification_section.property_finding([held]) == "1 of 1 statements hold."
-    text = verification_section.property_finding([held, broken])
-    assert text == "1 of 2 statements hold; broken: the larger one."
 
 
 def reference_row(value: float, error: float, *meshes: tuple[float, float], **more: Any) -> dict[str, Any]:
@@ -235,7 +227,7 @@ def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
     text = report_text(folder)
     assert verification_section.TITLE in text and verification_section.ABSENT not in text
     assert "1 of 1 known quantities of 1 set-ups are within the stated error" in text
-    assert "property/scaling" in text, "what is not there yet is named"
+    assert "cost/parallel/tight" in text, "what is not there yet is named"
 
 
 def test_the_page_by_itself_has_every_panel(tmp_path: Path) -> None:
