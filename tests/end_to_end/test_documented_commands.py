@@ -54,7 +54,6 @@ SMALL = {
     "python3 -m tests.model.random_boundary_elements --count 120 --seed 1": "python3 -m tests.model.random_boundary_elements --count 2",
     "python3 -m tests.model.random_boundary_elements --meshes --count 25 --seed 1": "python3 -m tests.model.random_boundary_elements --meshes --count 1",
     "python3 -m tests.model.random_boundary_elements --sizes --count 60 --seed 2": "python3 -m tests.model.random_boundary_elements --sizes --count 1",
-    "python3 -m tests.model.random_readings": "python3 -m tests.model.random_readings --count 2",
     "python3 -m tests.fuzz.random_answers SECONDS": "python3 -m tests.fuzz.random_answers --only 3",
     "python3 -m tests.model.random_soups": "python3 -m tests.model.random_soups --count 2",
     "sha256sum reference_table.csv": "sha256sum analysis/topics/published/reference_table.csv",
