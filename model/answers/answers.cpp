@@ -48,7 +48,7 @@ Json description(const EvaluationOptions& options) {
   Json result{{"method", method_text(options)}};
   if (is_integral(method))
     result["tolerance"] = options.tolerance;
-  else if (options.rtol || !std::holds_alternative<Formula>(method))
+  else if (!std::holds_alternative<Formula>(method))
     result["rtol"] = rtol_of(options);
   if (options.entries != Entries::of_readings)
     result["entries"] = true;

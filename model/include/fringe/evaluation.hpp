@@ -24,8 +24,8 @@ struct EvaluationOptions {
   FaceRule faces = FaceRule::all;     ///< of the triangle-integral methods
   double tolerance = 0;               ///< of Exact (CapacitanceOptions)
   /// Largest relative error asked for of the value and the change of every reading, each sensor's own where
-  /// the scene names none; from 1e-6 to 0.5. None: 1e-2, and no accuracy is asked of the formula. The
-  /// triangle integrals, which state no error, have none.
+  /// the scene names none; from 1e-6 to 0.5. None: 1e-2. The triangle integrals and the formula,
+  /// which state no error, have none.
   std::optional<double> rtol = {};
   /// The entries of the Maxwell matrix that must be as accurate, too: those of sensors tell what each object
   /// adds to a sensor. Only methods that find a matrix have them.

@@ -157,7 +157,7 @@ double stated_error_of(double change, double parts, double nearness) {
   if (nearness > most_nearness)
     return infinity;
   // Gaps below a function are hardly resolved; then the change may be wrong by as much as it is.
-  return std::min(stated_per_parts * parts * std::sqrt(std::max(nearness, 1.0)),
+  return std::min(stated_per_parts * parts * std::max(nearness, 1.0),
                   std::max(stated_per_parts * parts, std::abs(change)));
 }
 

@@ -106,7 +106,10 @@ MachineLink::MachineLink(const ConductorsAtRest& conductors, const std::vector<C
       to_ground_(to_ground_of(conductors.bodies())),
       coarse_(functions_, net_on_floating(functions_, conductors.bodies()), to_ground_),
       energies_(functions_.energies().cast<float>()) {
-  own_error_ = error_ + functions_.facet_effect_of_given();
+  /// Ratio of the stated error of the loads' own matrix to that of the charges: in 156 scenes of
+  /// `python3 -m analysis honesty` values were off by up to 1.7 times the latter.
+  constexpr double stated_per_error = 1.75;
+  own_error_ = stated_per_error * error_ + functions_.facet_effect_of_given();
 }
 
 }  // namespace fringe::detail

@@ -192,6 +192,7 @@ void Methods::combine(const Scene& scene, const EvaluationOptions& asked, Evalua
   answer.matrix.reset();
   find_by_formula(scene, answer);
   readings_of_objects_.write(answer.capacitance, answer.answered_by, answer.readings);
+  // Asked by itself it states no error; of contact it is certain.
   answer.reached = !asked.rtol || stated_error(answer, scene, Entries::of_readings) <= *asked.rtol;
 }
 

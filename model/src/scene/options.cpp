@@ -93,7 +93,7 @@ std::string method_text(const EvaluationOptions& options) {
 
 void validate(const EvaluationOptions& options) {
   const Method method = method_of(options);
-  const bool integrates = is_integral(method);
+  const bool integrates = is_integral(method) || std::holds_alternative<Formula>(method);
   const bool is_matrix = is_one_of<Reduced, BoundaryElements, Auto>(method);
   if (options.rtol)
     validate(BoundaryElementOptions{.rtol = *options.rtol});

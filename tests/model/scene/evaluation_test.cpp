@@ -75,7 +75,7 @@ TEST(Evaluation, ByTheFormulaStatesNoErrorOfAPair) {
   EXPECT_EQ(target(formula).answered_by, "formula");
   EXPECT_EQ(target(formula).error, std::nullopt);
   EXPECT_TRUE(formula.reached);
-  EXPECT_FALSE(evaluate(plates(), {.method = Formula{}, .rtol = 0.5}).reached);
+  EXPECT_THROW(evaluate(plates(), {.method = Formula{}, .rtol = 0.5}), InputError);
 }
 
 TEST(Evaluation, IsPromisedForValueAndChangeOfEveryReading) {
@@ -100,7 +100,7 @@ TEST(EvaluationOptions, OfAnotherMethodAreRefused) {
     refused(method, {.tolerance = 1e-3}, "tolerance");
   for (const char* method : {"formula+nearest", "reduced+facing", "boundary-elements+nearest", "auto+facing"})
     refused(method, {}, "belong to exact, split:N and gauss:K");
-  for (const char* method : {"exact", "split:2", "gauss:2"}) {
+  for (const char* method : {"exact", "split:2", "gauss:2", "formula"}) {
     refused(method, {.rtol = 1e-2}, "rtol is no option of");
     refused(method, {.max_seconds = 1}, "answers at once");
   }
