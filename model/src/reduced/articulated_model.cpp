@@ -228,7 +228,7 @@ void ArticulatedModel::prepare_machine(std::span<const PoseOfMachine> poses, std
   machine_ = std::make_unique<const LinkedMachine>(
       std::move(bodies), readings_, of_links,
       is_at_rest() ? std::vector<Eigen::AlignedBox3d>() : targets_->boxes, of_targets,
-      machine_resolution(accuracy_->rtol, accuracy_->is_rough, is_at_rest()), threads, files());
+      machine_resolution(accuracy_->rtol, accuracy_->is_rough, is_at_rest()), threads, files_.get());
   tabulated_.reset();
   tables_.reset();
 }
@@ -251,7 +251,7 @@ void ArticulatedModel::prepare_targets(std::span<const PoseOfMachine> poses) {
   const ProgressPart part("targets");
   target_input_ = bytes_of_bodies(targets_->bodies) + bytes_of(resolution, approach);
   auto target = std::make_unique<TargetAtRest>();
-  read_or_prepare(files(), "targets", target_input_, *target,
+  read_or_prepare(files_.get(), "targets", target_input_, *target,
                   [&] { *target = TargetAtRest(targets_->bodies, resolution, approach); });
   target_ = std::move(target);
   approach_.assign(poses.begin(), poses.end());
@@ -279,8 +279,8 @@ void ArticulatedModel::tabulate(std::span<const PoseOfMachine> poses, std::size_
   }
   // Only these poses' tables are kept in files: cells that later poses add depend on all poses before them.
   auto tabulated = std::make_unique<TabulatedMachine>(*machine_, *target_);
-  read_or_prepare(files(), "tables", machine_->input() + target_input_ + bytes_of(of_target_), *tabulated,
-                  [&] { tabulated->extend(*target_, of_target_, threads); });
+  read_or_prepare(files_.get(), "tables", machine_->input() + target_input_ + bytes_of(of_target_),
+                  *tabulated, [&] { tabulated->extend(*target_, of_target_, threads); });
   tabulated_ = std::move(tabulated);
 }
 

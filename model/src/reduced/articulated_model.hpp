@@ -44,7 +44,7 @@ class ArticulatedModel {
   /// Prepares nothing yet; the scene's links have the poses given.
   explicit ArticulatedModel(std::shared_ptr<LinkPoses> poses);
 
-  /// Keeps what is prepared in files from now on, unless it is rough; null: in none.
+  /// Keeps what is prepared in files from now on; null: in none.
   void keep_in(std::shared_ptr<const PreparedFiles> files) { files_ = std::move(files); }
 
   /// Writes the readings of a scene of conductors without a room, some of them targets. It must be the same
@@ -89,7 +89,6 @@ class ArticulatedModel {
   void prepare_machine(std::span<const PoseOfMachine> poses, std::size_t threads);
   void prepare_targets(std::span<const PoseOfMachine> poses);
   void tabulate(std::span<const PoseOfMachine> poses, std::size_t threads);
-  const PreparedFiles* files() const { return accuracy_->is_rough ? nullptr : files_.get(); }
 
   void refuse_contacts_of_links(const PoseOfMachine& pose) const;
   void find_contacts(const PoseOfMachine& pose, std::vector<TargetContacts>& touching) const;

@@ -32,7 +32,7 @@ class MachineReadings {
   /// and of dielectric objects only covers and targets that are enclosed.
   static bool knows(const Scene& scene);
 
-  /// Keeps what is prepared in files from now on, unless it is rough; null: in none.
+  /// Keeps what is prepared in files from now on; null: in none.
   void keep_in(std::shared_ptr<const PreparedFiles> files) { files_ = std::move(files); }
 
   /// Writes the readings of a scene, as ArticulatedModel does. Beside dielectric objects only changes are

@@ -211,8 +211,11 @@ class ReducedEvaluator::Implementation {
     for (std::size_t a = 0; a < count(); ++a) {
       int level = first;
       if (bodies_.rigid()[a].shape->mesh() != nullptr)
-        level = mesh_level(a);
-      // A box gets more functions on its six faces only when the error requires them.
+        level = level_for_gap(a, std::array{0.6, 0.25, 0.1});
+      // A box gets more functions on its six faces only when the error requires them, which its fewest do not
+      // tell where a gap is narrow.
+      if (bodies_.rigid()[a].shape->is_box())
+        level = std::max(level, level_for_gap(a, std::array{0.5, 0.15}));
       const bool is_plate = bodies_.rigid()[a].shape->is_plate();
       for (std::size_t b = 0; b < count(); ++b)
         if (a != b && is_plate) {
@@ -225,9 +228,10 @@ class ReducedEvaluator::Implementation {
     }
   }
 
-  /// Returns the level of a body of triangles: the nearer the others, the more functions it needs.
-  int mesh_level(std::size_t body) const {
-    constexpr std::array<double, PreparedShape::levels - 1> gaps{0.6, 0.25, 0.1};
+  /// Returns the level of a body: the nearer the others, the more functions it needs.
+  /// @param gaps relative to its size, at which it needs one level more each
+  template <std::size_t count_of_gaps>
+  int level_for_gap(std::size_t body, const std::array<double, count_of_gaps>& gaps) const {
     double gap = std::numeric_limits<double>::infinity();
     for (std::size_t other = 0; other < count(); ++other)
       if (other != body)

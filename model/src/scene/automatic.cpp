@@ -107,8 +107,9 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
   EvaluationOptions asked = options;
   asked.rtol = rtol_of(options);
   Best best(scene, asked, limit);
+  const double rough_seconds = expected_seconds(Reduced{}, size, {.rtol = rtol_of(asked), .is_rough = true});
   const auto ask_roughly = [&] {
-    best.ask(expected_seconds(Reduced{}, size, {.rtol = rtol_of(asked), .is_rough = true}), true,
+    best.ask(rough_seconds, true,
              [&](Evaluation& found) { methods.reduce_roughly(scene, asked, with_sensors, found); });
   };
   const auto ask_reduction = [&] {
@@ -117,7 +118,9 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
       methods.reduce(scene, asked, with_sensors, ReducedContacts::of_one_link, found);
     });
   };
-  if (methods.may_be_rough(rtol_of(asked), asked.entries))
+  // One pose boundary elements answer sooner, as a rule.
+  if (methods.may_be_rough(rtol_of(asked), asked.entries) &&
+      (methods.is_roughly_prepared() || rough_seconds <= spent_))
     ask_roughly();
   const bool begins_reduced = prefers_reduction(methods, size, asked, 1);
   if (begins_reduced)

@@ -69,6 +69,8 @@ class Methods {
   bool may_be_rough(double rtol, Entries entries) const {
     return rtol >= least_rough_rtol && !matrix_is_quick_ && has_rough(entries);
   }
+  /// Tells whether that has answered before.
+  bool is_roughly_prepared() const { return is_roughly_prepared_; }
   /// Tells whether the readings before a machine are known that is prepared roughly.
   bool has_rough(Entries entries) const { return knows_readings_ && entries == Entries::of_readings; }
   /// Tells whether the reduced method answers in bounded time: whether its matrix has few triangles to
@@ -105,8 +107,9 @@ class Methods {
   double sharper_ = 1;       ///< part of it that its bodies are prepared for
   ReducedContacts reduced_contacts_ = ReducedContacts::all;
   MachineReadings rough_readings_;
-  MachineReadings readings_;             ///< at an accuracy
-  std::optional<double> prepared_rtol_;  ///< of these
+  MachineReadings readings_;  ///< at an accuracy
+  bool is_roughly_prepared_ = false;
+  std::optional<double> prepared_rtol_;  ///< of readings_
   std::shared_ptr<const PreparedFiles> files_;
 };
 

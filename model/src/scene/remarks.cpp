@@ -284,8 +284,8 @@ void remark_on_insulators(const Scene& scene, const Evaluation& answer, std::vec
                 "object {}: dielectric, of which the method {} only knows between which conductors' changes "
                 "its change lies; the error says so. Compare with boundary-elements",
                 listed(enclosed), answer.answered_by)
-          : fmt::format("object {}: dielectric, of which the method {} knows no change; reduced and "
-                        "boundary-elements do",
+          : fmt::format("object {}: dielectric, of which the method {} knows no change here; "
+                        "boundary-elements does",
                         listed(enclosed), answer.answered_by));
 }
 
@@ -297,22 +297,30 @@ void remark_on_room(const Scene& scene, const Evaluation& answer, std::vector<st
                                 answer.answered_by));
 }
 
-/// Remarks on changes that contact makes infinite or unknown.
+/// Remarks on changes that contact makes infinite or unknown, and on those whose errors are not known.
 void remark_on_contact(const Evaluation& answer, std::vector<std::string>& found) {
-  std::vector<std::string> infinite, unknown;
+  std::vector<std::string> infinite, unknown, without_error;
   for (const ReadingAnswer& reading : answer.readings)
     if (!reading.change.value)
       unknown.push_back(reading.name);
     else if (std::isinf(*reading.change.value))
       infinite.push_back(reading.name);
+    else if (!reading.change.error)
+      without_error.push_back(reading.name);
   if (!infinite.empty())
     found.push_back(fmt::format("reading {}: a target touches what it senses or drives, so that its change "
                                 "is infinite",
                                 listed(infinite)));
-  if (!unknown.empty() && answer.answered_by == to_string(Method(Reduced{})))
-    found.push_back(fmt::format("reading {}: bodies that touch may have different potentials, so that its "
-                                "change is not known",
+  if (answer.answered_by != to_string(Method(Reduced{})))
+    return;
+  if (!unknown.empty())
+    found.push_back(fmt::format("reading {}: bodies touch that may have different potentials, or nearly so: "
+                                "its change is not known",
                                 listed(unknown)));
+  if (!without_error.empty())
+    found.push_back(fmt::format("reading {}: the gap before a target is too small to tell the error of its "
+                                "change; ask for less, or boundary-elements",
+                                listed(without_error)));
 }
 
 /// Remarks on derivatives that are asked for and not known.

@@ -204,5 +204,33 @@ TEST(ReadingsByTheReducedMethod, TakeACapacitanceToTheGround) {
             *reduced.front().change.error + *insulated.error);
 }
 
+TEST(ReadingsByTheReducedMethod, OfAPlateCloseToABoxStateErrorsThatHoldAtLooseAccuracies) {
+  Scene scene;
+  Sensor sensor;
+  sensor.name = "front";
+  sensor.plates = {{{-0.05, -0.05, 0.03}, {0.1, 0, 0}, {0, 0.1, 0}}};
+  scene.sensors = {sensor};
+  scene.objects = {{"house", std::nullopt, Cuboid{0.2, 0.2, 0.05}, at(0, 0, 0)},
+                   {"hand", std::nullopt, Cuboid{0.09, 0.18, 0.03}, at(0, 0, 0.09)}};
+  scene.objects[1].target = true;
+  // The field solver proves that they lie between 23.7207 and 23.7347, and between 0.6104 and 0.6375.
+  constexpr double value = 23.7277e-12, change = 0.62395e-12;
+  for (const double rtol : {0.1, 0.05, 0.02}) {
+    const ReadingAnswer found = evaluate(scene, {.method = Reduced{}, .rtol = rtol}).readings.at(0);
+    EXPECT_LE(std::abs(found.value.value.value() - value), found.value.error.value()) << rtol;
+    EXPECT_LE(std::abs(found.change.value.value() - change), found.change.error.value()) << rtol;
+  }
+}
+
+TEST(ReadingsByTheReducedMethod, OfAGapThatItDoesNotResolveAreNotNumbers) {
+  Scene scene = machine();
+  scene.links[0].pose = at(0, 0, -1);
+  scene.objects.push_back({"wall", std::nullopt, Plate{100, 100}, at(0, 0, -1)});
+  const Evaluation answer = evaluate(scene, {.method = Reduced{}, .rtol = 0.1});
+  for (const ReadingAnswer& reading : answer.readings)
+    for (const Estimate& each : {reading.value, reading.background, reading.change})
+      EXPECT_TRUE(!each.value || !each.error || std::isfinite(*each.error));
+}
+
 }  // namespace
 }  // namespace fringe::FRINGE_TEST_FILE
