@@ -16,10 +16,10 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "machine_rows.hpp"
 #include "cover_rows.hpp"
 #include "fringe/error.hpp"
 #include "fringe/scene_reader.hpp"
+#include "machine_rows.hpp"
 #include "mesh_poses.hpp"
 #include "processor_time.hpp"
 #include "random.hpp"

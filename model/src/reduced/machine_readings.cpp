@@ -20,7 +20,8 @@ double share_of_conductor(double ratio) {
 }
 
 /// Error of a change by the layer rule in the place of covers, relative to it: in the 100 set-ups with covers
-/// and films of Experiment VIII changes are 1.8 % off rms and 4.5 % at worst (model/CORRECTIONS.md, section 9).
+/// and films of Experiment VIII changes are 1.8 % off rms and 4.5 % at worst (model/CORRECTIONS.md, section
+/// 9).
 constexpr double layer_rule_error = 0.06;
 
 /// Returns the scene with conductors in the place of dielectric targets; those that float are one conductor.
