@@ -23,16 +23,16 @@ constexpr double stated_per_parts = 2;
 
 /// Part of the diagonal that is added, growing until the matrix is positive definite: rounding of single
 /// precision.
-constexpr float least_ridge = 1e-6F;
+constexpr float least_ridge_of_links = 1e-6F;
 
 /// Largest part of the diagonal that may be added: where more is needed, charges lie in each other.
-constexpr float most_ridge = 2;
+constexpr float most_ridge_of_links = 2;
 
 /// Fills and factorises with so much on the diagonal that a matrix is positive definite. Returns the part
 /// that was added, or nothing if what may be added does not suffice.
 template <typename Attempt>
 std::optional<float> with_ridge(const Attempt& is_factorised) {
-  for (float ridge = least_ridge; ridge <= most_ridge; ridge *= 10)
+  for (float ridge = least_ridge_of_links; ridge <= most_ridge_of_links; ridge *= 10)
     if (is_factorised(ridge))
       return ridge;
   return std::nullopt;
@@ -41,7 +41,7 @@ std::optional<float> with_ridge(const Attempt& is_factorised) {
 /// Adds the energy of charges (columns) that was added to the diagonal of their matrix, if this is more than
 /// rounding.
 void add_energy_of_ridge(float ridge, const MatrixXf& energies, const MatrixXf& charges, MatrixXd& defects) {
-  if (ridge > least_ridge)
+  if (ridge > least_ridge_of_links)
     defects += (ridge * (charges.transpose() * (energies.diagonal().asDiagonal() * charges))).cast<double>();
 }
 
