@@ -31,10 +31,6 @@ constexpr double least_part = 1e-3;
 /// Least error that can be asked of the reduced matrix; less is stated as not reached.
 constexpr double least_reduced_rtol = 1e-4;
 
-/// Largest error that the reduced matrix is prepared for: its fewest functions do not tell what they lack. A
-/// plate 5 mm before a box, asked for 2e-2 to 1e-1, was 3.5 % off where .5 % were stated.
-constexpr double most_reduced_rtol = 1e-2;
-
 /// Part of the accuracy for which bodies are prepared again where they do not suffice for it.
 constexpr double sharpened = 0.3;
 
@@ -230,12 +226,11 @@ const MaxwellMatrix& Methods::reduced_matrix(const Scene& scene, double rtol, Re
       if (rtol != reduced_rtol_)
         sharper_ = 1;
       reduced_.reset();
-      reduced_.emplace(
-          scene,
-          ReducedOptions{.rtol = std::clamp(sharper_ * rtol, least_reduced_rtol, most_reduced_rtol),
-                         .contacts = contacts,
-                         .with_changes = sharper_ < 1},
-          poses_);
+      reduced_.emplace(scene,
+                       ReducedOptions{.rtol = std::max(sharper_ * rtol, least_reduced_rtol),
+                                      .contacts = contacts,
+                                      .with_changes = sharper_ < 1},
+                       poses_);
       reduced_rtol_ = rtol;
       reduced_contacts_ = contacts;
     }
