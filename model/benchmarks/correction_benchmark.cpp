@@ -22,7 +22,7 @@ std::vector<std::pair<std::string, Shape>> shapes() {
   return {{"plate", Plate{0.1, 0.08}},
           {"cuboid", Cuboid{0.1, 0.08, 0.05}},
           {"cylinder", Cylinder{0.05, 0.1, 48}},
-          {"sphere", Sphere{0.06, 72}}};
+          {"sphere", Sphere{0.06, 48}}};
 }
 
 void run(benchmark::State& state, const Shape& shape, const Method& method) {
