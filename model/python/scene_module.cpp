@@ -26,7 +26,6 @@
 #include "fringe/conductors.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
-#include "fringe/formula_terms.hpp"
 #include "fringe/machine_potentials.hpp"
 #include "fringe/motion.hpp"
 #include "fringe/pose.hpp"
@@ -47,17 +46,6 @@ namespace {
 
 using namespace fringe::answers;
 using namespace pybind11::literals;
-
-py::dict dictionary(const FormulaTerms& terms) {
-  return py::dict("own_of_sensor"_a = terms.own_of_sensor, "own_of_object"_a = terms.own_of_object,
-                  "potential"_a = terms.potential, "drawn"_a = terms.drawn, "flux"_a = terms.flux,
-                  "soft_flux"_a = terms.soft_flux, "tilted_excess"_a = terms.tilted_excess,
-                  "facing_area"_a = terms.facing_area,
-                  "on_sensor"_a = py::make_tuple(terms.on_sensor.linear, terms.on_sensor.quadratic,
-                                                 terms.on_sensor.remaining),
-                  "on_object"_a = py::make_tuple(terms.on_object.linear, terms.on_object.quadratic,
-                                                 terms.on_object.remaining));
-}
 
 /// The options of the methods as keywords of Python.
 struct Asked {
@@ -184,7 +172,7 @@ MotionTable readings_of_motion(SharedScene& scene, const py::object& motion, con
     of_readings.push_back(reading.name);
   const auto answers =
       scene.locked([&](LiveScene& live) { return live.readings_of(frames, options, threads); });
-  // Fewer where the time ended.
+  // Where the time ended before the last frame, there are fewer answers.
   names.resize(answers.size());
   return motion_table(std::move(names), of_readings, answers);
 }
@@ -574,21 +562,6 @@ for every pose in which they have moved relative to each other, which takes seco
 Raises InputError (a ValueError) for conductors that may have different potentials and touch, cross or are inside each
 other, with "reduced" also for dielectric objects that touch several conductors or another link, and for bodies of more than
 2,500 triangles, those that touch them included.)")
-      .def(
-          "formula_terms",
-          [](SharedScene& shared) {
-            py::list sensors;
-            const auto terms_of = [](LiveScene& live) { return formula_terms(live.scene()); };
-            for (const std::vector<FormulaTerms>& of_sensor : shared.locked(terms_of)) {
-              py::list objects;
-              for (const FormulaTerms& terms : of_sensor)
-                objects.append(dictionary(terms));
-              sensors.append(objects);
-            }
-            return sensors;
-          },
-          "What the pair formula is combined from, for every sensor and object "
-          "(model/CORRECTIONS.md).")
       .def(
           "sense", &sense_of, "method"_a = "field_of_view",
           R"(The closest point that every distance sensor sees, as the dictionary that `fringe sense --json` prints.

@@ -10,7 +10,6 @@
 #include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
-#include "fringe/formula_terms.hpp"
 #include "fringe/gjk.hpp"
 #include "fringe/interruption.hpp"
 #include "fringe/joint.hpp"

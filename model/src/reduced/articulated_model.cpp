@@ -362,7 +362,10 @@ void ArticulatedModel::write(const Scene& scene, std::vector<ReadingAnswer>& ans
                             std::ranges::any_of(links_.front().bodies.bodies, [&](const ChargedBody& body) {
                               return body.link != links_.front().frame;
                             });
-  if (is_to_divide || !links_keep(keep_poses)) {
+  // Finding groups forgets all moves, so that both are asked first.
+  const bool links_stay = !is_to_divide && links_keep(keep_poses),
+             targets_stay = targets_ && keeps(*targets_, keep_poses);
+  if (!links_stay) {
     // Which links will move is not known: once some have, or derivatives are asked for, bodies on different
     // links are prepared by themselves.
     is_divided_ = with_derivatives || !links_.empty();
@@ -370,7 +373,7 @@ void ArticulatedModel::write(const Scene& scene, std::vector<ReadingAnswer>& ans
       return !is_divided_ || a == b;
     });
   }
-  if (!targets_ || !keeps(*targets_, keep_poses))
+  if (!targets_stay)
     find_targets(scene);
   ask(accuracy);
   find_pose(pose_);
@@ -379,7 +382,7 @@ void ArticulatedModel::write(const Scene& scene, std::vector<ReadingAnswer>& ans
   if (!machine_ || !target_)
     prepare(scene, present, all_cores);
   find_contacts(pose_, touching_);
-  // What contact decides needs no tables, which would be fine everywhere.
+  // In contact the readings need no tables, and around a contact a table would need the smallest cells.
   if (needs_solution(touching_))
     tabulate(present, all_cores);
   write_pose(solvers_, pose_, touching_, answers);

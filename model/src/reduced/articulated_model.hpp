@@ -26,11 +26,10 @@ namespace fringe::detail {
 /// Tells whether the stated errors of all changes are within `rtol` of these.
 bool are_within(const std::vector<ReadingAnswer>& answers, double rtol);
 
-/// What is asked of readings: the error of their changes, relative to these, and whether a preparation of a
-/// second is to do, whatever error is stated then.
+/// The accuracy for which a machine and its targets are prepared.
 struct ModelAccuracy {
-  double rtol;
-  bool is_rough = false;
+  double rtol;            ///< error asked of each change, relative to it
+  bool is_rough = false;  ///< prepares with the fewest panels and functions, whatever error is stated then
   bool operator==(const ModelAccuracy&) const = default;
 };
 

@@ -18,8 +18,8 @@ namespace fringe::detail {
 struct LinkCoupling {
   Eigen::Isometry3d relative;  ///< from the frame of the first group to that of the second
   Eigen::MatrixXf functions;   ///< of the first one's functions (columns) on the second one's (rows)
-  /// Of the first one's given charges (columns) on the second one's functions, and below these their energies
-  /// with what the second one carries for loads.
+  /// Potentials of the first one's given charges (columns) on the second one's functions, and below these the
+  /// energies of these charges with those that the second one carries for loads.
   Eigen::MatrixXf given_first;
   Eigen::MatrixXf given_second;  ///< the same of the second one's given charges and the first one
 };

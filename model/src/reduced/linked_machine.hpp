@@ -34,12 +34,11 @@ struct OfReading {
   double sign;
 };
 
-/// What a reading changes by targets, and what it is without them, with their errors in m, to be multiplied
-/// by 4πε; a change that is NaN cannot be found.
+/// A reading that was solved for, in m, to be multiplied by 4πε. Numbers that cannot be found are NaN.
 struct SolvedReading {
-  double change;
-  double error;
-  double background;
+  double change;      ///< by the targets
+  double error;       ///< of the change; infinite: not known
+  double background;  ///< the reading without the targets
   double background_error;
 };
 
@@ -60,7 +59,7 @@ struct MachineResolution {
   SurfaceResolution used, others;
 };
 
-/// Stated error of the charges of a machine that is prepared roughly, in a second at most.
+/// Stated error of the charges of a machine that is prepared roughly.
 constexpr double rough_rtol = 3e-2;
 
 /// Returns how finely a machine is prepared for an accuracy.

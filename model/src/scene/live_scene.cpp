@@ -90,7 +90,7 @@ class LiveScene::Implementation {
         else
           answers.push_back(found);
       } catch (const Interrupted&) {
-        // What was answered in time is to do.
+        // The frames answered by the end of the time are returned.
         if (!limit || !limit->is_over() || answers.empty())
           throw;
         break;

@@ -25,7 +25,7 @@ double stated_error(const Evaluation& answer, const Scene& scene, Entries entrie
 /// Least accuracy for which a machine is prepared roughly first: so much its answers state in most scenes.
 constexpr double least_rough_rtol = 5e-2;
 
-/// Whether the reduced method may prepare a machine again where a rough preparation does not suffice.
+/// Tells the reduced method whether to prepare a machine again where a rough preparation does not suffice.
 enum class Refinement { none, allowed };
 
 /// The methods by which a scene whose links move is evaluated. Each is prepared when it first answers; the

@@ -1,4 +1,4 @@
-#include "fringe/formula_terms.hpp"
+#include "formula/formula.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -12,6 +12,7 @@
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/triangulation.hpp"
 #include "reduced/reduced_capacitance.hpp"
 #include "scene/scene_evaluator.hpp"
 
@@ -68,7 +69,10 @@ TEST(Formula, FarAwayIsTheProductOfTheOwnCapacitancesOverTheDistance) {
   for (const double distance : {10.0, 1000.0}) {
     const Vector3d place = distance * Vector3d(0.6, 0.48, 0.64);
     const Scene scene = before_sensor(0.1, Plate{0.2, 0.05}, at(place.x(), place.y(), place.z()));
-    const FormulaTerms terms = formula_terms(scene).front().front();
+    const detail::FormulaTerms terms =
+        detail::formula_terms(detail::make_charged_surface(triangulate(scene.objects[0].shape)),
+                              detail::make_charged_surface(detail::plate_triangles(scene.sensors[0].plates)),
+                              Eigen::Isometry3d::Identity(), scene.sensors[0].plates);
     const double expected =
         vacuum_permittivity * terms.own_of_sensor * terms.own_of_object / (4 * std::numbers::pi * distance);
     EXPECT_NEAR(by_formula(scene) / expected, 1, 1e-4) << distance;

@@ -13,7 +13,6 @@
 #include "formula/charged_surface.hpp"
 #include "formula/formula.hpp"
 #include "fringe/boundary_elements.hpp"
-#include "fringe/formula_terms.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/triangulation.hpp"
 

@@ -221,6 +221,24 @@ TEST(ArticulatedModel, FollowsThePosesOfTargetAndMachine) {
   expect_as_prepared_anew();
 }
 
+TEST(ArticulatedModel, FollowsAMachineAndTargetsThatMoveAtOnce) {
+  // The hand has a second body on a link of its own.
+  Scene scene = with_one_reading(machine(0.03));
+  scene.links.push_back({"thumb", std::nullopt, Eigen::Isometry3d::Identity()});
+  scene.objects.push_back(object_of("thumb", Cuboid{0.02, 0.03, 0.02}, at(-0.06, 0, 0.05)));
+  scene.objects.back().link = 2;
+  scene.objects.back().target = true;
+  test::Surrounded live(scene);
+  live.answers();
+  live.set_pose("body", at(0, 0, -0.02));
+  live.set_pose("thumb", at(0.02, 0, -0.03));
+  const Estimate found = live.answers()[0].change, fresh = answers(live.scene())[0].change;
+  EXPECT_NEAR(found.value.value(), fresh.value.value(), found.error.value() + fresh.error.value());
+  // Where the thumb was, it changed less than is stated now.
+  live.set_pose("thumb", at(0, 0, 0));
+  EXPECT_LT(live.answers()[0].change.value.value(), *found.value);
+}
+
 TEST(ArticulatedModel, IsInfiniteWhereAGroundedTargetTouchesWhatIsSensedOrDriven) {
   Scene scene = machine(-0.01);
   scene.objects[1].pose = at(-0.035, 0, 0.005);
