@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
 from analysis.topics.insulators.set_ups import COUNTS, SetUp
-from analysis.topics.insulators.stage import REDUCED, IGNORING
+from analysis.topics.insulators.stage import IGNORING, REDUCED
 from analysis.topics.insulators.truths import Truths, read
 from analysis.topics.spread import Spread, spread
 

@@ -11,7 +11,7 @@ from analysis.results.units import percent, picofarads, signed_percent
 from analysis.topics.insulators import records
 from analysis.topics.insulators.records import Entry, by_family
 from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, TARGET
-from analysis.topics.insulators.stage import REDUCED, IGNORING
+from analysis.topics.insulators.stage import IGNORING, REDUCED
 from analysis.topics.insulators.truths import RTOL
 from analysis.topics.spread import range_of, spread
 

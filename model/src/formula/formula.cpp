@@ -15,8 +15,8 @@ namespace {
 using Eigen::VectorXd;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Constants of the formula (no unit), fitted to the set-ups that are not sealed by
-/// `python3 -m analysis measure fit`.
+/// Constants of the formula (no unit), fitted once to the set-ups that are not sealed
+/// (`analysis/topics/corrections/fit.py` at commit 514eedd7).
 constexpr double linear_stiffness = 1.969;     ///< weight of linear variation in the polarisability
 constexpr double quadratic_stiffness = 2.213;  ///< weight of quadratic variation
 constexpr double remaining_stiffness = 8.175;  ///< weight of remaining variation
