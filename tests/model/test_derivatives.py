@@ -319,6 +319,23 @@ def test_they_are_not_known_between_links_that_touch(module: Any) -> None:
     assert reading.derivatives["hand"][2] < 0
 
 
+def test_those_of_a_body_apart_do_not_wait_for_links_that_overlap(module: Any) -> None:
+    """Between two links of one potential that overlap, nodes would have to be ever closer together."""
+    round_ones = TOUCHING.replace(
+        'type = "box", size = [0.1, 0.1, 0.1]', 'type = "sphere", radius = 0.06, segments = 32'
+    ).replace('type = "box", size = [0.1, 0.1, 0.05]', 'type = "sphere", radius = 0.05, segments = 32')
+    apart, as_one = (
+        module.Scene.loads(text).readings("boundary-elements", rtol=0.05, derivatives=True, max_seconds=30)[
+            "front"
+        ]
+        for text in (round_ones, round_ones.replace('name = "base"', 'name = "base"\nlink = "head"'))
+    )
+    assert np.isnan(apart.derivatives["head"]).all()
+    np.testing.assert_allclose(
+        apart.derivatives["hand"][:3], as_one.derivatives["hand"][:3], rtol=2e-2, atol=1e-14
+    )
+
+
 def test_none_are_told_of_a_change_that_the_reduced_method_cannot_find(module: Any) -> None:
     # At this accuracy the charges of links that touch lie in each other, and their equations have no solution.
     reading = module.Scene.loads(TOUCHING).readings("reduced", rtol=0.2, derivatives=True)["front"]

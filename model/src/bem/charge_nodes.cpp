@@ -25,6 +25,11 @@ constexpr double node_tolerance = 1e-4;
 /// Number of times that a panel is quartered at most.
 constexpr int most_divisions = 5;
 
+/// Part of a link's charge that may be left out with the panels that lie close to another link: where both
+/// have one potential, as at a joint, hardly any charge lies there, and nodes would be the more the closer
+/// they are.
+constexpr double negligible_charge = 1e-3;
+
 /// A face or a panel: a flat piece of charged surface.
 struct Element {
   std::size_t group;  ///< index of the link's charges
@@ -59,10 +64,11 @@ struct Chunk {
   AlignedBox3d box;
 };
 
-/// Finds the nearest element of another link.
+/// Finds the nearest element of another link, of those that are not too close.
 class Neighbours {
  public:
-  explicit Neighbours(const std::vector<Element>& elements) : elements_(elements) {
+  Neighbours(const std::vector<Element>& elements, std::size_t groups)
+      : elements_(elements), are_too_close_(groups, std::vector<bool>(groups)) {
     constexpr std::size_t together = 32;
     for (std::size_t k = 0; k < elements.size(); ++k) {
       if (chunks_.empty() || chunks_.back().count == together || chunks_.back().group != elements[k].group)
@@ -81,7 +87,8 @@ class Neighbours {
   Nearest nearest(const Vector3d& point, std::size_t group) const {
     Nearest result;
     for (const Chunk& chunk : chunks_) {
-      if (chunk.group == group || chunk.box.exteriorDistance(point) >= result.distance)
+      if (chunk.group == group || are_too_close_[group][chunk.group] ||
+          chunk.box.exteriorDistance(point) >= result.distance)
         continue;
       for (std::size_t k = chunk.first; k < chunk.first + chunk.count; ++k)
         if (const double found = least_distance(elements_[k], point); found < result.distance)
@@ -90,38 +97,51 @@ class Neighbours {
     return result;
   }
 
+  /// Leaves a pair of links out from now on.
+  void leave_out(std::size_t a, std::size_t b) { are_too_close_[a][b] = are_too_close_[b][a] = true; }
+
+  /// Returns the pairs that are left out, the smaller number first.
+  std::vector<std::pair<std::size_t, std::size_t>> left_out() const {
+    std::vector<std::pair<std::size_t, std::size_t>> pairs;
+    for (std::size_t a = 0; a < are_too_close_.size(); ++a)
+      for (std::size_t b = a + 1; b < are_too_close_.size(); ++b)
+        if (are_too_close_[a][b])
+          pairs.emplace_back(a, b);
+    return pairs;
+  }
+
  private:
   const std::vector<Element>& elements_;
   std::vector<Chunk> chunks_;
+  std::vector<std::vector<bool>> are_too_close_;
 };
 
 /// Collects the nodes of the links.
 class NodeBuilder {
  public:
-  NodeBuilder(const Neighbours& neighbours, std::size_t groups)
+  NodeBuilder(Neighbours& neighbours, std::size_t groups)
       : neighbours_(neighbours), points_(groups), charges_(groups) {}
 
   /// Adds nodes on a triangle with an evenly spread charge.
   void add(const Triangle& triangle, const Eigen::RowVectorXd& charge, std::size_t group, int divisions = 0) {
     const Panel panel = make_panel(triangle);
     const Neighbours::Nearest nearest = neighbours_.nearest(panel.centre, group);
-    for (const TriangleRule& rule : triangle_rules()) {
-      if (rule.points > most_points_of_a_panel)
-        break;
-      const double ratio = panel.radius / nearest.distance;
-      if (!(ratio < 1) ||
-          rule.bound_constant * (rule.degree + 2) * std::pow(ratio, rule.degree + 1) > node_tolerance)
-        continue;
-      place(triangle, charge, group, rule);
+    if (const TriangleRule* const rule = rule_for(panel.radius / nearest.distance)) {
+      place(triangle, charge, group, *rule);
       return;
     }
     if (divisions == most_divisions) {
-      too_close_.emplace_back(group, nearest.group);
+      neighbours_.leave_out(group, nearest.group);
       place(triangle, charge, group, triangle_rules()[0]);
       return;
     }
     for (const Triangle& quarter : quarters(triangle))
       add(quarter, charge / 4, group, divisions + 1);
+  }
+
+  /// Tells whether a panel has to be divided, since another link is close.
+  bool is_divided(const Panel& panel, std::size_t group) const {
+    return rule_for(panel.radius / neighbours_.nearest(panel.centre, group).distance) == nullptr;
   }
 
   /// Adds nodes on a face. `charges` are those of its functions.
@@ -151,10 +171,32 @@ class NodeBuilder {
     return result;
   }
 
-  const std::vector<std::pair<std::size_t, std::size_t>>& too_close() const { return too_close_; }
+  /// Leaves out the pairs of links that come closer to each other at a panel's middle than its finest nodes
+  /// resolve.
+  void leave_out_close_links(const Panel& panel, std::size_t group) {
+    while (true) {
+      const Neighbours::Nearest nearest = neighbours_.nearest(panel.centre, group);
+      if (rule_for(std::ldexp(panel.radius, -most_divisions) / nearest.distance) != nullptr)
+        return;
+      neighbours_.leave_out(group, nearest.group);
+    }
+  }
 
  private:
   static constexpr int most_points_of_a_panel = 7;
+
+  /// Returns the rule of fewest points whose nodes suffice for a triangle, by the ratio of its radius to the
+  /// distance of another link; null: none does.
+  static const TriangleRule* rule_for(double ratio) {
+    for (const TriangleRule& rule : triangle_rules()) {
+      if (rule.points > most_points_of_a_panel)
+        break;
+      if (ratio < 1 &&
+          rule.bound_constant * (rule.degree + 2) * std::pow(ratio, rule.degree + 1) <= node_tolerance)
+        return &rule;
+    }
+    return nullptr;
+  }
 
   /// Returns the number of points of a Gauss rule for functions of a face whose potential is singular at
   /// a distance, in half sides.
@@ -187,11 +229,39 @@ class NodeBuilder {
     }
   }
 
-  const Neighbours& neighbours_;
+  Neighbours& neighbours_;
   std::vector<std::vector<Vector3d>> points_;
   std::vector<std::vector<Eigen::RowVectorXd>> charges_;
-  std::vector<std::pair<std::size_t, std::size_t>> too_close_;
 };
+
+/// Returns which panels are left out: of those close to other links the ones of least charge.
+std::vector<bool> left_out(const std::vector<Element>& elements, const std::vector<Panel>& panels,
+                           const MatrixXd& charges, std::size_t groups, const NodeBuilder& builder) {
+  MatrixXd totals = MatrixXd::Zero(index_of(groups), charges.cols());
+  for (const Element& element : elements)
+    if (element.face == nullptr)
+      totals.row(index_of(element.group)) += charges.row(element.row).cwiseAbs();
+  // Charges over those of the link, the largest ratio of all columns.
+  std::vector<std::pair<double, const Element*>> close;
+  for (const Element& element : elements)
+    if (element.face == nullptr &&
+        builder.is_divided(panels[static_cast<std::size_t>(element.row)], element.group))
+      close.emplace_back(
+          (totals.row(index_of(element.group)).array() > 0)
+              .select(charges.row(element.row).array().abs() / totals.row(index_of(element.group)).array(),
+                      0.0)
+              .maxCoeff(),
+          &element);
+  std::ranges::sort(close, {}, &std::pair<double, const Element*>::first);
+  std::vector<bool> result(panels.size());
+  std::vector<double> parts(groups);
+  for (const auto& [share, element] : close) {
+    double& part = parts[element->group];
+    part += share;
+    result[static_cast<std::size_t>(element->row)] = part <= negligible_charge;
+  }
+  return result;
+}
 
 AlignedBox3d box_of(std::span<const Vector3d> corners) {
   AlignedBox3d box;
@@ -224,13 +294,18 @@ ChargeNodes charge_nodes(const PanelSystem& system, const PanelSolution& solutio
       elements.push_back({group_of_body[group.body], panels[k].centre, panels[k].radius,
                           box_of(panels[k].corners), nullptr, index_of(k)});
 
-  const Neighbours neighbours(elements);
+  Neighbours neighbours(elements, links.size());
   NodeBuilder builder(neighbours, links.size());
+  for (const Element& element : elements)
+    if (element.face == nullptr)
+      builder.leave_out_close_links(panels[static_cast<std::size_t>(element.row)], element.group);
+  const std::vector<bool> are_left_out =
+      left_out(elements, panels, solution.reading_charges, links.size(), builder);
   for (const Element& element : elements)
     if (element.face != nullptr)
       builder.add(*element.face, system.functions(static_cast<std::size_t>(element.row)),
                   solution.face_reading_charges[static_cast<std::size_t>(element.row)], element.group);
-    else
+    else if (!are_left_out[static_cast<std::size_t>(element.row)])
       builder.add(panels[static_cast<std::size_t>(element.row)].corners,
                   solution.reading_charges.row(element.row), element.group);
 
@@ -238,7 +313,7 @@ ChargeNodes charge_nodes(const PanelSystem& system, const PanelSolution& solutio
   const auto columns = 4 * index_of(bodies.readings.size());
   for (std::size_t group = 0; group < links.size(); ++group)
     result.links.push_back(builder.charges_of(group, links[group], columns));
-  result.too_close = builder.too_close();
+  result.too_close = neighbours.left_out();
   return result;
 }
 

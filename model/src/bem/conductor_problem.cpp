@@ -418,8 +418,12 @@ class ConductorProblem : public AdaptiveProblem {
     if (has_given_up_)
       return std::nullopt;
     if (poses != nullptr && !is_interrupted_)
-      write_derivatives(charge_nodes(system_, solution_, bodies_), bodies_, *poses, options_.threads,
-                        answer_.readings);
+      try {
+        write_derivatives(charge_nodes(system_, solution_, bodies_), bodies_, *poses, options_.threads,
+                          answer_.readings);
+      } catch (const Interrupted&) {
+        // The readings are known without them.
+      }
     write_delta_self(system_, solution_, bodies_, per_change_, tolerance_, iteration_share * options_.rtol,
                      surfaces_, answer_);
     if (bodies_.readings.empty())

@@ -80,7 +80,7 @@ class Methods {
   }
   /// Tells whether the reduced method answers by a matrix, unless bodies on different links touch.
   bool reduces_to_matrix(Entries entries) const {
-    return entries != Entries::of_readings || matrix_is_small_ || has_insulators_ || !knows_readings_;
+    return entries != Entries::of_readings || matrix_is_quick_ || has_insulators_ || !knows_readings_;
   }
   /// Tells whether the reduced method is prepared for an accuracy.
   bool is_reduction_prepared(double rtol, Entries entries) const;
