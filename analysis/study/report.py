@@ -11,7 +11,7 @@ from typing import Any
 from markupsafe import Markup
 
 from analysis.pipeline import keys
-from analysis.report import faults_section, index_page, page, plot_of_changes, scene_pages, sections
+from analysis.report import index_page, page, plot_of_changes, scene_pages, sections
 from analysis.report.index_page import Answer, Card, Picture
 from analysis.report.scene_pages import ScenePage
 from analysis.results import refusals, statistics, study_results as results, table
@@ -54,10 +54,9 @@ def make(folder: Path) -> Report:
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
     of_topics = {topic.name: topic.load(topic.beside(folder)) for topic in TOPICS}
-    faults = faults_section.beside(folder)
     answers = _answers(folder, found)
     in_field = [topic.checked() for topic in TOPICS]
-    inputs = keys.page_inputs(answers, of_topics, faults, in_field)
+    inputs = keys.page_inputs(answers, of_topics, in_field)
     trends = folder / trends_page.PAGE
     nights = (
         index_page.first_finding(Markup(trends.read_text(encoding="utf-8"))) if trends.is_file() else None
@@ -70,7 +69,7 @@ def make(folder: Path) -> Report:
         and _is_complete(folder)
     ):
         entries = {topic.name: topic.found(of_topics[topic.name]) for topic in TOPICS}
-        material = Material(found, rows, summaries, of_topics, entries, faults)
+        material = Material(found, rows, summaries, of_topics, entries)
         _write(material, nights, scenes, inputs, whole)
     return Report(
         folder / page.REPORT,

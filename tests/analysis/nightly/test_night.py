@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import os
+import signal
+import time
 from pathlib import Path
 
 import pytest
@@ -12,8 +15,8 @@ from analysis.study.plan import Work
 from analysis.topics.trends import changes, page as trends_page, records
 from analysis.topics.trends.records import Record
 from geometries.common.errors import InputError
-from tests.analysis.nightly.kill_nights import kill_nights
 from tests.analysis.nightly.toy_repository import ToyRepository
+from tests.waiting import DEADLINE
 
 
 @pytest.fixture(scope="module")
@@ -74,9 +77,28 @@ def test_values_that_moved_and_methods_that_disagree_fail_the_night_and_are_told
 
 
 @pytest.mark.night
-def test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way(tmp_path: Path) -> None:
-    tally = kill_nights(tmp_path, kills=2, seed=7)
-    assert tally.kills == 2 and tally.studies >= 1
+@pytest.mark.parametrize("all_of_it", [False, True], ids=["process", "session"])
+def test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way(
+    tmp_path: Path, all_of_it: bool
+) -> None:
+    """At three moments each, many of them in a write; what a killed process has started ends with it."""
+    whole, killed = (ToyRepository(tmp_path / name, count=8) for name in ("undisturbed", "killed"))
+    killed.make_writing_slower()
+    begun = time.monotonic()
+    assert whole.run("nightly").returncode == 0
+    duration = time.monotonic() - begun
+    for share in (0.4, 0.6, 0.8):
+        before, solved = killed.answers(), killed.solved()
+        process = killed.start("nightly", "--job-seconds", "20")
+        time.sleep(share * duration)
+        (os.killpg if all_of_it and process.poll() is None else os.kill)(process.pid, signal.SIGKILL)
+        process.communicate(timeout=DEADLINE)
+        assert all(killed.solved()[case] == solved[case] for case in before), "solved again"
+    before, solved = killed.answers(), killed.solved()
+    done = killed.run("nightly")
+    assert done.returncode == 0, done.stderr
+    assert all(killed.solved()[case] == solved[case] for case in before), "solved again"
+    assert killed.table() == whole.table() and not list(killed.results.glob("cases/*/.*"))
 
 
 def works(count: int) -> list[Work]:
