@@ -14,11 +14,13 @@ from analysis.honesty.methods import (
     FIELD_SECONDS,
     FIELD_SOLVER,
     LATE,
+    PARTS,
     REFUSED,
     Answer,
     Stated,
+    entry,
+    part_of,
 )
-from analysis.honesty.quantities import PARTS, entry, part_of
 from analysis.pipeline import reference_stage
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.stage import NoAnswer, Refused

@@ -65,12 +65,12 @@ def here(tmp_path_factory: pytest.TempPathFactory) -> ToyRepository:
 def test_a_study_solved_through_sbatch_has_the_table_of_a_local_run(
     tmp_path: Path, configuration: str, here: ToyRepository
 ) -> None:
-    cluster = ToyRepository(tmp_path / "on a cluster", count=4)
-    done = cluster.run("nightly", "--profile", "slurm", "--job-seconds", "40", SLURM_CONF=configuration)
+    there = ToyRepository(tmp_path / "on a cluster", count=4)
+    done = there.run("nightly", "--profile", "slurm", "--job-seconds", "40", SLURM_CONF=configuration)
     assert done.returncode == 0, done.stderr
-    log = (cluster.results / "snakemake.log").read_text()
+    log = (there.results / "snakemake.log").read_text()
     assert log.count("with external jobid") == 2
-    assert cluster.table() == here.table()
+    assert there.table() == here.table()
 
 
 def test_jobs_end_with_a_night_that_is_asked_to_end_and_before_what_follows_one_that_is_killed(

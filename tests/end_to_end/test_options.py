@@ -116,7 +116,7 @@ class Reached(Exception):
 
 
 SET_UPS_RUN = "analysis.pipeline.set_up_stages.SetUpStages.run"
-VERIFICATION_RUN = "analysis.topics.verification.stage.Rows.run"
+VERIFICATION_RUN = "analysis.topics.verification.topic.Rows.run"
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ VERIFICATION_RUN = "analysis.topics.verification.stage.Rows.run"
         (["machines", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
         (["insulators", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
         (["insulators", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
-        (["corrections", "--output", "OUT"], "analysis.topics.corrections.stage.Evaluated.run", 1, "OUT"),
+        (["corrections", "--output", "OUT"], "analysis.topics.corrections.topic.Evaluated.run", 1, "OUT"),
         (["documentation", "--output", "OUT"], "analysis.documentation.make.build", 0, "OUT"),
     ],
 )  # fmt: skip

@@ -90,7 +90,9 @@ class Study:
     def wait_until_at_work(self, process: subprocess.Popen[str]) -> None:
         """Returns when a process has the lock of a folder, or has ended: the file of the lock stays when its owner ends."""
         while process.poll() is None:
-            locks = (line.split() for line in Path("/proc/locks").read_text().splitlines() if "->" not in line)
+            locks = (
+                line.split() for line in Path("/proc/locks").read_text().splitlines() if "->" not in line
+            )
             if any(words[1] == "FLOCK" and words[4] == str(process.pid) for words in locks):
                 return
             time.sleep(0.01)

@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.pipeline.model_stage import options
-from analysis.topics.corrections.set_ups import SetUp, set_ups
-from analysis.topics.corrections.truths import Truth, load
+from analysis.topics.corrections.set_ups import SetUp, Truth, load, set_ups
 
 Array = NDArray[np.float64]
 PLAIN, FORMULA, REDUCED = "exact", "formula", "reduced"
@@ -80,3 +79,30 @@ def _truth(truths: dict[str, Truth], set_up: SetUp) -> Truth:
             f"{set_up.name} has no truth: python3 -m analysis measure truths corrections makes them anew"
         )
     return truths[set_up.name]
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """One method. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others."""
+
+    name: str
+    all: Errors
+    open_: Errors
+    sealed: Errors
+    families: dict[str, Errors]
+
+
+def evaluations(found: Estimates) -> tuple[Evaluation, ...]:
+    """Returns the errors of all methods, whose estimates are given."""
+    return tuple(_evaluation(found, name) for name in found.by_method)
+
+
+def _evaluation(found: Estimates, name: str) -> Evaluation:
+    errors, families = found.errors(name), np.array(found.families)
+    return Evaluation(
+        name,
+        Errors.of(errors),
+        Errors.of(errors[~found.sealed]),
+        Errors.of(errors[found.sealed]),
+        {family: Errors.of(errors[families == family]) for family in dict.fromkeys(found.families)},
+    )

@@ -13,9 +13,8 @@ import numpy as np
 
 from analysis.pipeline.model_stage import model_module
 from analysis.results.units import percent
-from analysis.topics.corrections import estimates, evaluation
-from analysis.topics.corrections.estimates import Errors
-from analysis.topics.corrections.evaluation import Evaluation
+from analysis.topics.corrections import estimates
+from analysis.topics.corrections.estimates import Errors, Evaluation
 from analysis.topics.corrections.set_ups import set_ups
 from geometries.common.installation import ROOT
 
@@ -57,7 +56,7 @@ def figures(module: Any) -> list[str]:
     """Returns all lines; takes some seconds."""
     chosen = list(set_ups(module))
     asked = estimates.estimate(module, chosen)
-    found = evaluation.evaluations(asked)
+    found = estimates.evaluations(asked)
     return [
         *errors_table(found),
         f"{near_misses(asked)} of {len(chosen)} set-ups are more than 1 % off by reduced",

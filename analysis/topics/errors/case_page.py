@@ -11,7 +11,7 @@ from analysis.report import page, plots_in_space
 from analysis.results.set_up import describe
 from analysis.results.store import write_text
 from analysis.results.units import picofarads, too
-from analysis.topics.errors import records, section, stage
+from analysis.topics.errors import records, section, set_ups
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry
 from geometries.common import installation
@@ -28,7 +28,7 @@ def make(folder: Path, found: list[Entry]) -> None:
 
 def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
     made = entry.set_up
-    yield page.navigation(page.link(f"../../{stage.STAGES.name}.html", f"‹ {TITLE}"))
+    yield page.navigation(page.link(f"../../{set_ups.STAGES.name}.html", f"‹ {TITLE}"))
     head = []
     described = describe(made.scene)
     if described is not None:
@@ -51,7 +51,7 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
             "From the project's folder: the truth, the model, and the parts of every set-up that has none yet."
         ),
         page.command(
-            f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {stage.RTOL:g} --entries"
+            f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {set_ups.RTOL:g} --entries"
         ),
         page.command(f"{installation.model_command()} capacitance {scene}"),
         page.command(

@@ -3,8 +3,7 @@
 from analysis.topics.errors import case_page, records, section, set_ups
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry
-from analysis.topics.errors.stage import STAGES
-from analysis.topics.errors.set_ups import SetUp
+from analysis.topics.errors.set_ups import STAGES, SetUp
 from analysis.topics.topic import Topic
 
 

@@ -12,9 +12,8 @@ from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, by_family, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.units import CENTIMETRE, measured
-from analysis.topics.published import files, rows
-from analysis.topics.published.files import Check
-from analysis.topics.published.rows import MUTUAL, QUANTITIES, Row
+from analysis.topics.published import files
+from analysis.topics.published.files import MUTUAL, QUANTITIES, Check, Row
 from geometries.studies.study import Case
 
 TITLE = "A reference table of capacitances around a plate"
@@ -61,7 +60,7 @@ def headline(found: list[Row]) -> str:
     values = len(found) * len(QUANTITIES)
     return (
         f"{len(found)} set-ups of a plate above, beside and diagonal to a square plate, {values} values: mutual, both own capacitances and "
-        f"delta_self of each, every one enclosed and with a best value whose stated error is at most {rows.worst_error(found):.1e}."
+        f"delta_self of each, every one enclosed and with a best value whose stated error is at most {files.worst_error(found):.1e}."
     )
 
 

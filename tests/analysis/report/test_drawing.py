@@ -7,9 +7,9 @@ import re
 import numpy as np
 import pytest
 
-from analysis.report import drawing
-from analysis.report.labels import placed
-from analysis.report.thumbnail import thumbnail
+from analysis.report import drawing, plots_in_space
+from analysis.report.drawing import thumbnail
+from analysis.report.run_times_section import placed
 from geometries.scene.scene import Scene
 from geometries.studies import families
 
@@ -46,7 +46,7 @@ def test_the_target_above_hides_the_sensor_below() -> None:
 
 def test_pieces_cover_their_triangles() -> None:
     triangle = np.array([[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.3, 0.0]]])
-    pieces = drawing.cut(triangle, 0.11)
+    pieces = plots_in_space.cut(triangle, 0.11)
     edges = np.linalg.norm(np.roll(pieces, -1, axis=1) - pieces, axis=2)
     areas = np.linalg.norm(np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0]), axis=1) / 2
     assert edges.max() <= 0.11

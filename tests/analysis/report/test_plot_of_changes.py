@@ -7,12 +7,12 @@ from typing import Any
 
 import pytest
 
-from analysis.report import plot_of_changes
+from analysis.report import plots_of_errors
 from analysis.report.plot import Panel, Plot
 from analysis.results import study_results as results, table
 from analysis.results.table import DELTA_SELF, MUTUAL
 from analysis.study import report
-from tests.analysis.synthetic import MACHINE_ANSWERS, MACHINES, make_results, report_text
+from tests.analysis.synthetic import MACHINES, MACHINE_ANSWERS, make_results, report_text
 
 
 @pytest.fixture
@@ -21,7 +21,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def plot(folder: Path) -> Plot:
-    return plot_of_changes.error_of_changes(table.rows(results.load(folder)))
+    return plots_of_errors.error_of_changes(table.rows(results.load(folder)))
 
 
 def points(panel: Panel) -> dict[str, tuple[Any, Any]]:
@@ -65,7 +65,7 @@ def test_without_machines_delta_self_is_the_change_and_is_drawn_once(tmp_path: P
 def test_it_is_the_first_figure_of_the_report_and_its_points_open_their_cases(folder: Path) -> None:
     text = report.make(folder).path.read_text(encoding="utf-8")
     first = text.index("plotly-graph-div", text.index("<body>"))
-    assert text.index(plot_of_changes.TITLE) < first
+    assert text.index(plots_of_errors.TITLE) < first
     told = [
         text.index(f">{where}: the model is")
         for where in ("On machines, change of the reading", MUTUAL, DELTA_SELF)
@@ -97,4 +97,4 @@ def test_every_page_is_made_where_the_model_knows_no_value(folder: Path) -> None
 def test_a_study_of_which_the_model_knows_nothing_has_a_report_too(tmp_path: Path) -> None:
     answers = {number: (reference, None) for number, (reference, _) in MACHINE_ANSWERS.items()}
     text = report_text(make_results(tmp_path, MACHINES, answers))
-    assert plot_of_changes.TITLE not in text and "rows of change" in text
+    assert plots_of_errors.TITLE not in text and "rows of change" in text

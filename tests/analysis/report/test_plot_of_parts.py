@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.pipeline.model_stage import model_module
-from analysis.report.plot_of_parts import areas, coloured
+from analysis.report.plots_in_space import areas, coloured
 from analysis.results.units import VACUUM_PERMITTIVITY
 from geometries.scene.scene import Medium, Scene
 from geometries.studies import families

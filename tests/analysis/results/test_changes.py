@@ -7,17 +7,17 @@ from pathlib import Path
 
 import pytest
 
-from analysis.results import changes, statistics, study_results as results, table
+from analysis.results import set_up, statistics, study_results as results, table
 from analysis.results.answers import ModelAnswer, ReferenceAnswer
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.topics.trends import changes as trend_changes, records
 from geometries.scene import reader
 from geometries.studies import families
 from tests.analysis.synthetic import (
-    MACHINE_ANSWERS,
     MACHINES,
-    make_results,
+    MACHINE_ANSWERS,
     machine_document,
+    make_results,
     model_document,
     reference_document,
 )
@@ -59,7 +59,7 @@ def rows(tmp_path: Path) -> list[Row]:
     ],
 )
 def test_the_change_is_delta_self_where_nothing_stays_but_sensors(scene: str, expected: bool) -> None:
-    assert changes.is_delta_self(reader.loads(scene)) == expected
+    assert set_up.is_delta_self(reader.loads(scene)) == expected
 
 
 def test_a_case_before_a_machine_has_mutual_of_its_target_and_the_change_of_every_reading(
@@ -138,9 +138,9 @@ def test_a_scene_of_ones_own_has_a_machine_if_something_stays(tmp_path: Path) ->
     )
     case = results.load(make_results(tmp_path)).compared()[0]
     named = {"scene": "arm", "frame": "1"}
-    assert [changes.machine_of(_like(case, scene, named)) for scene in (alone, before)] == [
+    assert [table.machine_of(_like(case, scene, named)) for scene in (alone, before)] == [
         "none",
-        changes.OWN_MACHINE,
+        table.OWN_MACHINE,
     ]
 
 

@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from analysis.sweep.crossings import Crossing, crossings
+from analysis.sweep.series import Crossing, crossings
 
 
 def test_a_power_law_crosses_at_its_exact_place() -> None:

@@ -145,7 +145,11 @@ BODY = 'shape = { type = "plate", size = [1, 1] }\n'
         (SENSOR + "input_voltage = nan", 'sensor "s": input_voltage', "must be finite"),
         (SENSOR + "input_voltage = true", 'sensor "s": input_voltage', "must be a number"),
         (SENSOR.replace("0.1, 0, 0", "0, 0, 0"), 'sensor "s": plates[0].edge_u', "length greater than 0"),
-        (SENSOR.replace("[0, 0.1, 0]", "[0.01, 0.1, 0]"), 'sensor "s": plates[0].edge_v', "not at right angles"),
+        (
+            SENSOR.replace("[0, 0.1, 0]", "[0.01, 0.1, 0]"),
+            'sensor "s": plates[0].edge_v',
+            "not at right angles",
+        ),
         (SENSOR.replace("[0, 0, 0]", "[0, 0]"), 'sensor "s": plates[0].corner', "3 numbers"),
         (SENSOR + SENSOR, 'sensor "s": name', "already used"),
         (SENSOR + 'link = "arm"', 'sensor "s": link', "there is no link 'arm'; the scene has none"),

@@ -20,12 +20,12 @@ from analysis.topics.company.set_ups import (
     NOTHING,
     PERSON,
     SENSOR,
+    STAGES,
     TABLE,
     TO_GROUND,
     SetUp,
     all_set_ups,
 )
-from analysis.topics.company.stage import STAGES
 from analysis.topics.company.topic import COMPANY
 from geometries.common.installation import ROOT
 from geometries.scene import reader

@@ -9,8 +9,7 @@ import pytest
 
 from analysis.pipeline import reference_stage
 from analysis.results import store
-from analysis.topics.company.set_ups import ARRANGEMENTS, GUARD, MACHINES, TO_GROUND
-from analysis.topics.company.stage import STAGES
+from analysis.topics.company.set_ups import ARRANGEMENTS, GUARD, MACHINES, STAGES, TO_GROUND
 from analysis.topics.company.topic import CHECK, COMPANY, chosen
 from analysis.topics.field_solver import QUANTITIES
 

@@ -10,17 +10,8 @@ import pytest
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import Document
 from analysis.results.units import percent
-from analysis.topics.corrections import (
-    cases,
-    cases_section,
-    estimates,
-    evaluation,
-    notes,
-    set_ups,
-    truths,
-)
-from analysis.topics.corrections.estimates import Errors
-from analysis.topics.corrections.evaluation import Evaluation
+from analysis.topics.corrections import cases, estimates, notes, set_ups
+from analysis.topics.corrections.estimates import Errors, Evaluation
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.writer import canonical
@@ -48,12 +39,12 @@ def text() -> str:
 
 @pytest.fixture(scope="module")
 def evaluated(found: estimates.Estimates) -> tuple[Evaluation, ...]:
-    return evaluation.evaluations(found)
+    return estimates.evaluations(found)
 
 
 def test_every_set_up_has_a_truth_and_a_third_is_sealed() -> None:
     chosen = list(set_ups.set_ups(model_module()))
-    known = truths.load()
+    known = set_ups.load()
     assert [set_up.name for set_up in chosen] == list(known)
     assert len(chosen) >= 300
     assert {set_up.family for set_up in chosen} == set(set_ups.COUNTS)
@@ -62,9 +53,9 @@ def test_every_set_up_has_a_truth_and_a_third_is_sealed() -> None:
 
 def test_stored_truths_are_what_boundary_elements_say() -> None:
     chosen = list(set_ups.set_ups(model_module()))[::150]
-    known = truths.load()
+    known = set_ups.load()
     for set_up in chosen:
-        truth, stored = truths.solved(model_module(), set_up), known[set_up.name]
+        truth, stored = set_ups.solved(model_module(), set_up), known[set_up.name]
         assert abs(truth.mutual - stored.mutual) <= truth.error + stored.error <= 3e-4 * stored.mutual
 
 
@@ -131,7 +122,7 @@ def told(found: estimates.Estimates) -> list[Document]:
 def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
     found: estimates.Estimates, told: list[Document]
 ) -> None:
-    text = cases_section.section(told, SET_UPS)
+    text = cases.section(told, SET_UPS)
     named = {
         name for group in re.findall(r'"customdata":\[(.*?)\]', text) for name in json.loads(f"[{group}]")
     }
@@ -141,11 +132,11 @@ def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
     gap = parallel.scene.pose_of_object("target")[1][2]
     assert sides[parallel.name][0] == pytest.approx(gap)
     worst = max(told, key=lambda case: abs(case["estimates"]["formula"] / case["truth"] - 1))
-    assert f"worst in {worst['name']}, " in cases_section.finding(told)
+    assert f"worst in {worst['name']}, " in cases.finding(told)
 
 
 def test_the_page_of_the_set_ups_shows_each_scene_with_its_numbers(told: list[Document]) -> None:
-    text = cases_section.set_ups_document(told, "corrections.html", "Corrections", "made from", "plotly.js")
+    text = cases.set_ups_document(told, "corrections.html", "Corrections", "made from", "plotly.js")
     (data,) = re.findall(r'<script type="application/json" id="set-ups">(.*?)</script>', text, re.DOTALL)
     shown = {each["name"]: each for each in json.loads(data)["setUps"]}
     heads, commands = json.loads(data)["heads"], json.loads(data)["commands"]

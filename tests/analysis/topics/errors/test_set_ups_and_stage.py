@@ -15,8 +15,7 @@ from analysis.results.table import MUTUAL
 from analysis.study import report
 from analysis.topics.errors import records, section, set_ups
 from analysis.topics.errors.parts import PARTS
-from analysis.topics.errors.set_ups import MAPS, SetUp, all_set_ups
-from analysis.topics.errors.stage import STAGES
+from analysis.topics.errors.set_ups import MAPS, STAGES, SetUp, all_set_ups
 from analysis.topics.errors.topic import ERRORS
 from geometries.common.installation import ROOT
 from tests.analysis.synthetic import make_results, report_text

@@ -12,9 +12,9 @@ from analysis.results import store
 from analysis.results.answers import Estimate
 from analysis.results.study_results import SCENE
 from analysis.topics.errors.parts import EFFECTS, Truth
-from analysis.topics.machines import parts, records, section
+from analysis.topics.machines import parts, section
 from analysis.topics.machines.parts import GROUNDING, MERGED, OTHERS, OWN, SENSORS, OnMachine, Pairs
-from analysis.topics.machines.records import Entry
+from analysis.topics.machines.section import Entry
 from analysis.topics.machines.set_ups import (
     FAMILIES,
     HOUSING,
@@ -26,9 +26,8 @@ from analysis.topics.machines.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.machines.stage import EVERY, METHODS, REDUCED, STAGES
 from analysis.topics.machines.topic import MACHINES
-from analysis.topics.machines.truths import RTOL
+from analysis.topics.machines.truths import EVERY, METHODS, REDUCED, RTOL, STAGES
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.shapes import MeshShape, PlateShape
@@ -193,7 +192,7 @@ def test_the_section_tells_ratios_and_parts(found: list[Entry]) -> None:
     told = section.finding(found)
     times = [entry.ratio(EVERY) for entry in found if EVERY in entry.methods]
     assert f"exact {np.median(times):.3g} times" in told and f"Over {len(found)} set-ups" in told
-    assert records.statistics(found, "no such method") is None
+    assert section.statistics(found, "no such method") is None
     assert all(f">{method}<" in text for method in METHODS)
 
 
@@ -201,7 +200,7 @@ def test_the_page_on_corrections_counts_sealed_set_ups_apart(found: list[Entry])
     assert section.of_corrections([]) == ""
     told = str(section.of_corrections(found))
     for name, sealed in (("sealed", True), ("open", False)):
-        own = records.statistics([entry for entry in found if entry.set_up.sealed == sealed], EVERY)
+        own = section.statistics([entry for entry in found if entry.set_up.sealed == sealed], EVERY)
         if own is not None:
             assert (
                 f"{100 * own.rms:.0f} % rms and {100 * own.worst:+.0f} % at worst in {own.count} {name} ones"

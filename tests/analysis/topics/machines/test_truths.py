@@ -8,7 +8,7 @@ import pytest
 from analysis.pipeline.model_stage import model_module
 from analysis.topics.field_solver import Comparison
 from analysis.topics.machines import parts, truths
-from analysis.topics.machines.records import Entry
+from analysis.topics.machines.section import Entry
 from analysis.topics.machines.set_ups import ARM, HOUSING, PERSON, ROBOT, TABLE, TRANSMIT, SetUp, all_set_ups
 from analysis.topics.machines.topic import CHECK, chosen
 
