@@ -1,5 +1,5 @@
-"""No dead options: every option that a command's --help knows is used by a test of that command, and --help and --version say what they
-should."""
+"""No dead options: every option that a command's --help knows is used by a test of that command, --help and --version say what they should, and
+former words are refused in one line that says what to write now."""
 
 from __future__ import annotations
 
@@ -13,6 +13,10 @@ from typing import Any
 import pytest
 
 from analysis.__main__ import main
+from analysis.pipeline.model_stage import model_module
+from geometries.common.errors import InputError
+from geometries.studies import study
+from tests.analysis.synthetic import HEAD, PARALLEL
 from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -174,3 +178,57 @@ def test_an_option_reaches_what_it_is_for(
     if isinstance(expected, tuple):
         found = (found.profile, found.workers, found.job_seconds)
     assert found == (folder if expected == "OUT" else expected)
+
+
+FRINGE = Path(__file__).resolve().parents[2] / "build/bin/fringe"
+FORMER_SCENE = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "target"
+shape = { type = "plate", size = [0.1, 0.1] }
+translation = [0, 0, 0.03]
+"""
+FORMER_OPTIONS = [
+    (("--correction", "none"), "write --method formula"),
+    (("--correction", "formula"), "write --method formula"),
+    (("--correction=recommended",), "--method auto"),
+    (("--plates", "nearest"), "--method exact+nearest"),
+    (("--faces=facing",), "--method exact+facing"),
+    (("--only-readings",), "leave it out"),
+    (("--method", "recommended"), "write auto"),
+    (("--method", "reduced:2"), "write reduced with rtol"),
+]
+KEYWORDS = [
+    ({"correction": "formula"}, 'method="formula", or "auto"'),
+    ({"plates": "nearest"}, "exact+nearest"),
+    ({"faces": "facing"}, "exact+facing"),
+    ({"method": "recommended"}, "write auto"),
+    ({"method": "reduced:2"}, "write reduced with rtol"),
+]
+OF_STUDIES = [("recommended", "write auto"), ("reduced:3", "write reduced")]
+
+
+@pytest.mark.parametrize(("words", "now"), FORMER_OPTIONS, ids=str)
+def test_the_command_says_what_to_write(words: tuple[str, ...], now: str, tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(FORMER_SCENE)
+    asked = [FRINGE, "capacitance", tmp_path / "scene.toml", *words]
+    done = subprocess.run(asked, capture_output=True, text=True, check=False, timeout=DEADLINE)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert now in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(("keywords", "now"), KEYWORDS, ids=str)
+def test_python_says_what_to_write(keywords: dict[str, str], now: str) -> None:
+    with pytest.raises((TypeError, ValueError)) as refusal:
+        model_module().Scene.loads(FORMER_SCENE).capacitance(**keywords)
+    assert now in str(refusal.value)
+
+
+@pytest.mark.parametrize(("method", "now"), OF_STUDIES)
+def test_a_study_says_what_to_write(method: str, now: str) -> None:
+    text = HEAD.replace('["exact", "split:0", "split:4"]', f'["exact", "{method}"]') + PARALLEL
+    with pytest.raises(InputError, match=now) as refusal:
+        study.loads(text)
+    assert "model.methods" in str(refusal.value) and "\n" not in str(refusal.value)

@@ -1,6 +1,6 @@
 """Capacitances known without finite elements: published values, closed forms, and matrices by boundary elements.
 
-Values are in units that need no permittivity; each comment gives unit and source. Round bodies are in `truths_of_revolution`.
+Values are in units that need no permittivity; each comment gives unit and source. Those of round bodies come first.
 """
 
 from __future__ import annotations

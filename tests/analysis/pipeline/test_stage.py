@@ -1,14 +1,19 @@
-"""What every stage has in common: an answer is stored once under its key, and a failure stores nothing."""
+"""What every stage has in common: an answer is stored whole and once under its key, which changes with all that can change the answer."""
 
 from __future__ import annotations
 
+import json
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from analysis.pipeline import keys
 from analysis.pipeline.processes import Finished, Processes
 from analysis.pipeline.stage import NoAnswer, Stage, outdated, parsed, unfinished_file
 from analysis.results import store
+from geometries.scene import writer
+from geometries.studies import families, study
 
 
 def stage(folder: Path, key: str = "key", error: Exception | None = None) -> Stage:
@@ -73,3 +78,109 @@ def test_an_unfinished_file_is_removed_whatever_happens(tmp_path: Path) -> None:
 )
 def test_the_reason_is_the_last_line_that_a_command_wrote(errors: str, reason: str) -> None:
     assert Finished(2, "", errors).reason == f"exit code 2: {reason}"
+
+
+STUDY = study.Study("n", "t", 1e-3, 60.0, "estimate", ("exact",), ())
+SCENE = writer.identity(families.parallel((0.1, 0.1), (0.1, 0.1), 0.02))
+
+
+def test_a_document_is_read_as_it_was_written(tmp_path: Path) -> None:
+    store.write_json(tmp_path / "deep" / "a.json", {"key": "k", "value": 0.1})
+    assert store.read_json(tmp_path / "deep" / "a.json") == {"key": "k", "value": 0.1}
+
+
+def test_a_failed_write_leaves_the_old_file_and_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.json"
+    store.write_json(path, {"value": 1})
+
+    def fail(*_: object) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr("os.replace", fail)
+    with pytest.raises(OSError):
+        store.write_json(path, {"value": 2})
+    assert json.loads(path.read_text()) == {"value": 1}
+    assert [file.name for file in tmp_path.iterdir()] == ["a.json"]
+
+
+@pytest.mark.parametrize("content", ["", "{", "[1, 2]"])
+def test_a_damaged_document_counts_as_none(tmp_path: Path, content: str) -> None:
+    (tmp_path / "a.json").write_text(content)
+    assert store.read_json(tmp_path / "a.json") is None
+
+
+def test_a_stored_answer_counts_under_its_own_key_only(tmp_path: Path) -> None:
+    store.write_json(tmp_path / "a.json", {"key": "k"})
+    assert store.read_current(tmp_path / "a.json", "k") == {"key": "k"}
+    assert store.read_current(tmp_path / "a.json", "l") is None
+    assert store.read_current(tmp_path / "b.json", "k") is None
+
+
+def test_the_reference_key_changes_with_scene_options_and_code() -> None:
+    other = writer.identity(families.parallel((0.1, 0.1), (0.1, 0.1), 0.03))
+    found = {
+        keys.reference_key(SCENE, STUDY, "a"),
+        keys.reference_key(other, STUDY, "a"),
+        keys.reference_key(SCENE, replace(STUDY, rtol=1e-4), "a"),
+        keys.reference_key(SCENE, replace(STUDY, max_seconds=9.0), "a"),
+        keys.reference_key(SCENE, replace(STUDY, error="enclosure"), "a"),
+        keys.reference_key(SCENE, STUDY, "b"),
+    }
+    assert len(found) == 6
+    assert keys.reference_key(SCENE, replace(STUDY, methods=("split:1",), title="x"), "a") in found
+
+
+def test_the_model_key_changes_with_scene_methods_and_code_but_not_with_the_reference_options() -> None:
+    here = keys.model_key(SCENE, STUDY, "a")
+    assert here != keys.model_key(SCENE, replace(STUDY, methods=("exact", "split:1")), "a")
+    assert here != keys.model_key(SCENE, STUDY, "b")
+    assert here == keys.model_key(SCENE, replace(STUDY, rtol=1e-4), "a")
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Path:
+    for name in (
+        "model/src/a.cpp",
+        "model/CMakeLists.txt",
+        "fem_reference/solve.py",
+        "geometries/scene/reader.py",
+    ):
+        store.write_text(tmp_path / name, "first")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("changed", "model", "reference"),
+    [
+        ("model/src/a.cpp", True, False),
+        ("model/include/new.hpp", True, False),
+        ("model/README.md", False, False),
+        ("fem_reference/solve.py", False, True),
+        ("geometries/scene/reader.py", False, True),
+        ("geometries/studies/families.py", False, False),
+        ("analysis/report/page.py", False, False),
+    ],
+)
+def test_the_code_version_of_a_stage_changes_with_its_own_sources(
+    repository: Path, changed: str, model: bool, reference: bool
+) -> None:
+    before = keys.model_code(repository), keys.reference_code(repository)
+    store.write_text(repository / changed, "second")
+    after = keys.model_code(repository), keys.reference_code(repository)
+    assert (before[0] != after[0], before[1] != after[1]) == (model, reference)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        "analysis/report/page.py",
+        "analysis/report/templates/page.html",
+        "analysis/topics/experiments/section.py",
+    ],
+)
+def test_the_code_version_of_the_report_covers_the_packages_within(repository: Path, changed: str) -> None:
+    before = keys.report_code(repository)
+    store.write_text(repository / changed, "second")
+    assert keys.report_code(repository) != before

@@ -1,4 +1,4 @@
-"""The corrections on the stored truths: the set-ups, what is asked of them, and that model/CORRECTIONS.md says what is computed."""
+"""The corrections on the stored truths: the set-ups, what is asked of them, that model/CORRECTIONS.md says what is computed, and their section."""
 
 import json
 import re
@@ -8,13 +8,16 @@ import numpy as np
 import pytest
 
 from analysis.pipeline.model_stage import model_module
+from analysis.results import store
 from analysis.results.store import Document
 from analysis.results.units import percent
-from analysis.topics.corrections import cases, estimates, notes, set_ups
+from analysis.topics.corrections import cases, estimates, notes, section, set_ups, topic
 from analysis.topics.corrections.estimates import Errors, Evaluation
+from analysis.topics.corrections.topic import CORRECTIONS
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.writer import canonical
+from tests.analysis.synthetic import corrections_document
 
 # What is asked of the formula in set-ups it was not fitted to.
 MOST_RMS, MOST_WORST = 0.03, 0.08
@@ -152,3 +155,34 @@ def test_the_page_of_the_set_ups_shows_each_scene_with_its_numbers(told: list[Do
         assert values["formula"][0] == f"{case['estimates']['formula'] / 1e-12:.6g}"
         value, error = map(float, values["boundary elements"][0].split(" ± "))
         assert value == pytest.approx(case["truth"] / 1e-12, abs=error / 10)
+
+
+@pytest.mark.parametrize(
+    "earlier", [{"corrections": []}, {**corrections_document(), "corrections": [{"name": "none"}]}]
+)
+def test_an_answer_of_an_earlier_form_counts_as_none(tmp_path: Path, earlier: store.Document) -> None:
+    store.write_json(tmp_path / topic.DOCUMENT, {"key": "", **earlier})
+    assert not CORRECTIONS.load(tmp_path)
+    made = CORRECTIONS.make(tmp_path)
+    assert section.ABSENT in made.path.read_text() and not (tmp_path / "set_ups.html").exists()
+
+
+def test_the_page_by_itself_leads_to_that_of_its_set_ups(tmp_path: Path) -> None:
+    store.write_json(tmp_path / topic.DOCUMENT, corrections_document())
+    made = CORRECTIONS.make(tmp_path)
+    assert made.headline == section.finding(corrections_document())
+    assert 'data-set-ups="set_ups.html"' in made.path.read_text()
+    assert f'href="{CORRECTIONS.file}"' in (tmp_path / "set_ups.html").read_text()
+
+
+def test_the_section_tells_the_errors_and_the_times() -> None:
+    document = corrections_document()
+    told = section.finding(document)
+    assert (
+        "2.1 % off (rms)" in told
+        and "at 2.2 to 2.2 times" in told
+        and "2 % off (rms) and 7 % at worst in all 9" in told
+    )
+    text = section.section(document, SET_UPS)
+    assert section.COMMAND in text and text.count(f'data-set-ups="{SET_UPS}"') == 2
+    assert "within 5 % in 1 of 2 set-ups and worst in parallel-001, −6 % at 0.2 sensor sizes" in text
