@@ -24,18 +24,7 @@ from geometries.scene.covers import is_cover
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 
-_PARTS = (
-    "_view",
-    "_model",
-    "_charts",
-    "_motion",
-    "_picture",
-    "_readings",
-    "_controls",
-    "_paths",
-    "_input",
-    "",
-)
+_PARTS = ("_view", "_model", "_charts", "_picture", "_readings", "_controls", "_input", "")
 """The scripts of the page, in the order in which they are read: `live_view.js` and so on, `live.js` at last."""
 
 

@@ -118,7 +118,7 @@ def test_the_reduced_method_reaches_the_accuracy_that_it_is_asked_for(tmp_path: 
         assert np.abs(found["maxwell"] / best - 1).max() <= rtol
 
 
-@pytest.mark.parametrize("file", ["analysis/GUIDE.md", "analysis/documentation/algorithms/05_corrections.md"])
+@pytest.mark.parametrize("file", ["analysis/GUIDE.md", "analysis/documentation/algorithms/capacitances.md"])
 def test_there_are_as_many_set_ups_corrected_as_is_told(file: str) -> None:
     text = (ROOT / file).read_text(encoding="utf-8")
     chosen = list(corrections_set_ups.set_ups(model_module()))

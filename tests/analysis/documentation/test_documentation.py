@@ -21,9 +21,9 @@ PAGES = Path(documentation.__file__).parent
 def test_an_algorithms_page_has_all_its_parts_and_its_example_holds(
     page: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    text = page.read_text(encoding="utf-8")
-    for part in ("Formula", "Source", "Error", "Cost", "Example"):
-        assert f"**{part}.**" in text
+    for algorithm in page.read_text(encoding="utf-8").split("\n## ")[1:]:
+        for part in ("Formula", "Source", "Error", "Cost", "Example"):
+            assert f"**{part}.**" in algorithm
     monkeypatch.chdir(ROOT)
     model_module()
     assert doctest.testfile(str(page), module_relative=False).failed == 0
