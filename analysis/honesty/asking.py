@@ -1,4 +1,4 @@
-"""Asks the model's Python module for one answer, with a limit of time, in a process of its own: what ends it, or does not end, ends no run."""
+"""Asks for one answer with a limit of time: the model's Python module, in a process of its own whose end ends no run, and the field solver."""
 
 from __future__ import annotations
 
@@ -11,13 +11,18 @@ import time
 from collections.abc import Callable
 from dataclasses import replace
 from multiprocessing.connection import Connection
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from analysis.honesty.kinds import Drawn
 from analysis.honesty.methods import (
     ANSWERED,
     CHANGE,
     ENDED,
+    FIELD_RTOL,
+    FIELD_SECONDS,
+    FIELD_SOLVER,
     LATE,
     PARTS,
     REFUSED,
@@ -28,7 +33,12 @@ from analysis.honesty.methods import (
     pair,
     part_of,
 )
+from analysis.pipeline import reference_stage
 from analysis.pipeline.model_stage import model_module
+from analysis.pipeline.processes import Processes
+from analysis.pipeline.stage import NoAnswer, Refused
+from analysis.results.answers import ReferenceAnswer
+from analysis.results.store import write_text
 from geometries.common.children import end_with
 
 _LONGEST_REASON = 300
@@ -221,3 +231,44 @@ def _serve(pipe: Connection, parent: int) -> None:
         except EOFError:
             return
         pipe.send(ask(*asked))
+
+
+_SCENES = "scenes"
+_LATE = "no level was finished within"
+
+
+def field_answer(scene: Drawn, folder: Path, processes: Processes) -> Answer:
+    """Answers a scene, which is written to a file in the folder, by the field solver's intervals."""
+    file = folder / _SCENES / f"{scene.seed}.toml"
+    write_text(file, scene.text)
+    asked = ["--rtol", repr(FIELD_RTOL), "--max-seconds", repr(FIELD_SECONDS)]
+    if scene.has_readings:
+        asked.append("--only-readings")
+    begin = time.monotonic()
+    try:
+        answer = ReferenceAnswer.of(reference_stage.solve(file, processes, *asked))
+    except Refused as error:
+        return Answer(REFUSED, time.monotonic() - begin, str(error))
+    except NoAnswer as error:
+        return Answer(LATE if _LATE in str(error) else ENDED, time.monotonic() - begin, str(error))
+    values = _readings(answer) if scene.has_readings else _field_matrix(answer)
+    return Answer(ANSWERED, time.monotonic() - begin, values=values)
+
+
+def _readings(answer: ReferenceAnswer) -> dict[str, Stated]:
+    return {
+        part_of(name, part): stated(getattr(reading, part).value, getattr(reading, part).error, FIELD_SOLVER)
+        for name, reading in answer.readings.items()
+        for part in PARTS
+    }
+
+
+def _field_matrix(answer: ReferenceAnswer) -> dict[str, Stated]:
+    names = answer.conductors
+    return {
+        entry(names[i], names[j]): stated(
+            float(answer.maxwell[i, j]), float(answer.error[i, j]), FIELD_SOLVER
+        )
+        for i in range(len(names))
+        for j in range(i + 1)
+    }

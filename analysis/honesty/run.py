@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.honesty import judging, methods, table
-from analysis.honesty.asking import Worker
-from analysis.honesty.field_answer import field_answer
+from analysis.honesty.asking import Worker, field_answer
 from analysis.honesty.judging import Judged, Record, judged
 from analysis.honesty.kinds import KINDS, Drawn, drawn, seeds
 from analysis.honesty.methods import ALL, FIELD_SOLVER, FINER, METHODS, Answer

@@ -10,11 +10,10 @@ from numpy.typing import NDArray
 
 from analysis.pipeline.model_stage import model_module
 from analysis.report.plot import INK, MACHINE_COLOUR, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot, axis, figure
-from analysis.results.names import in_words
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult
 from analysis.results.table import MUTUAL, Row
-from analysis.results.units import CENTIMETRE, PICOFARAD, VACUUM_PERMITTIVITY, percent
+from analysis.results.units import CENTIMETRE, PICOFARAD, VACUUM_PERMITTIVITY, in_words, percent
 from geometries.scene.poses import Transform
 from geometries.scene.readings import targets
 from geometries.scene.scene import Object, Scene

@@ -11,10 +11,9 @@ import plotly.graph_objects as go
 
 from analysis.report.plot import Panel, Plot, axis, by_family, family_marker, figure, guide, log_axis, marks
 from analysis.results.commands import COMPARED_METHOD
-from analysis.results.names import in_words
 from analysis.results.set_up import SetUp
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, QUANTITIES, Row, compared
-from analysis.results.units import PICOFARAD, too
+from analysis.results.units import PICOFARAD, in_words, too
 from geometries.studies.machines import NONE
 
 TITLE = "Model error in the change of a reading"

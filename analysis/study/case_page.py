@@ -14,12 +14,11 @@ from analysis.report.page import is_current
 from analysis.report.plot import Panel
 from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
 from analysis.results.commands import boundary_command, model_command, reference_command
-from analysis.results.names import in_words
 from analysis.results.store import write_text
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.results.truth import FIELD, Known
-from analysis.results.units import PICOFARAD, duration, picofarads, signed_percent
+from analysis.results.units import PICOFARAD, duration, in_words, picofarads, signed_percent
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
 from geometries.studies.study import EMPTY, NO_REFERENCE

@@ -40,7 +40,7 @@ COMMANDS = {
     ],
     "maxwell": [
         ["capacitance", "--method", "boundary-elements", "--rtol", "0.01"],
-        ["capacitance", "--method", "reduced"],
+        ["capacitance", "--method", "reduced", "--entries"],
         ["capacitance", "--method", "auto", "--entries"],
     ],
     "collide": [["collide"]],

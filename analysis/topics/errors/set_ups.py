@@ -11,9 +11,9 @@ from pathlib import Path
 from analysis.pipeline import model_stage
 from analysis.pipeline.set_up_stages import OfScene, SetUpStages
 from analysis.results.answers import Estimate
-from analysis.results.names import in_words
 from analysis.results.set_up import describe, rectangles
 from analysis.results.store import Document
+from analysis.results.units import in_words
 from analysis.topics.draw import logarithmic, rotation
 from analysis.topics.errors import parts
 from geometries.scene.poses import Pose

@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.results.names import in_words, of_cases
-from analysis.results.units import measured, picofarads, signed_percent, too
+from analysis.results.units import in_words, measured, of_cases, picofarads, signed_percent, too
 
 IN_CPP = (Path(__file__).parents[2] / "model" / "cli" / "measured_test.cpp").read_text(encoding="utf-8")
 CASES = re.findall(r'EXPECT_EQ\(measured\((-?[\d.e+-]+), (-?[\d.e+-]+)\), "(.*)"\);', IN_CPP)
