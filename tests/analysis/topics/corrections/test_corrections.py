@@ -11,7 +11,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results import store
 from analysis.results.store import Document
 from analysis.results.units import percent
-from analysis.topics.corrections import cases, estimates, notes, section, set_ups, topic
+from analysis.topics.corrections import cases, estimates, section, set_ups, topic
 from analysis.topics.corrections.estimates import Errors, Evaluation
 from analysis.topics.corrections.topic import CORRECTIONS
 from geometries.common.installation import ROOT
@@ -37,7 +37,7 @@ def found() -> estimates.Estimates:
 @pytest.fixture(scope="module")
 def text() -> str:
     """model/CORRECTIONS.md in one line."""
-    return " ".join(notes.PAGE.read_text(encoding="utf-8").split())
+    return " ".join(estimates.PAGE.read_text(encoding="utf-8").split())
 
 
 @pytest.fixture(scope="module")
@@ -91,15 +91,15 @@ def test_the_reduced_method_is_within_the_asked_errors_where_it_says_so(
 
 
 def test_the_table_of_errors_is_the_one_computed(evaluated: tuple[Evaluation, ...], text: str) -> None:
-    assert " ".join(notes.errors_table(evaluated)) in text
-    assert notes.by_family(evaluated) in text
+    assert " ".join(estimates.errors_table(evaluated)) in text
+    assert estimates.by_family(evaluated) in text
 
 
 def test_the_plain_models_error_and_the_near_misses_are_those_computed(
     evaluated: tuple[Evaluation, ...], found: estimates.Estimates, text: str
 ) -> None:
     assert f"It is {percent(evaluated[0].all.rms)} off (rms) over the {len(found.names)} set-ups" in text
-    assert f"{notes.near_misses(found)} of {len(found.names)} set-ups are more than 1 % off" in text
+    assert f"{estimates.near_misses(found)} of {len(found.names)} set-ups are more than 1 % off" in text
 
 
 def test_the_constants_are_those_of_the_code(text: str) -> None:

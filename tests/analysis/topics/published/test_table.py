@@ -11,7 +11,7 @@ import pytest
 from analysis.pipeline.model_stage import model_module
 from analysis.results.set_up import rectangles
 from analysis.results.units import PICOFARAD
-from analysis.topics.published import files, section
+from analysis.topics.published import files, topic
 from analysis.topics.published.files import QUANTITIES, Row
 from fem_reference.bodies.conductors import conductors
 from fem_reference.bodies.symmetry import mirror_planes
@@ -56,7 +56,7 @@ def test_every_value_is_enclosed_and_good_to_four_digits(published: list[Row]) -
 def test_the_page_tells_what_is_in_the_files() -> None:
     found, checks = files.load()
     text = (files.PLACE / files.PAGE).read_text(encoding="utf-8")
-    assert section.headline(found) in text and section.check_finding(checks) in text
+    assert topic.headline(found) in text and topic.check_finding(checks) in text
 
 
 def test_the_field_solvers_own_best_values_agree() -> None:
