@@ -25,7 +25,7 @@ MEASURES = {
         "readings of a topic's set-ups by the field solver that have no record", "analysis.topics.field_check"
     ),
     "corrections": Measure(
-        "tables of errors in model/CORRECTIONS.md, section 5", "analysis.topics.corrections.notes"
+        "tables of errors in model/CORRECTIONS.md, section 5", "analysis.topics.corrections.estimates"
     ),
     "benchmarks": Measure("measured tables of model/MEASUREMENTS.md", "analysis.documentation.measurements"),
 }

@@ -13,15 +13,24 @@ from typing import Any
 
 import numpy as np
 
-from analysis.honesty import closed_scenes, quantities
-from analysis.honesty.methods import BOUNDARY_ELEMENTS, METHODS
-from analysis.honesty.quantities import CHANGE, PARTS, entry, in_pose, pair, part_of
+from analysis.honesty import closed_scenes
+from analysis.honesty.methods import (
+    BOUNDARY_ELEMENTS,
+    CHANGE,
+    METHODS,
+    PARTS,
+    entry,
+    has_readings,
+    in_pose,
+    pair,
+    part_of,
+)
 from analysis.pipeline.model_stage import model_module
 from analysis.results.answers import Estimate
 from analysis.results.store import read_json
 from analysis.topics.company import set_ups as company
 from analysis.topics.company.topic import CHECK as COMPANY_CHECK
-from analysis.topics.corrections import set_ups as corrections, truths as corrections_truths
+from analysis.topics.corrections import set_ups as corrections, set_ups as corrections_truths
 from analysis.topics.insulators import set_ups as insulators, truths as insulators_truths
 from analysis.topics.machines import set_ups as machines, truths as machines_truths
 from geometries.scene.scene import Scene
@@ -129,10 +138,10 @@ def _closed_forms() -> Iterator[Case]:
     forms = [form for form in dict.fromkeys(closed_scenes.FORMS) if form is not closed_scenes.bowls]
     for form, seed in itertools.product(forms, range(CLOSED_FORMS)):
         known = form(random.Random(seed), Path())
-        has_readings = quantities.has_readings(known.scene)
-        methods = (CLOSED, ACCURATE, REDUCED, ELEMENTS) if has_readings else (REDUCED, ELEMENTS)
+        is_read = has_readings(known.scene)
+        methods = (CLOSED, ACCURATE, REDUCED, ELEMENTS) if is_read else (REDUCED, ELEMENTS)
         name = f"closed forms/{form.__name__} {seed}"
-        yield from _cases(name, known.scene, methods, known.truths, has_readings)
+        yield from _cases(name, known.scene, methods, known.truths, is_read)
 
 
 def _moving() -> Iterator[Case]:

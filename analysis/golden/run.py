@@ -11,9 +11,9 @@ from pathlib import Path
 from analysis.golden import cases, gate
 from analysis.golden.cases import Case
 from analysis.golden.gate import Comparison, Recorded
-from analysis.honesty import records
+from analysis.honesty import judging
+from analysis.honesty.asking import Worker
 from analysis.honesty.methods import Answer
-from analysis.honesty.workers import Worker
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
 from analysis.results.answers import Estimate
@@ -108,4 +108,4 @@ def _check(file: str, old: dict[str, Recorded], chosen: Sequence[Case]) -> None:
 
 def _recorded(document: Document) -> Recorded:
     truths = {name: Estimate(**known) for name, known in document["truths"].items()}
-    return Recorded(document["method"], records.answer(document["answer"]), truths)
+    return Recorded(document["method"], judging.answer(document["answer"]), truths)

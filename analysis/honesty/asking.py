@@ -1,17 +1,45 @@
-"""Asks the model's Python module for one answer, with a limit of time."""
+"""Asks for one answer with a limit of time: the model's Python module, in a process of its own whose end ends no run, and the field solver."""
 
 from __future__ import annotations
 
 import math
+import multiprocessing
+import os
 import signal
+import threading
 import time
+from collections.abc import Callable
 from dataclasses import replace
+from multiprocessing.connection import Connection
+from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from analysis.honesty.methods import ANSWERED, ENDED, LATE, REFUSED, Answer, Stated
-from analysis.honesty.quantities import CHANGE, PARTS, entry, in_pose, pair, part_of
+from analysis.honesty.kinds import Drawn
+from analysis.honesty.methods import (
+    ANSWERED,
+    CHANGE,
+    ENDED,
+    FIELD_RTOL,
+    FIELD_SECONDS,
+    FIELD_SOLVER,
+    LATE,
+    PARTS,
+    REFUSED,
+    Answer,
+    Stated,
+    entry,
+    in_pose,
+    pair,
+    part_of,
+)
+from analysis.pipeline import reference_stage
 from analysis.pipeline.model_stage import model_module
+from analysis.pipeline.processes import Processes
+from analysis.pipeline.stage import NoAnswer, Refused
+from analysis.results.answers import ReferenceAnswer
+from analysis.results.store import write_text
+from geometries.common.children import end_with
 
 _LONGEST_REASON = 300
 
@@ -110,3 +138,137 @@ def _known(number: float | None) -> float | None:
 
 def _ring(number: int, frame: FrameType | None) -> None:
     raise TooLong
+
+
+_WAITING, _GRACE = 10.0, 60.0
+"""How many times the limit of processor time an answer may take by the clock, and seconds more within which the library has to notice it."""
+_STARTING = 60.0
+"""Seconds that a process may take to start."""
+_PATIENCE = 0.2
+"""Seconds after which the waiting thread looks whether it is to stop."""
+
+
+class Worker:
+    """One process at a time, started when it is first asked, and anew after it has ended; a context manager."""
+
+    def __init__(self) -> None:
+        self._process: Any = None
+        self._pipe: Connection | None = None
+
+    def __enter__(self) -> Worker:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.end()
+
+    def ask(
+        self,
+        text: str,
+        has_readings: bool,
+        options: dict[str, Any],
+        seconds: float,
+        go_on: Callable[[], None],
+    ) -> Answer:
+        """Returns the answer of `asking.ask`, or how the process ended; `go_on` raises when the run is to stop."""
+        pipe = self._started()
+        begin = time.monotonic()
+        try:
+            pipe.send((text, has_readings, options, seconds))
+            while time.monotonic() - begin < _WAITING * seconds + _GRACE:
+                if pipe.poll(_PATIENCE):
+                    answer: Answer = pipe.recv()
+                    return answer
+                go_on()
+            self.end()
+            return Answer(LATE, time.monotonic() - begin, "does not notice the limit of time")
+        except (EOFError, OSError):
+            self._process.join()
+            code = self._process.exitcode
+            self.end()
+            how = f"signal {-code} ({signal.strsignal(-code)})" if code < 0 else f"status {code}"
+            return Answer(ENDED, time.monotonic() - begin, f"the process ended by {how}")
+        except BaseException:
+            self.end()
+            raise
+
+    def end(self) -> None:
+        """Ends the process, if there is one."""
+        if self._process is not None:
+            self._process.kill()
+            self._process.join()
+        if self._pipe is not None:
+            self._pipe.close()
+        self._process = self._pipe = None
+
+    def _started(self) -> Connection:
+        if self._pipe is None:
+            context = multiprocessing.get_context("spawn")
+            self._pipe, other = context.Pipe()
+            self._process = context.Process(target=_serve, args=(other, os.getpid()), daemon=True)
+            with _STARTS:
+                self._process.start()
+            other.close()
+            # The first message says that the modules are loaded.
+            if not self._pipe.poll(_STARTING):
+                raise OSError("a process does not start")
+            self._pipe.recv()
+        return self._pipe
+
+
+_STARTS = threading.Lock()
+"""Processes are started one after the other: their ends of pipes must not be inherited by others."""
+
+
+def _serve(pipe: Connection, parent: int) -> None:
+    """Answers until the pipe ends."""
+    end_with(parent)
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+    model_module()
+    pipe.send(None)
+    while True:
+        try:
+            asked = pipe.recv()
+        except EOFError:
+            return
+        pipe.send(ask(*asked))
+
+
+_SCENES = "scenes"
+_LATE = "no level was finished within"
+
+
+def field_answer(scene: Drawn, folder: Path, processes: Processes) -> Answer:
+    """Answers a scene, which is written to a file in the folder, by the field solver's intervals."""
+    file = folder / _SCENES / f"{scene.seed}.toml"
+    write_text(file, scene.text)
+    asked = ["--rtol", repr(FIELD_RTOL), "--max-seconds", repr(FIELD_SECONDS)]
+    if scene.has_readings:
+        asked.append("--only-readings")
+    begin = time.monotonic()
+    try:
+        answer = ReferenceAnswer.of(reference_stage.solve(file, processes, *asked))
+    except Refused as error:
+        return Answer(REFUSED, time.monotonic() - begin, str(error))
+    except NoAnswer as error:
+        return Answer(LATE if _LATE in str(error) else ENDED, time.monotonic() - begin, str(error))
+    values = _readings(answer) if scene.has_readings else _field_matrix(answer)
+    return Answer(ANSWERED, time.monotonic() - begin, values=values)
+
+
+def _readings(answer: ReferenceAnswer) -> dict[str, Stated]:
+    return {
+        part_of(name, part): stated(getattr(reading, part).value, getattr(reading, part).error, FIELD_SOLVER)
+        for name, reading in answer.readings.items()
+        for part in PARTS
+    }
+
+
+def _field_matrix(answer: ReferenceAnswer) -> dict[str, Stated]:
+    names = answer.conductors
+    return {
+        entry(names[i], names[j]): stated(
+            float(answer.maxwell[i, j]), float(answer.error[i, j]), FIELD_SOLVER
+        )
+        for i in range(len(names))
+        for j in range(i + 1)
+    }

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import elliprf
 
 from analysis.topics.verification import truths
-from analysis.topics.verification.truths_of_revolution import dielectric, two_balls
+from analysis.topics.verification.truths import dielectric, two_balls
 
 
 def ellipsoid(a: float, b: float, c: float) -> float:

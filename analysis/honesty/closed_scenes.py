@@ -12,8 +12,8 @@ from scipy.constants import epsilon_0
 
 from analysis.honesty import closed_forms
 from analysis.honesty.drawing import Chance, logarithmic, turn, uniform
+from analysis.honesty.methods import entry, part_of
 from analysis.honesty.other_scenes import bowl, mesh
-from analysis.honesty.quantities import entry, part_of
 from analysis.results.answers import Estimate
 from analysis.topics.verification import truths
 from geometries.scene.poses import AxisRotation, Pose

@@ -11,7 +11,7 @@ from pathlib import Path
 from analysis.honesty import before_sensors, closed_scenes, other_scenes
 from analysis.honesty.closed_scenes import Known
 from analysis.honesty.drawing import Chance
-from analysis.honesty.quantities import has_readings
+from analysis.honesty.methods import has_readings
 from analysis.results.answers import Estimate
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import ROUND_SHAPES

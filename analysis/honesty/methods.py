@@ -1,9 +1,14 @@
-"""The methods that state errors, and how each is asked."""
+"""The methods that state errors, how each is asked, the names of what they answer, and their answers.
+
+Those names are of parts of readings, also in poses of a motion, and of entries of the Maxwell matrix where there are none."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from typing import Any
+
+from geometries.scene.readings import readings
+from geometries.scene.scene import Scene
 
 FIELD_SOLVER = "field-solver"
 BOUNDARY_ELEMENTS = "boundary-elements"
@@ -56,3 +61,32 @@ class Answer:
 
 ANSWERED, REFUSED, LATE, ENDED = "answered", "refused", "late", "ended"
 """Outcomes of a question: an answer, a refusal by name, none in time, and a process that ended or an error that names no input."""
+
+
+CHANGE = "change"
+PARTS = ("value", "background", CHANGE)
+
+
+def part_of(reading: str, part: str) -> str:
+    """Returns the name of a part of a reading, one of PARTS."""
+    return f"{reading}: {part}"
+
+
+def in_pose(reading: str, number: int) -> str:
+    """Returns the name of a reading in a pose of a motion, which is counted from 0."""
+    return f"{reading} in pose {number}"
+
+
+def pair(sensor: str, body: str) -> str:
+    """Returns the name of the capacitance between a sensor and a body, by themselves."""
+    return f"C[{sensor}, {body}]"
+
+
+def entry(first: str, second: str) -> str:
+    """Returns the name of an entry of the Maxwell matrix, which is symmetrical: the same for both orders of the conductors."""
+    return f"M[{', '.join(sorted((first, second)))}]"
+
+
+def has_readings(scene: Scene) -> bool:
+    """Tells whether the scene has readings; else its Maxwell matrix is asked for."""
+    return bool(readings(scene))

@@ -11,13 +11,11 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.honesty import methods, records, table
-from analysis.honesty.field_answer import field_answer
-from analysis.honesty.judging import Judged, judged
+from analysis.honesty import judging, methods, table
+from analysis.honesty.asking import Worker, field_answer
+from analysis.honesty.judging import Judged, Record, judged
 from analysis.honesty.kinds import KINDS, Drawn, drawn, seeds
 from analysis.honesty.methods import ALL, FIELD_SOLVER, FINER, METHODS, Answer
-from analysis.honesty.records import Record
-from analysis.honesty.workers import Worker
 from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
 from analysis.pipeline.processes import Processes
@@ -83,7 +81,7 @@ class League:
 def run(folder: Path, asked: Options) -> League:
     """Asks what has no answer yet in the folder, then writes the table; KeyboardInterrupt keeps all scenes that are finished."""
     model_module()
-    known, codes = records.load(folder), _Codes.now()
+    known, codes = judging.load(folder), _Codes.now()
     chosen = itertools.islice(seeds(asked.first, frozenset(asked.kinds)), asked.scenes)
     scenes = [drawn(seed, folder / MESHES) for seed in chosen]
     workers = asked.jobs or parallel_jobs()
@@ -225,6 +223,6 @@ class _Scene:
                 )
         finally:
             self._idle.put(worker)
-        records.append(self._folder, new)
+        judging.append(self._folder, new)
         self._record.answers |= new.answers
         return None

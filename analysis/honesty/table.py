@@ -8,9 +8,8 @@ from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
-from analysis.honesty.judging import Judged, judged
+from analysis.honesty.judging import Judged, Record, judged
 from analysis.honesty.methods import ANSWERED, ENDED, LATE, REFUSED
-from analysis.honesty.records import Record
 from analysis.results.refusals import without_numbers
 from analysis.results.units import picofarads
 

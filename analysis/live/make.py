@@ -10,10 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from analysis.live import page as live_page, paths, scene_text
+from analysis.live import paths, scene_text
 from analysis.pipeline.model_stage import model_module
-from analysis.report import page as report_page
-from analysis.report.scene_pages import LIVE
+from analysis.report import page, page as report_page
+from analysis.report.results_page import LIVE
 from analysis.results.store import Document, write_text
 from analysis.show.make import find_scene, motion_beside
 from fem_reference.bodies.remarks import remarks
@@ -23,6 +23,36 @@ from geometries.scene import motion, reader
 from geometries.scene.covers import is_cover
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
+
+_PARTS = ("_view", "_model", "_charts", "_picture", "_readings", "_controls", "_input", "")
+"""The scripts of the page, in the order in which they are read: `live_view.js` and so on, `live.js` at last."""
+
+
+def document(title: str, digest: str, text: str, library: str, data: Document, notes: str) -> str:
+    """Returns the whole page. `text` is the data as JSON, `digest` the hash of what it is made from, `library` the JavaScript with the
+    library in WebAssembly, `notes` the folder of the repository as seen from the page, with a slash at its end.
+    """
+    body = page.filled(
+        "live.html",
+        style=page.static("live.css"),
+        library=page.script(library),
+        scripts=[page.static(f"live{part}.js") for part in _PARTS],
+        title=title,
+        summary=_summary(data),
+        notes=notes,
+        data=page.json_in_page(text),
+    )
+    return page.document(title, digest, [body], script="")
+
+
+def _summary(data: Document) -> str:
+    way = "Choose a path, drag a body" if data["paths"] else "Drag a body"
+    return (
+        f"{way}, or use the sliders: every frame, the library in this page computes the readings anew. Drag the empty ground to turn the "
+        "view, scroll or pinch to come closer; with shift, dragging turns the body. On the picture, the arrow keys, page up and page down "
+        "move it by 5 mm, with shift they turn it by 3 degrees."
+    )
+
 
 RTOL = 1e-2
 """Relative error asked of the reference readings."""
@@ -78,7 +108,7 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
     references = _references(native, ways, options)
     data["paths"] = [paths.described(way, reference) for way, reference in zip(ways, references)]
     data["made"] = f"This page was made from {path.name} by fringe {model_module().__version__}."
-    content = live_page.document(
+    content = document(
         path.stem.replace("_", " "),
         digest,
         json.dumps(data, separators=(",", ":"), allow_nan=False),
@@ -136,7 +166,7 @@ def _digest(data: Document, ways: list[paths.Path], library: str, options: Optio
         json.dumps(data),
         json.dumps([paths.described(way, None) for way in ways]),
         library,
-        live_page.document("", "", "", "", {"paths": ways}, _notes(place)),
+        document("", "", "", "", {"paths": ways}, _notes(place)),
         repr(options),
         str(model_module().__version__),
     ]

@@ -10,8 +10,8 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
-from analysis.results import changes
 from analysis.results.commands import COMPARED_METHOD, STATED_RTOLS
+from analysis.results.set_up import is_delta_self
 from analysis.results.store import Document
 from geometries.common.installation import module_folders
 from geometries.scene.scene import Scene
@@ -52,7 +52,7 @@ def knows(scene: Scene) -> bool:
     """Tells whether the model applies: it needs conductors, grounded ones unless its answer says which changes it does not know."""
     if any(body.relative_permittivity is not None for body in scene.objects):
         return False
-    return not changes.is_delta_self(scene) or all(body.potential == GROUNDED for body in scene.objects)
+    return not is_delta_self(scene) or all(body.potential == GROUNDED for body in scene.objects)
 
 
 def answer(scene: Path, methods: tuple[str, ...]) -> Document:

@@ -9,7 +9,7 @@ import numpy as np
 from markupsafe import Markup
 
 from analysis.report import drawing, page
-from analysis.report.thumbnail import thumbnail
+from analysis.report.drawing import thumbnail
 from analysis.results import table
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.table import Row

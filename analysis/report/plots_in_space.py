@@ -8,15 +8,79 @@ import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
 
+from analysis.pipeline.model_stage import model_module
 from analysis.report.plot import INK, MACHINE_COLOUR, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot, axis, figure
-from analysis.results.names import in_words
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult
 from analysis.results.table import MUTUAL, Row
-from analysis.results.units import CENTIMETRE, PICOFARAD, percent
+from analysis.results.units import CENTIMETRE, PICOFARAD, VACUUM_PERMITTIVITY, in_words, percent
 from geometries.scene.poses import Transform
 from geometries.scene.readings import targets
 from geometries.scene.scene import Object, Scene
+
+_FEMTOFARAD = 1e-15
+_PIECES = 24
+"""Parts of a scene's longest side that no edge of a coloured piece exceeds: finer than the eye distinguishes in a figure of half a page."""
+_DIGITS = 2
+_MOST = 6000
+"""Triangles above which surfaces are shown as they are, so that a page stays small."""
+
+
+def cut(corners: Array, longest: float) -> Array:
+    """Bisects the longest edges of triangles (n, 3, 3) until none is longer than `longest`."""
+    while True:
+        edges = np.linalg.norm(np.roll(corners, -1, axis=1) - corners, axis=2)
+        long = edges.max(axis=1) > longest
+        if not long.any():
+            return corners
+        own, first = corners[long], edges[long].argmax(axis=1)
+        rows = np.arange(len(own))
+        a, b, c = (own[rows, (first + step) % 3] for step in range(3))
+        middle = (a + b) / 2
+        halves = [np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)]
+        corners = np.concatenate([corners[~long], *halves])
+
+
+def coloured(scene: Scene) -> Panel:
+    """Returns a scene's bodies in space, targets coloured by capacitance to the first sensor per area (fF/cm²), ε/d in the model.
+
+    Needs the module fringe; ModuleNotFoundError without it.
+    """
+    module, sensor = model_module(), scene.sensors[0]
+    bodies = triangles(scene)
+    hit = {body.name for body, target in zip(scene.objects, targets(scene)) if target}
+    everything = np.concatenate(list(bodies.values())).reshape(-1, 3)
+    longest = float(np.ptp(everything, axis=0).max()) / _PIECES
+    traces: list[object] = []
+    for name, own in bodies.items():
+        if name not in hit:
+            traces.append(mesh(name, own, color=colours(scene, SENSOR_COLOUR)[name]))
+            continue
+        pieces = cut(own, longest) if len(own) < _MOST else own
+        added = np.zeros(len(pieces))
+        for corner, edge_u, edge_v in scene.sensor_rectangles(sensor.name):
+            added += module.plate_integral(pieces, corner, edge_u, edge_v)
+        permittivity = VACUUM_PERMITTIVITY * scene.medium.relative_permittivity
+        density = permittivity * added / areas(pieces) * CENTIMETRE**2 / _FEMTOFARAD
+        looks = {
+            "colorscale": "YlOrRd",
+            "colorbar": {"title": "fF/cm²", "thickness": 12},
+            "cmin": 0,
+            # Parts in contact have no finite value.
+            "cmax": density[np.isfinite(density)].max(initial=0.0),
+        }
+        traces.append(mesh(name, pieces, intensity=density.round(_DIGITS), intensitymode="cell", **looks))
+    share = f" to {sensor.name}" if scene.sensors[1:] else ""
+    machine = ", machine (grey)" if len(hit) < len(scene.objects) else ""
+    caption = f"sensor (blue){machine}, and what each part of the target adds{share} by the model (fF/cm²)"
+    return Panel(caption, figure_in_space(traces, bodies))
+
+
+def areas(corners: Array) -> Array:
+    """Returns the areas (n,) of triangles (n, 3, 3)."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.asarray(np.linalg.norm(normals, axis=1) / 2)
+
 
 Array = NDArray[np.float64]
 

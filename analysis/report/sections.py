@@ -10,11 +10,11 @@ from markupsafe import Markup
 from analysis.pipeline.model_stage import knows
 from analysis.report import page
 from analysis.results.answers import ReferenceAnswer
+from analysis.results.commands import COMPARED_METHOD, model_command, truth_command
+from analysis.results.refusals import refusals
 from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import Results
 from analysis.results.symmetry import Pair
-from analysis.results.commands import COMPARED_METHOD, model_command, truth_command
-from analysis.results.refusals import refusals
 from analysis.results.table import CHANGE, QUANTITIES, Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN
 from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent, too

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from geometries.scene.readings import targets
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import PlateShape
 
@@ -122,3 +123,8 @@ def distance(first: Rectangle, second: Rectangle) -> float:
     between = (second.corner - first.corner) / scale
     nearest = lsq_linear(edges, between, bounds=(0, 1), method="bvls", tol=1e-14)
     return float(np.linalg.norm(edges @ nearest.x - between) * scale)
+
+
+def is_delta_self(scene: Scene) -> bool:
+    """Tells whether the change of each sensor's reading is its delta_self: nothing stays but sensors, each driven by itself."""
+    return not scene.readings and all(targets(scene))

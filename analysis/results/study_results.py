@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from analysis.results import machine, names
+from analysis.results import machine, units
 from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer
 from analysis.results.set_up import SetUp, describe
 from analysis.results.store import Document, read_json, write_json
@@ -127,7 +127,7 @@ def load(folder: Path) -> Results:
     if manifest is None:
         raise InputError(str(folder), "", f"holds no results: there is no {MANIFEST}")
     parameters = [_parameters(document) for document in manifest["cases"]]
-    called = names.of_cases(
+    called = units.of_cases(
         [(document["family"], own) for document, own in zip(manifest["cases"], parameters)]
     )
     reference_method = manifest.get("reference_method", BOTH)

@@ -38,10 +38,9 @@ import json
 import math
 from dataclasses import dataclass
 
-from analysis.results import changes
 from analysis.results.answers import Estimate, ModelAnswer, ModelChange, ModelValue
 from analysis.results.commands import COMPARED_METHOD, boundary_command, reference_command
-from analysis.results.set_up import SetUp
+from analysis.results.set_up import SetUp, is_delta_self
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known, Truth
 from geometries.scene.readings import readings, targets
@@ -51,6 +50,13 @@ from geometries.studies.machines import NONE
 TABLE = "table.csv"
 MUTUAL, DELTA_SELF, CHANGE = "mutual", "delta_self", "change"
 QUANTITIES = (MUTUAL, DELTA_SELF, CHANGE)
+OWN_MACHINE = "machine of the scene"
+"""The machine of a scene that is not of a family."""
+
+
+def machine_of(case: CaseResult) -> str:
+    """Returns the name of the machine of a case, "none" if it has none."""
+    return NONE if is_delta_self(case.scene) else str(case.parameters.get("machine", OWN_MACHINE))
 
 
 @dataclass(frozen=True)
@@ -88,7 +94,7 @@ class Row:
     @property
     def machine(self) -> str:
         """The name of the machine that sensor and targets are before."""
-        return changes.machine_of(self.case)
+        return machine_of(self.case)
 
     @property
     def is_change(self) -> bool:
@@ -154,7 +160,7 @@ def compared(found: list[Row]) -> list[Row]:
 
 
 def _rows_of_case(results: Results, case: CaseResult, truth: Truth) -> list[Row]:
-    if changes.is_delta_self(case.scene) or not truth.has_readings:
+    if is_delta_self(case.scene) or not truth.has_readings:
         bodies = list(truth.conductors[len(case.scene.sensors) :])
         felt = truth.sensors
     else:

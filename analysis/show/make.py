@@ -8,16 +8,52 @@ import sys
 from pathlib import Path
 
 from analysis.pipeline.model_stage import model_module
+from analysis.report import page
 from analysis.report.page import is_current
-from analysis.report.scene_pages import MOTION
+from analysis.report.results_page import MOTION
 from analysis.results.store import Document, write_text
-from analysis.show import data as show_data, page as show_page, readings as show_readings
+from analysis.show import data as show_data, readings as show_readings
 from fem_reference.bodies.remarks import remarks
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, is_own, results_folder
 from geometries.common.tables import is_file
 from geometries.scene import motion, reader
 from geometries.scene.motion import with_frames_between
+
+_SCRIPTS = ("show_readings.js", "show.js")
+
+
+def document(title: str, digest: str, text: str, data: Document, readings: str | None) -> str:
+    """Returns the whole page. `text` is the data as JSON, `readings` those along the motion, and `digest` the hash of what the page is
+    made from."""
+    body = page.filled(
+        "show.html",
+        style=page.static("show.css"),
+        scripts=[page.static(name) for name in _SCRIPTS],
+        readings=None if readings is None else page.json_in_page(readings),
+        title=title,
+        summary=_summary(data),
+        data=page.json_in_page(text),
+    )
+    return page.document(title, digest, [body])
+
+
+def _summary(data: Document) -> str:
+    nouns = {
+        "objects": "object",
+        "links": "link",
+        "sensors": "capacitive sensor",
+        "eyes": "distance sensor",
+        "frames": "frame",
+    }
+    counts = {key: len(data[key]) for key in nouns} | {"frames": len(data["frames"][:: data["every"]])}
+    parts = [_count(counts[key], noun) for key, noun in nouns.items() if counts[key]]
+    return ", ".join(parts) + ". Drag to turn, scroll to come closer, hover for names."
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
 
 SCENES = ROOT / "geometries" / "scenes"
 MOTION_SUFFIX = ".motion.toml"
@@ -42,7 +78,7 @@ def make(
     data = show_data.collect(path, scene, frames, model, readings.between if readings else 0)
     page = target or (results_folder() / MOTION.folder if is_own(path) else Path.cwd()) / f"{path.stem}.html"
     title = path.stem.replace("_", " ")
-    inputs = [_text(data), repr(readings), str(model.__version__), show_page.document("", "", "", data, "")]
+    inputs = [_text(data), repr(readings), str(model.__version__), document("", "", "", data, "")]
     digest = hashlib.sha256("\n".join(inputs).encode()).hexdigest()
     if is_current(page, digest):
         return page
@@ -50,7 +86,7 @@ def make(
     if readings:
         moved = with_frames_between(frames, readings.between)
         along = _text(show_readings.collect(show_data.load(path, model), moved, readings))
-    write_text(page, show_page.document(title, digest, _text(data), data, along))
+    write_text(page, document(title, digest, _text(data), data, along))
     return page
 
 

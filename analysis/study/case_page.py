@@ -9,17 +9,16 @@ from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.pipeline.model_stage import knows, model_is_built
-from analysis.report import page, plot_of_parts, plots_in_space
+from analysis.report import page, plots_in_space
 from analysis.report.page import is_current
 from analysis.report.plot import Panel
 from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
-from analysis.results.names import in_words
+from analysis.results.commands import boundary_command, model_command, reference_command
 from analysis.results.store import write_text
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
-from analysis.results.commands import boundary_command, model_command, reference_command
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.results.truth import FIELD, Known
-from analysis.results.units import PICOFARAD, duration, picofarads, signed_percent
+from analysis.results.units import PICOFARAD, duration, in_words, picofarads, signed_percent
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
 from geometries.studies.study import EMPTY, NO_REFERENCE
@@ -80,7 +79,7 @@ def _panels(case: CaseResult) -> list[Panel]:
     """Returns the case in space and the potential around it. What the target's parts add is shown where the model knows it and is built."""
     shown = plots_in_space.panels(case)
     if case.model is not None and model_is_built():
-        shown[0] = plot_of_parts.coloured(case.scene)
+        shown[0] = plots_in_space.coloured(case.scene)
     return shown
 
 

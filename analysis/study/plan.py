@@ -8,7 +8,7 @@ from pathlib import Path
 
 from analysis.pipeline import boundary_stage, keys
 from analysis.pipeline.model_stage import knows
-from analysis.results import changes, set_up
+from analysis.results import set_up
 from analysis.results.store import is_current
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, case_folder
 from geometries.studies.study import EMPTY, Case, Study
@@ -102,7 +102,7 @@ def _expected_seconds(case: Case, file: str, study: Study, costs_vary: bool) -> 
 def _solve_seconds(case: Case) -> float:
     if case.family == EMPTY:
         return _SECONDS_EMPTY
-    if not changes.is_delta_self(case.scene):
+    if not set_up.is_delta_self(case.scene):
         return _SECONDS_MACHINE
     described = set_up.describe(case.scene)
     if described is None or described.gap == 0:

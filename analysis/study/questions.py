@@ -12,7 +12,6 @@ from markupsafe import Markup
 from analysis.report import (
     boundary_times_section,
     collision_section,
-    faults_section,
     page,
     plot_of_time,
     plots_in_space,
@@ -55,7 +54,6 @@ class Material:
     summaries: list[statistics.Summary]
     answers: dict[str, dict[str, Document]]
     entries: dict[str, list[Any]]
-    faults: Document | None = None
 
 
 @dataclass(frozen=True)
@@ -147,10 +145,6 @@ def _collisions(material: Material) -> list[Markup]:
     return [collision_section.section(collision_section.load(material.found.folder))]
 
 
-def _faults(material: Material) -> list[Markup]:
-    return [faults_section.section(material.faults)] if material.faults else []
-
-
 def _set_ups(material: Material) -> list[Markup]:
     pictures = plots_in_space.pictures(material.rows) if material.rows else []
     return [
@@ -174,6 +168,5 @@ QUESTIONS = (
     Question("run_time", "run time", "What does accuracy cost?", _run_time),
     Question("stability", "stability", "Is the integral stable?", _stability, own=False),
     Question("collisions", "collisions", "Are collisions found, and how fast?", _collisions, own=False),
-    Question("faults", "faults", "What happens when something fails?", _faults, own=False),
     Question("set_ups", "set-ups", "Which set-ups are these, and how are they reproduced?", _set_ups),
 )

@@ -11,9 +11,9 @@ from typing import Any
 from markupsafe import Markup
 
 from analysis.pipeline import keys
-from analysis.report import faults_section, index_page, page, plot_of_changes, scene_pages, sections
+from analysis.report import index_page, page, plots_of_errors, results_page, sections
 from analysis.report.index_page import Answer, Card, Picture
-from analysis.report.scene_pages import ScenePage
+from analysis.report.results_page import ScenePage
 from analysis.results import refusals, statistics, study_results as results, table
 from analysis.results.refusals import Refusal
 from analysis.results.store import Document, read_json, write_json, write_text
@@ -54,15 +54,14 @@ def make(folder: Path) -> Report:
     rows = table.rows(found)
     summaries = statistics.summaries(rows)
     of_topics = {topic.name: topic.load(topic.beside(folder)) for topic in TOPICS}
-    faults = faults_section.beside(folder)
     answers = _answers(folder, found)
     in_field = [topic.checked() for topic in TOPICS]
-    inputs = keys.page_inputs(answers, of_topics, faults, in_field)
+    inputs = keys.page_inputs(answers, of_topics, in_field)
     trends = folder / trends_page.PAGE
     nights = (
         index_page.first_finding(Markup(trends.read_text(encoding="utf-8"))) if trends.is_file() else None
     )
-    scenes = scene_pages.all_beside(folder)
+    scenes = results_page.all_beside(folder)
     whole = keys.page_inputs(inputs, nights, [file for _, file in scenes])
     if not (
         (folder / table.TABLE).is_file()
@@ -70,7 +69,7 @@ def make(folder: Path) -> Report:
         and _is_complete(folder)
     ):
         entries = {topic.name: topic.found(of_topics[topic.name]) for topic in TOPICS}
-        material = Material(found, rows, summaries, of_topics, entries, faults)
+        material = Material(found, rows, summaries, of_topics, entries)
         _write(material, nights, scenes, inputs, whole)
     return Report(
         folder / page.REPORT,
@@ -126,7 +125,7 @@ def _write(
     headline = sections.refused(material.found)
     headline += sections.headline(material.found, material.rows, material.summaries)
     if any(row.is_change for row in table.compared(material.rows)):
-        headline += page.plot_section(plot_of_changes.error_of_changes(material.rows), "cases")
+        headline += page.plot_section(plots_of_errors.error_of_changes(material.rows), "cases")
     headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     answers = index_page.how_wrong(material.found, material.rows, "cases")

@@ -11,9 +11,7 @@ from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, guide, joined, power_axis, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.units import measured
-from analysis.sweep.crossings import Crossing, crossings
-from analysis.sweep.places import place_words
-from analysis.sweep.series import Series, Sweep
+from analysis.sweep.series import Crossing, Series, Sweep, crossings, place_words
 from geometries.scene.motion import Frame
 
 _FEMTO, _PICO, _MILLI = 1e-15, 1e-12, 1e-3

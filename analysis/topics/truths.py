@@ -6,7 +6,7 @@ import argparse
 from collections.abc import Callable
 
 from analysis.topics.all import TOPICS
-from analysis.topics.corrections import truths as corrections
+from analysis.topics.corrections import set_ups as corrections
 
 _MAKE: dict[str, Callable[[], int]] = {"corrections": corrections.make} | {
     topic.name: lambda stored=topic.truths: stored.complete().solved for topic in TOPICS if topic.truths

@@ -1,181 +1,37 @@
-"""No dead options: every option that a command's --help knows is demonstrated, by the test named here, to change what it says.
-
-The test fails for an option that is not in the table, for one of the table that no help knows, and for a demonstration that is not
-there or says nothing of its option.
-"""
+"""No dead options: every option that a command's --help knows is used by a test of that command, --help and --version say what they should, and
+former words are refused in one line that says what to write now."""
 
 from __future__ import annotations
 
-import ast
 import re
 import subprocess
 import sys
+from functools import cache
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from analysis.__main__ import main
+from analysis.pipeline.model_stage import model_module
+from geometries.common.errors import InputError
+from geometries.studies import study
+from tests.analysis.synthetic import HEAD, PARALLEL
 from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
-MODEL, REFERENCE = "model/test_command_line.py", "fem_reference/test_command_line.py"
-SWEEP = "model/test_sweep.py"
-PAGE_OF_A_SWEEP = (
-    "analysis/sweep/test_sweep_page.py",
-    "test_the_command_makes_a_page_and_its_table_from_its_options",
-)
-FILM = ("analysis/show/test_show.py", "test_readings_along_the_motion_are_those_of_the_library")
-LIVE = ("analysis/live/test_paths.py", "test_every_option_of_the_command_acts")
-COVERAGE = (
-    "analysis/coverage/test_coverage.py",
-    "test_the_command_makes_page_table_and_file_from_its_options",
-)
-HONESTY = ("analysis/honesty/test_run.py", "test_every_option_of_the_command_acts")
-GOLDEN = ("analysis/golden/test_run.py", "test_every_option_of_the_command_acts")
-PERSON = ("geometries/scene/test_person.py", "test_the_command_writes_a_mesh_or_capsules")
-HERE, IMPORT = "end_to_end/test_options.py", "end_to_end/test_import.py"
-EXPORTED = ("end_to_end/test_export.py", "test_the_method_and_the_error_asked_for_are_the_users")
-SAID = (HERE, "test_help_and_version_are_printed_and_nothing_else")
-PASSED_ON = (HERE, "test_an_option_reaches_what_it_is_for")
-# Command → option → the demonstration, a file of tests and a function.
-OPTIONS: dict[tuple[str, ...], dict[str, tuple[str, str]]] = {
-    ("fringe",): {"--help": SAID, "--version": SAID},
-    ("fringe", "capacitance"): {
-        "--help": SAID,
-        "--version": SAID,
-        "--json": (MODEL, "test_capacitance_as_json"),
-        "--method": (MODEL, "test_method"),
-        "--tolerance": (MODEL, "test_tolerance_is_kept_and_said"),
-        "--output": ("model/test_output_file.py", "test_the_triangles_of_an_object_add_up_to_its_capacitance"),
-        "--rtol": ("model/test_boundary_elements.py", "test_options_that_would_change_nothing_are_refused"),
-        "--entries": ("model/test_boundary_elements.py", "test_the_module_answers_like_the_command"),
-        "--derivatives": ("model/test_derivatives.py", "test_the_command_prints_them"),
-        "--max-seconds": ("model/test_interruption.py", "test_after_the_limit_of_time_the_best_matrix_is_printed"),
-        "--prepared": ("model/test_prepared.py", "test_the_command_finds_what_it_has_prepared"),
-        "--frame": (SWEEP, "test_a_frame_that_is_none_is_refused"),
-        "--motion": (SWEEP, "test_a_frame_that_is_none_is_refused"),
-    },
-    ("fringe", "sweep"): {
-        "--help": SAID,
-        "--version": SAID,
-        "--motion": (SWEEP, "test_a_sweep_takes_the_options_of_the_method_and_a_motion"),
-        "--method": (SWEEP, "test_every_frame_has_the_reading_of_the_scene_in_its_poses"),
-        "--max-seconds": (SWEEP, "test_a_sweep_ends_after_its_time_with_the_frames_that_are_finished"),
-        "--output": (SWEEP, "test_with_a_file_the_command_says_where_the_threshold_is_crossed"),
-        "--rtol": (SWEEP, "test_status_3_says_that_a_frame_is_less_accurate_than_asked_for"),
-        "--prepared": ("model/test_prepared.py", "test_a_sweep_gives_the_folder_to_the_methods_that_have_it"),
-    },
-    ("fringe", "collide"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},
-    ("fringe", "export"): {"--help": SAID, "--version": SAID, "--method": EXPORTED, "--rtol": EXPORTED},
-    ("fringe", "info"): {"--help": SAID, "--version": SAID, "--json": (HERE, "test_json_in_the_place_of_a_table")},
-    ("fringe", "import"): {
-        "--help": SAID,
-        "--version": SAID,
-        "--geometry": (IMPORT, "test_visual_geometries_are_taken_when_asked_for"),
-        "--missing": (
-            "end_to_end/test_import_robots.py",
-            "test_one_bad_mesh_is_told_and_stops_the_rest_only_if_it_shall",
-        ),
-        "--package-path": (IMPORT, "test_packages_are_found_by_a_path"),
-        "--joints": ("end_to_end/test_import_joints.py", "test_joints_are_set_and_those_that_mimic_follow"),
-        "--deflection": ("end_to_end/test_import_step.py", "test_deflection_is_for_step_and_greater_than_zero"),
-    },
-    ("fringe", "sense"): {
-        "--help": SAID,
-        "--version": SAID,
-        "--json": (HERE, "test_json_in_the_place_of_a_table"),
-        "--method": ("model/test_sense_command.py", "test_sense_as_json"),
-    },
-    ("fem_reference",): {
-        "--help": SAID,
-        "--version": SAID,
-        "--json": (REFERENCE, "test_json_is_one_document_with_the_whole_answer"),
-        "--error": (REFERENCE, "test_json_is_one_document_with_the_whole_answer"),
-        "--rtol": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
-        "--max-seconds": (REFERENCE, "test_the_limit_of_time_ends_the_first_level_too"),
-        "--max-unknowns": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
-        "--max-memory": (REFERENCE, "test_one_level_under_a_limit_still_encloses_the_truth"),
-        "--only-readings": (REFERENCE, "test_only_readings_may_be_asked_for"),
-        "--no-symmetry": (REFERENCE, "test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used"),
-        "--geometry": ("bad_input/test_reference.py", "test_a_mesh_that_bounds_no_solid_unless_it_may_be_wrapped"),
-        "--wrap-alpha": (REFERENCE, "test_lengths_of_a_wrap_are_positive"),
-        "--wrap-offset": (REFERENCE, "test_lengths_of_a_wrap_are_positive"),
-        "--columns": (REFERENCE, "test_columns_left_out_are_named_and_unknown_ones_refused"),
-        "--output": (REFERENCE, "test_the_field_is_written_for_paraview"),
-        "--slice": (REFERENCE, "test_a_slice_of_the_potential_runs_from_the_sensor_to_the_ground"),
-    },
-    ("geometries",): {"--help": SAID},
-    ("geometries", "convert"): {"--help": SAID},
-    ("geometries", "person"): {"--help": SAID, **dict.fromkeys(("--height", "--age", "--posture"), PERSON)},
-    ("geometries", "expand"): {"--help": SAID},
-    ("analysis",): {"--help": SAID},
-    ("analysis", "run"): {
-        "--help": SAID,
-        "--results": PASSED_ON,
-        "--jobs": PASSED_ON,
-        "--measure-model": PASSED_ON,
-        "--verify": PASSED_ON,
-    },
-    ("analysis", "nightly"): {
-        "--help": SAID,
-        "--results": PASSED_ON,
-        "--jobs": PASSED_ON,
-        "--job-seconds": PASSED_ON,
-        "--profile": ("end_to_end/test_cluster.py", "test_a_study_solved_through_sbatch_has_the_table_of_a_local_run"),
-        "--verify": PASSED_ON,
-    },
-    ("analysis", "job"): {"--help": SAID},
-    ("analysis", "diff"): {
-        "--help": SAID,
-        "--output": ("analysis/topics/trends/test_trends.py", "test_drift_ends_with_code_1_a_table_and_a_document"),
-    },
-    ("analysis", "trends"): {
-        "--help": SAID,
-        "--bisect": ("analysis/topics/trends/test_trends.py", "test_the_command_bisects"),
-        "--count": ("analysis/topics/trends/test_trends.py", "test_the_command_counts_before_it_tells"),
-    },
-    ("analysis", "report"): {"--help": SAID},
-    ("analysis", "verify"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
-    ("analysis", "errors"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
-    ("analysis", "company"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
-    ("analysis", "machines"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
-    ("analysis", "insulators"): {"--help": SAID, "--output": PASSED_ON, "--jobs": PASSED_ON},
-    ("analysis", "corrections"): {"--help": SAID, "--output": PASSED_ON},
-    ("analysis", "documentation"): {"--help": SAID, "--output": PASSED_ON},
-    ("analysis", "show"): {
-        "--help": SAID,
-        "--motion": FILM,
-        "--output": ("analysis/show/test_show.py", "test_the_example_is_shown_by_its_name"),
-        "--readings": FILM,
-        "--between": FILM,
-        "--rtol": FILM,
-    },
-    ("analysis", "live"): {
-        "--help": SAID,
-        "--motion": LIVE,
-        "--rtol": LIVE,
-        "--no-reference": LIVE,
-        "--output": LIVE,
-    },
-    ("analysis", "sweep"): {
-        "--help": SAID,
-        "--motion": PAGE_OF_A_SWEEP,
-        "--method": PAGE_OF_A_SWEEP,
-        "--rtol": PAGE_OF_A_SWEEP,
-        "--output": PAGE_OF_A_SWEEP,
-    },
-    ("analysis", "coverage"): {
-        "--help": SAID,
-        **dict.fromkeys(("--probe", "--reading", "--grid", "--potential", "--threshold", "--method", "--output"), COVERAGE),
-    },
-    ("analysis", "measure"): {"--help": SAID},
-    ("analysis", "honesty"): {
-        "--help": SAID,
-        **dict.fromkeys(("--scenes", "--first", "--kinds", "--methods", "--field-solver", "--no-field-solver", "--seconds", "--only", "--results", "--jobs"), HONESTY),
-    },
-    ("analysis", "golden"): {"--help": SAID, **dict.fromkeys(("--against", "--only", "--times"), GOLDEN)},
-}  # fmt: skip
+COMMANDS = {
+    "fringe": ("capacitance", "collide", "export", "import", "info", "sense", "sweep"),
+    "fem_reference": (),
+    "geometries": ("convert", "expand", "person"),
+    "analysis": (
+        *("run", "nightly", "job", "report", "diff", "trends", "verify", "errors", "company", "machines"),
+        *("insulators", "corrections", "documentation", "show", "live", "sweep", "coverage", "honesty"),
+        *("golden", "measure"),
+    ),
+}
+EACH = [(program, *command) for program, all_ in COMMANDS.items() for command in ((), *((c,) for c in all_))]
+every_command = pytest.mark.parametrize("command", EACH, ids=" ".join)
 SCENE = """
 [[sensor]]
 name = "front"
@@ -209,8 +65,9 @@ def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def options_of(command: tuple[str, ...]) -> set[str]:
-    """What its --help lists."""
+@cache
+def options_of(*command: str) -> set[str]:
+    """The options that its --help lists."""
     told = run(*command, "--help").stdout
     return set(re.findall(r"^\s+(?:-\w, ?)?(--[a-z][a-z-]*)", told, re.MULTILINE))
 
@@ -224,38 +81,26 @@ def commands_of(program: str) -> set[str]:
     return set(listed[1].split(",")) if listed else set()
 
 
-@pytest.mark.parametrize("program", ["fringe", "fem_reference", "geometries", "analysis"])
-def test_the_table_has_every_command(program: str) -> None:
-    assert {command[1] for command in OPTIONS if command[0] == program and len(command) > 1} == commands_of(
-        program
-    )
+@pytest.mark.parametrize("program", COMMANDS)
+def test_these_are_all_commands(program: str) -> None:
+    assert set(COMMANDS[program]) == commands_of(program)
 
 
-@pytest.mark.parametrize("command", OPTIONS, ids=" ".join)
-def test_the_table_has_every_option(command: tuple[str, ...]) -> None:
-    assert set(OPTIONS[command]) == options_of(command)
+@every_command
+def test_a_test_that_uses_the_command_uses_each_option(command: tuple[str, ...]) -> None:
+    def has(text: str, word: str) -> bool:
+        return re.search(rf"(?<![\w-]){word}(?![\w-])", text) is not None
+
+    texts = [file.read_text(encoding="utf-8") for file in (ROOT / "tests").rglob("test_*.py")]
+    using = [text for text in texts if has(text, command[-1])]
+    for option in options_of(*command) - {"--help", "--version"}:
+        assert any(has(text, option) for text in using), option
 
 
-@pytest.mark.parametrize("command", OPTIONS, ids=" ".join)
-def test_every_option_has_a_demonstration(command: tuple[str, ...]) -> None:
-    for option, (file, name) in OPTIONS[command].items():
-        assert option in source_of(ROOT / "tests" / file, name), f"{file}::{name} says nothing of {option}"
-
-
-def source_of(file: Path, name: str) -> str:
-    """The text of a test with what it is parametrised by."""
-    text = file.read_text(encoding="utf-8")
-    for node in ast.walk(ast.parse(text)):
-        if isinstance(node, ast.FunctionDef) and node.name == name:
-            first = min([node.lineno, *(decorator.lineno for decorator in node.decorator_list)])
-            return "\n".join(text.splitlines()[first - 1 : node.end_lineno])
-    raise AssertionError(f"{file} has no test {name}")
-
-
-@pytest.mark.parametrize("command", OPTIONS, ids=" ".join)
+@every_command
 def test_help_and_version_are_printed_and_nothing_else(command: tuple[str, ...]) -> None:
     for option, sign in (("--help", "sage: "), ("--version", r"\d+\.\d+")):
-        if option in OPTIONS[command]:
+        if option in options_of(*command):
             done = run(*command, option)
             assert done.returncode == 0 and done.stderr == ""
             assert re.search(sign, done.stdout)
@@ -275,7 +120,7 @@ class Reached(Exception):
 
 
 SET_UPS_RUN = "analysis.pipeline.set_up_stages.SetUpStages.run"
-VERIFICATION_RUN = "analysis.topics.verification.stage.Rows.run"
+VERIFICATION_RUN = "analysis.topics.verification.topic.Rows.run"
 
 
 @pytest.mark.parametrize(
@@ -301,7 +146,7 @@ VERIFICATION_RUN = "analysis.topics.verification.stage.Rows.run"
         (["machines", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
         (["insulators", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
         (["insulators", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
-        (["corrections", "--output", "OUT"], "analysis.topics.corrections.stage.Evaluated.run", 1, "OUT"),
+        (["corrections", "--output", "OUT"], "analysis.topics.corrections.topic.Evaluated.run", 1, "OUT"),
         (["documentation", "--output", "OUT"], "analysis.documentation.make.build", 0, "OUT"),
     ],
 )  # fmt: skip
@@ -333,3 +178,57 @@ def test_an_option_reaches_what_it_is_for(
     if isinstance(expected, tuple):
         found = (found.profile, found.workers, found.job_seconds)
     assert found == (folder if expected == "OUT" else expected)
+
+
+FRINGE = Path(__file__).resolve().parents[2] / "build/bin/fringe"
+FORMER_SCENE = """
+[[sensor]]
+name = "front"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "target"
+shape = { type = "plate", size = [0.1, 0.1] }
+translation = [0, 0, 0.03]
+"""
+FORMER_OPTIONS = [
+    (("--correction", "none"), "write --method formula"),
+    (("--correction", "formula"), "write --method formula"),
+    (("--correction=recommended",), "--method auto"),
+    (("--plates", "nearest"), "--method exact+nearest"),
+    (("--faces=facing",), "--method exact+facing"),
+    (("--only-readings",), "leave it out"),
+    (("--method", "recommended"), "write auto"),
+    (("--method", "reduced:2"), "write reduced with rtol"),
+]
+KEYWORDS = [
+    ({"correction": "formula"}, 'method="formula", or "auto"'),
+    ({"plates": "nearest"}, "exact+nearest"),
+    ({"faces": "facing"}, "exact+facing"),
+    ({"method": "recommended"}, "write auto"),
+    ({"method": "reduced:2"}, "write reduced with rtol"),
+]
+OF_STUDIES = [("recommended", "write auto"), ("reduced:3", "write reduced")]
+
+
+@pytest.mark.parametrize(("words", "now"), FORMER_OPTIONS, ids=str)
+def test_the_command_says_what_to_write(words: tuple[str, ...], now: str, tmp_path: Path) -> None:
+    (tmp_path / "scene.toml").write_text(FORMER_SCENE)
+    asked = [FRINGE, "capacitance", tmp_path / "scene.toml", *words]
+    done = subprocess.run(asked, capture_output=True, text=True, check=False, timeout=DEADLINE)
+    assert (done.returncode, done.stdout) == (2, "")
+    assert now in done.stderr and done.stderr.count("\n") == 1
+
+
+@pytest.mark.parametrize(("keywords", "now"), KEYWORDS, ids=str)
+def test_python_says_what_to_write(keywords: dict[str, str], now: str) -> None:
+    with pytest.raises((TypeError, ValueError)) as refusal:
+        model_module().Scene.loads(FORMER_SCENE).capacitance(**keywords)
+    assert now in str(refusal.value)
+
+
+@pytest.mark.parametrize(("method", "now"), OF_STUDIES)
+def test_a_study_says_what_to_write(method: str, now: str) -> None:
+    text = HEAD.replace('["exact", "split:0", "split:4"]', f'["exact", "{method}"]') + PARALLEL
+    with pytest.raises(InputError, match=now) as refusal:
+        study.loads(text)
+    assert "model.methods" in str(refusal.value) and "\n" not in str(refusal.value)

@@ -1,4 +1,4 @@
-"""The worked example of README.md and what the guides show is what the commands print today."""
+"""The worked example of README.md and what the guides show is what the commands print today; CONTRIBUTING.md names what exists."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def test_the_reduced_method_reaches_the_accuracy_that_it_is_asked_for(tmp_path: 
         assert np.abs(found["maxwell"] / best - 1).max() <= rtol
 
 
-@pytest.mark.parametrize("file", ["analysis/GUIDE.md", "analysis/documentation/algorithms/05_corrections.md"])
+@pytest.mark.parametrize("file", ["analysis/GUIDE.md", "analysis/documentation/algorithms/capacitances.md"])
 def test_there_are_as_many_set_ups_corrected_as_is_told(file: str) -> None:
     text = (ROOT / file).read_text(encoding="utf-8")
     chosen = list(corrections_set_ups.set_ups(model_module()))
@@ -168,3 +168,40 @@ def test_the_links_of_all_notes_lead_somewhere() -> None:
             if anchor:
                 headings = re.findall(r"^#+ (.*)$", path.read_text(encoding="utf-8"), re.MULTILINE)
                 assert anchor in map(_anchor, headings), f"{note}: {target}"
+
+
+FOLLOWED = re.findall(r"^\| \d+ \| `([\w:]+)` \| `([\w./]+)` \|", CONTRIBUTING, re.MULTILINE)
+
+
+def test_a_triangle_and_a_row_are_followed() -> None:
+    chapters = [
+        re.findall(r"^\| (\d+) \|", chapter, re.MULTILINE)
+        for chapter in CONTRIBUTING.split("## Follow one")[1:]
+    ]
+    assert [len(numbers) <= most for numbers, most in zip(chapters, (12, 20), strict=True)] == [True, True]
+    assert sum(map(len, chapters)) == len(FOLLOWED)
+
+
+@pytest.mark.parametrize(("function", "file"), FOLLOWED)
+def test_a_function_on_the_way_is_where_it_is_said_to_be(function: str, file: str) -> None:
+    text = (ROOT / file).read_text(encoding="utf-8")
+    defined = rf"^ *def {function}\(" if file.endswith(".py") else rf"^[\w].*\b{function}\("
+    assert re.search(defined, text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("parent", ["analysis", "geometries", "model/src"])
+def test_the_map_has_every_folder(parent: str) -> None:
+    listed = subprocess.run(["git", "ls-files", parent], cwd=ROOT, capture_output=True, text=True, check=True)
+    below = [Path(file).relative_to(parent).parts for file in listed.stdout.splitlines()]
+    drawing = CONTRIBUTING.split("```")[1]
+    assert not {parts[0] for parts in below if len(parts) > 1 and f"{parts[0]}/" not in drawing}
+
+
+def test_the_source_files_that_the_notes_name_exist() -> None:
+    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
+    files = [Path(file) for file in listed.stdout.splitlines()]
+    for note in (file for file in files if file.suffix == ".md"):
+        for name in re.findall(
+            r"`([\w./*]+\.(?:cpp|hpp|py|js|css))`", (ROOT / note).read_text(encoding="utf-8")
+        ):
+            assert any(file.match(name) for file in files), f"{note}: {name}"

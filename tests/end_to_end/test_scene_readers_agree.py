@@ -328,6 +328,10 @@ def reading_of(sense: str, *drive: str) -> str:
             'object "b": target: all objects of a floating conductor are targets or none is, but "b" is and "a" is not',
         ),
         (
+            object_of("a", 'potential = "electrode"\nto_ground = 1e-10'),
+            'object "a": to_ground: is a key of floating objects, and this one is electrode',
+        ),
+        (
             '[[sensor]]\nname = "round"\nplates = [ { centre = [0, 0, 0], radius = 0.1 } ]\n',
             "plates[0].corner: is missing: a plate is a rectangle with corner, edge_u and edge_v; an electrode of another shape is an object "
             'with potential = "electrode"',
@@ -343,6 +347,14 @@ def reading_of(sense: str, *drive: str) -> str:
         (
             object_of("a", 'potential = "electrode"\nconductor = "guard"') + reading_of("front", "a"),
             'reading "r": drive: "a" is neither a sensor nor the conductor of an electrode; the scene has "front", "guard"',
+        ),
+        (
+            '[[reading]]\nname = "r"\nsense = "front"\ndrive = "front"\n',
+            'reading "r": drive: must be a list of strings',
+        ),
+        (
+            "".join(SENSOR.replace("front", str(k)) for k in range(11)) + reading_of("x", "0"),
+            'the scene has "front", "0", "1", "2", "3", "4", "5", "6", "7", "8" and 2 more',
         ),
     ],
 )
@@ -366,6 +378,14 @@ def test_both_refuse_conductors_and_readings_with_the_same_words(
         (
             "[[0, 0], [1, 1], [1, 0], [0, 1]]",
             "edge 0 (from vertex 0) meets edge 2: the outline must not cross or touch itself",
+        ),
+        (
+            "[[0, 0], [2, 0], [2, 1], [1, 0], [0, 1]]",
+            "edge 0 (from vertex 0) meets edge 2: the outline must not cross or touch itself",
+        ),
+        (
+            "[[0, 0], [2, 0], [1, 0], [0, 1]]",
+            "edge 0 (from vertex 0) meets edge 1: the outline must not cross or touch itself",
         ),
     ],
 )
@@ -402,6 +422,7 @@ def assert_same_roles(path: Path) -> None:
         object_of("a", 'conductor = "b"\npotential = "electrode"')
         + reading_of("b", "front", "b")
         + "noise = 3.3e-16\n",
+        object_of("a", 'conductor = "c"\ntarget = true') + object_of("b", 'conductor = "c"'),
         reading_of("front", "front") + "noise = 1e-15\nthreshold = 1e-13\n",
     ],
 )

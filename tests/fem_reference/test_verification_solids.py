@@ -13,7 +13,7 @@ import pytest
 from scipy.constants import epsilon_0
 
 from analysis.topics.verification.truths import LEKNER, UNIT_SQUARE_PLATE, UNIT_SQUARE_PLATE_ERROR
-from analysis.topics.verification.truths_of_revolution import (
+from analysis.topics.verification.truths import (
     body_of_revolution,
     dielectric,
     floating,

@@ -26,7 +26,7 @@ from geometries.scene import reader
 from geometries.scene.readings import readings, targets
 from geometries.scene.scene import Scene
 from tests.bad_input.case import SENSOR, mesh_body
-from tests.fuzz import random_roles, seeds
+from tests.fuzz import random_scenes, seeds
 
 KEPT = Path(__file__).resolve().parents[2] / "build" / "disagreements"
 # Share of the files that are scenes of random roles instead of spoilt ones.
@@ -165,7 +165,7 @@ def compare(count: int | None, seconds: float, seed: int) -> tuple[int, int]:
             chosen = chance.choice(files)
             content = spoiled(chosen.content, chance)
             if chance.random() < _MADE:
-                chosen = Seed(".toml", random_roles.scene(chance))
+                chosen = Seed(".toml", random_scenes.scene_of_roles(chance))
                 content = chosen.content
             tried += 1
             if said := disagreement(chosen, content, Path(folder)):

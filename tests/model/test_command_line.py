@@ -309,23 +309,6 @@ def test_remarks_are_printed_once_and_stand_in_every_answer(
             assert json.loads(done.stdout)["remarks"][0].startswith('object "long" is 50 m long')
 
 
-def test_a_scene_without_sensors_is_remarked_on(fringe_command: Command, tmp_path: Path) -> None:
-    path = tmp_path / "robot.toml"
-    path.write_text('[[object]]\nname = "arm"\nshape = { type = "cube", size = 1 }\n')
-    done = fringe_command("capacitance", path)
-    assert done.returncode == 0
-    assert done.stderr.startswith("fringe: remark: the scene has no sensor")
-
-
-@pytest.mark.parametrize("command", [(), ("capacitance",), ("collide",), ("sense",), ("info",)])
-def test_help_and_version(fringe_command: Command, command: tuple[str, ...]) -> None:
-    helped = fringe_command(*command, "--help")
-    assert (helped.returncode, helped.stderr) == (0, "")
-    assert "--version" in helped.stdout
-    version = fringe_command(*command, "--version")
-    assert (version.returncode, version.stdout, version.stderr) == (0, "0.1.0\n", "")
-
-
 @pytest.mark.parametrize(
     "arguments",
     [
@@ -348,10 +331,6 @@ def test_wrong_usage(fringe_command: Command, scene: Path, arguments: tuple[str,
     assert done.stderr
 
 
-def test_an_unknown_command_is_named(fringe_command: Command, scene: Path) -> None:
-    assert "no command 'collapse'" in fringe_command("collapse", scene).stderr
-
-
 def test_wrong_input_names_file_line_key_and_reason(fringe_command: Command, tmp_path: Path) -> None:
     path = tmp_path / "bad.toml"
     path.write_text('[[object]]\nname = "o"\nshape = { type = "plate", size = [nan, 1] }\n')
@@ -359,12 +338,6 @@ def test_wrong_input_names_file_line_key_and_reason(fringe_command: Command, tmp
         done = fringe_command(command, path, "--json")
         assert (done.returncode, done.stdout) == (2, "")
         assert done.stderr == f'fringe: {path}:3: object "o": shape.size: must be finite\n'
-
-
-def test_missing_file(fringe_command: Command, tmp_path: Path) -> None:
-    done = fringe_command("info", tmp_path / "missing.toml")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "missing.toml" in done.stderr
 
 
 @pytest.mark.parametrize("role", ['potential = "floating"', "material = { relative_permittivity = 50 }"])

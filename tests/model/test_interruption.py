@@ -1,11 +1,11 @@
-"""Ctrl-C and limits of time end the methods that take long, with what is known so far.
+"""Ctrl-C, limits of time and threads: what takes long ends with what is known so far, and several threads may ask at once.
 
-What is asked for would take minutes: the outcome shows that it was ended, however busy the machine is.
-"""
+What is asked for would take minutes: the outcome shows that it was ended, however busy the machine is."""
 
 from __future__ import annotations
 
 import json
+import math
 import re
 import signal
 import subprocess
@@ -17,6 +17,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 import fringe
 import numpy as np
@@ -248,3 +249,43 @@ def test_on_a_terminal_the_progress_is_shown_and_erased(
     assert re.search(r"\r\x1b\[K\d+ unknowns, error [\d.e-]+ of 0.001 asked for, [\d.]+ s", shown)
     # Only what the command says of the accuracy stands after it.
     assert re.search(r"\r\x1b\[K(fringe: [^\r]*\r\n)?$", shown)
+
+
+SCENE = """
+[[link]]
+name = "arm"
+[[sensor]]
+name = "front"
+link = "arm"
+plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+[[object]]
+name = "ball"
+shape = { type = "sphere", radius = 0.05, segments = 24 }
+translation = [0.01, 0.02, 0.2]
+"""
+THREADS, POSES = 4, 12
+
+
+def answers(path: Path) -> list[Any]:
+    """Of a scene of its own that moves: capacitances, collisions and what stands where."""
+    scene = fringe.Scene.load(str(path))
+    found = []
+    for step in range(POSES):
+        turned = math.radians(5 * step)
+        rotation = [
+            [math.cos(turned), -math.sin(turned), 0],
+            [math.sin(turned), math.cos(turned), 0],
+            [0, 0, 1],
+        ]
+        scene.set_pose("arm", [0, 0, 0.005 * step], rotation)
+        found.append([scene.capacitance()["sensors"], scene.collide()])
+    return found
+
+
+def test_every_thread_has_the_answers_of_one_alone(tmp_path: Path) -> None:
+    path = tmp_path / "scene.toml"
+    path.write_text(SCENE)
+    alone = answers(path)
+    with ThreadPoolExecutor(THREADS) as pool:
+        together = list(pool.map(answers, [path] * THREADS))
+    assert all(found == alone for found in together)

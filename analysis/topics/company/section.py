@@ -24,17 +24,16 @@ from analysis.report.plot import (
 from analysis.results.units import PICOFARAD, percent, picofarads
 from analysis.topics.company.factors import (
     CONNECTIONS,
-    Entry,
-    Factor,
     PARTS,
     TOGETHER,
+    Entry,
+    Factor,
     factors,
     of_connection,
     of_model,
     of_part,
 )
-from analysis.topics.company.set_ups import MACHINES, NOTHING, TO_GROUND
-from analysis.topics.company.stage import RTOL
+from analysis.topics.company.set_ups import MACHINES, NOTHING, RTOL, TO_GROUND
 from analysis.topics.spread import ratio
 from geometries.studies.families import FLOATING, GROUNDED
 

@@ -1,4 +1,6 @@
-"""The set-ups of Experiment VII: a sensor and a hand, alone and in company, the hand connected to the ground in five ways. Metres, farads."""
+"""The set-ups of Experiment VII: a sensor and a hand, alone and in company, the hand connected to the ground in five ways. Metres, farads.
+
+Their readings are computed by boundary elements, with the model's change; finished set-ups are not computed again."""
 
 from __future__ import annotations
 
@@ -7,8 +9,13 @@ import random
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
+from pathlib import Path
+from time import perf_counter
 
-from analysis.pipeline.set_up_stages import OfScene
+from analysis.pipeline import model_stage
+from analysis.pipeline.set_up_stages import OfScene, SetUpStages
+from analysis.results.commands import COMPARED_METHOD
+from analysis.results.store import Document
 from analysis.topics.draw import DIGITS, length
 from geometries.scene.poses import Pose, Vector3
 from geometries.scene.scene import Object, Scene, Sensor
@@ -113,3 +120,34 @@ def _arrangements() -> Iterator[Arrangement]:
         aside, along = (round(_SHIFT * side * chance.uniform(-1, 1), DIGITS) for _ in range(2))
         gap, behind, beside = (length(chance, ends) for ends in (_GAPS, _BEHIND, _BESIDE))
         yield Arrangement(side, (width, depth, height), gap, (aside, along), behind, beside)
+
+
+RTOL = 1e-3
+"""Relative accuracy asked of the reading's value, background and change."""
+# Expected seconds with a guard, whose edge is close to the sensor's and the housing, and without.
+_SECONDS_GUARDED, _SECONDS = 2.0, 0.2
+
+
+def answer(set_up: SetUp, scene: Path) -> Document:
+    """Computes value, background and change (F) with their errors; and `model`, the model's change, which knows only grounded hands."""
+    model = model_stage.model_module()
+    before = perf_counter()
+    reading = model.Scene.load(str(scene)).readings("boundary-elements", rtol=RTOL)[SENSOR]
+    seconds = perf_counter() - before
+    quantities = {
+        name: {"value": float(getattr(reading, name)), "error": float(reading.error[name])}
+        for name in ("value", "background", "change")
+    }
+    grounded = set_up.ground == GROUNDED
+    by_model = model.Scene.load(str(scene)).readings(COMPARED_METHOD)[SENSOR] if grounded else None
+    return {"seconds": seconds, **quantities, "model": float(by_model.change) if by_model else None}
+
+
+STAGES = SetUpStages[SetUp](
+    name="company",
+    what="set-ups in company",
+    rtol=RTOL,
+    sources=("analysis/topics/company/set_ups.py",),
+    seconds=lambda set_up: _SECONDS_GUARDED if set_up.machine == GUARD else _SECONDS,
+    answer=answer,
+)

@@ -18,11 +18,11 @@ from analysis.topics.company.set_ups import (
     GUARD,
     MACHINES,
     PERSON,
+    STAGES,
     TO_GROUND,
     SetUp,
     all_set_ups,
 )
-from analysis.topics.company.stage import STAGES
 from analysis.topics.field_solver import FieldCheck
 from analysis.topics.topic import Topic
 

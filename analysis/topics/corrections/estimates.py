@@ -1,7 +1,8 @@
-"""The estimate of every method for every set-up, and its error."""
+"""The methods' estimates of all set-ups with their errors, and the tables of errors in model/CORRECTIONS.md: `python3 -m analysis measure corrections`."""
 
 from __future__ import annotations
 
+import argparse
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -9,9 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.pipeline.model_stage import options
-from analysis.topics.corrections.set_ups import SetUp, set_ups
-from analysis.topics.corrections.truths import Truth, load
+from analysis.pipeline.model_stage import model_module, options
+from analysis.results.units import percent
+from analysis.topics.corrections.set_ups import SetUp, Truth, load, set_ups
+from geometries.common.installation import ROOT
 
 Array = NDArray[np.float64]
 PLAIN, FORMULA, REDUCED = "exact", "formula", "reduced"
@@ -80,3 +82,87 @@ def _truth(truths: dict[str, Truth], set_up: SetUp) -> Truth:
             f"{set_up.name} has no truth: python3 -m analysis measure truths corrections makes them anew"
         )
     return truths[set_up.name]
+
+
+@dataclass(frozen=True)
+class Evaluation:
+    """One method. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others."""
+
+    name: str
+    all: Errors
+    open_: Errors
+    sealed: Errors
+    families: dict[str, Errors]
+
+
+def evaluations(found: Estimates) -> tuple[Evaluation, ...]:
+    """Returns the errors of all methods, whose estimates are given."""
+    return tuple(_evaluation(found, name) for name in found.by_method)
+
+
+def _evaluation(found: Estimates, name: str) -> Evaluation:
+    errors, families = found.errors(name), np.array(found.families)
+    return Evaluation(
+        name,
+        Errors.of(errors),
+        Errors.of(errors[~found.sealed]),
+        Errors.of(errors[found.sealed]),
+        {family: Errors.of(errors[families == family]) for family in dict.fromkeys(found.families)},
+    )
+
+
+PAGE = ROOT / "model" / "CORRECTIONS.md"
+_HEADER = (
+    "| | rms | median | 95 % | worst | sealed rms / worst |",
+    "|---|---|---|---|---|---|",
+)
+
+
+def errors_table(found: Sequence[Evaluation]) -> list[str]:
+    """Returns a row for each method, per cent of the truth."""
+    return [*_HEADER, *(_row(each) for each in found)]
+
+
+def by_family(found: Sequence[Evaluation]) -> str:
+    """Returns the formula's errors by family."""
+    (formula,) = (each for each in found if each.name == FORMULA)
+    phrases = (f"{family} {_both(errors)}" for family, errors in formula.families.items())
+    return f"The formula by family, rms / worst: {', '.join(phrases)}."
+
+
+def _row(each: Evaluation) -> str:
+    every = each.all
+    phrases = (_per_cent(value) for value in (every.rms, every.median, every.percentile_95, every.worst))
+    return f"| `{each.name}` | {' | '.join(phrases)} | {_both(each.sealed)} |"
+
+
+def _both(errors: Errors) -> str:
+    return f"{_per_cent(errors.rms)} / {_per_cent(errors.worst)}"
+
+
+def _per_cent(value: float) -> str:
+    """Returns a number for a column in per cent."""
+    return percent(value).removesuffix(" %")
+
+
+def figures(module: Any) -> list[str]:
+    """Returns all lines; takes some seconds."""
+    chosen = list(set_ups(module))
+    asked = estimate(module, chosen)
+    found = evaluations(asked)
+    return [
+        *errors_table(found),
+        f"{near_misses(asked)} of {len(chosen)} set-ups are more than 1 % off by reduced",
+        by_family(found),
+    ]
+
+
+def near_misses(found: Estimates) -> int:
+    """Counts the set-ups in which the reduced method is off by more than 1 %."""
+    return int(np.sum(np.abs(found.errors(REDUCED)) > 0.01))
+
+
+def measure(_: argparse.Namespace) -> int:
+    """Prints all lines."""
+    print("\n".join(figures(model_module())))
+    return 0

@@ -11,15 +11,16 @@ from analysis.report import page
 from analysis.report.plot import Panel, figure, power_axis, series_colour
 from analysis.results.store import Document
 from analysis.results.units import percent
-from analysis.topics.corrections import cases_section, stage
+from analysis.topics.corrections import cases
 from analysis.topics.corrections.estimates import FORMULA, PLAIN, REDUCED
 
 TITLE = "Corrections of the model (mutual)"
-ABSENT = f"The corrections were not evaluated yet: {stage.COMMAND} does it in a minute."
+COMMAND = "python3 -m analysis corrections"
+ABSENT = f"The corrections were not evaluated yet: {COMMAND} does it in a minute."
 
 
 def section(document: Document, set_ups: str) -> Markup:
-    """Returns the section of a document of analysis.topics.corrections.stage. `set_ups` is the file of the page of its set-ups, as seen from the page."""
+    """Returns the section of the topic's document. `set_ups` is the file of the page of its set-ups, as seen from the page."""
     return page.section(
         TITLE,
         page.finding(finding(document)),
@@ -27,7 +28,7 @@ def section(document: Document, set_ups: str) -> Markup:
         page.soft("A click on a triangle opens the set-up in which that method is worst."),
         _table(document),
         _families(document),
-        cases_section.section(document["cases"], set_ups),
+        cases.section(document["cases"], set_ups),
         page.soft(_explanation(document)),
     )
 
@@ -79,7 +80,7 @@ def _panels(document: Document) -> list[Panel]:
 
 def _worst_cases(document: Document, methods: list[Document]) -> list[str]:
     """Names, for each of these methods, the sealed set-up in which it is worst."""
-    return [cases_section.worst(document["cases"], entry["name"], sealed=True) for entry in methods]
+    return [cases.worst(document["cases"], entry["name"], sealed=True) for entry in methods]
 
 
 def _table(document: Document) -> Markup:
@@ -122,7 +123,7 @@ def _explanation(document: Document) -> str:
     return (
         f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); {document['sealed']} of them are sealed "
         "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Times: one "
-        f"core, one run, new pose each time. Repeat: {stage.COMMAND}."
+        f"core, one run, new pose each time. Repeat: {COMMAND}."
     )
 
 

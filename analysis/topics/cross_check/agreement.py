@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from analysis.results import changes
 from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
+from analysis.results.set_up import is_delta_self
 from analysis.results.study_results import CaseResult, Results
 
 QUADRATURE_SHARE = 0.05
@@ -132,7 +132,7 @@ def _of_case(case: CaseResult, reference: ReferenceAnswer, boundary: BoundaryAns
     felt = {f"delta_self {sensor}": change for sensor, change in reference.delta_self.items()}
     also = {f"delta_self {sensor}": change for sensor, change in boundary.delta_self.items()}
     # Elsewhere the changes are delta_self once more.
-    if not changes.is_delta_self(case.scene):
+    if not is_delta_self(case.scene):
         felt |= {f"change {name}": reading.change for name, reading in reference.readings.items()}
         also |= {f"change {name}": reading.change for name, reading in boundary.readings.items()}
     for what, change in felt.items():

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from analysis.report.plot import Panel, axis, figure, joined, log_axis, marks, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.study_results import CaseResult, Results
+from analysis.results.units import CENTIMETRE
 from geometries.studies.study import Parameter
 
 Array = NDArray[np.float64]
@@ -193,3 +196,72 @@ def _curve(results: Results, members: list[CaseResult]) -> Curve:
         )
     ordered = tuple(sorted(points, key=lambda point: point.at))
     return Curve(first.family, _same(first), own, sensor.coupling_capacitance, sensor.input_voltage, ordered)
+
+
+Labelled = list[tuple[str, Curve]]
+"""Curves with their names."""
+
+
+def ranges(labelled: Labelled, values: Callable[[Curve], NDArray[np.float64]], swept: str) -> str:
+    """Writes the least and the greatest value along each curve, with their places."""
+    phrases = []
+    for name, curve in labelled:
+        found = values(curve)
+        least, greatest = (
+            f"{found[index]:.3g} (at {place(float(curve.at[index]), swept)})"
+            for index in (int(np.argmin(found)), int(np.argmax(found)))
+        )
+        phrases.append(f"{name} {least} to {greatest}")
+    return "; ".join(phrases)
+
+
+def place(at: float, swept: str) -> str:
+    """Writes a distance in cm or an angle in degrees."""
+    return f"{at / CENTIMETRE:.3g} cm" if swept == DISTANCE else f"{at:.3g}°"
+
+
+def plate(curve: Curve) -> str:
+    """Writes the target's size."""
+    return size(curve.target_size)
+
+
+def size(lengths: tuple[float, float]) -> str:
+    """Writes lengths in metres as centimetres."""
+    x, y = lengths
+    return f"{x / CENTIMETRE:.3g} cm × {y / CENTIMETRE:.3g} cm"
+
+
+def delta_output(labelled: Labelled, swept: str) -> Panel:
+    """Returns the reference as points with error bars and the model as lines, as the thesis plots them."""
+    traces: list[object] = []
+    for index, (name, curve) in enumerate(labelled):
+        colour, at = series_colour(index), across(curve, swept)
+        hover = f"reference, {name}: " + "%{y:.4g} V<br>%{text}<extra></extra>"
+        marker, more = {"color": colour, "size": 8}, {"text": curve.cases, "customdata": curve.cases}
+        traces.append(marks(f"reference, {name}", at, curve.reference, marker, hover, curve.error, **more))
+        traces.append(joined(f"model, {name}", at, curve.untuned, colour, "%{y:.4g} V", mode="lines"))
+    y = axis("delta output (V)", rangemode="tozero")
+    return Panel("delta output", figure(traces, axis_of(swept), y, 440))
+
+
+def ratios(labelled: Labelled, swept: str) -> Panel:
+    """Plots the model's delta output over the reference's."""
+    traces: list[object] = []
+    for index, (name, curve) in enumerate(labelled):
+        more = {"text": curve.cases, "customdata": curve.cases}
+        values = curve.untuned / curve.reference
+        bars = values * curve.error / curve.reference
+        hover = "%{y:.4g} times<br>%{text}"
+        traces.append(joined(name, across(curve, swept), values, series_colour(index), hover, bars, **more))
+    y = axis("model over reference", rangemode="tozero")
+    return Panel("the model's over the reference's", figure(traces, axis_of(swept), y, 440))
+
+
+def across(curve: Curve, swept: str) -> Array:
+    """Returns the distances in cm or the angles in degrees of a curve."""
+    return curve.at / CENTIMETRE if swept == DISTANCE else curve.at
+
+
+def axis_of(swept: str) -> dict[str, object]:
+    """Returns the axis of distances or of angles."""
+    return log_axis("distance (cm)") if swept == DISTANCE else axis("angle (degrees)", dtick=15)

@@ -13,8 +13,7 @@ from analysis.results.answers import Estimate
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import CENTIMETRE, PICOFARAD, picofarads
-from analysis.topics.experiments.curves import DISTANCE
-from analysis.topics.experiments.words import place
+from analysis.topics.experiments.curves import DISTANCE, place
 from geometries.studies.families import DIELECTRIC, GROUNDED
 
 _FAMILY = "box"

@@ -5,16 +5,68 @@ from __future__ import annotations
 from markupsafe import Markup
 
 from analysis.report import page
+from analysis.report.plot import Panel, figure, joined, power_axis, series_colour
 from analysis.results.study_results import Results
-from analysis.topics.experiments import (
-    materials,
-    measured_section,
-    neighbours,
-    plots,
-    splitting,
-    words,
+from analysis.results.units import PICOFARAD
+from analysis.topics.experiments import curves, materials, neighbours, splitting
+from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve, with_flat_start
+
+NOTHING_MEASURED = (
+    "Measured quantity: none. The thesis compares two evaluations of its own formula, and so does this section; their difference is the same "
+    "whether the formula stands for mutual or for the change of a reading."
 )
-from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve, curves, with_flat_start
+_MEASURED = (
+    "Measured quantity: the thesis' electronics sense the driven sensor through a divider, with the plate and without it. This determines the change of the "
+    "sensor's reading, which in empty space is delta_self, and not mutual: that is the charge on the plate, which was connected to no meter. All curves of delta output are "
+    "made of the change. {} The thesis does not describe the plate's connection; its chapter 7 calls the objects grounded, as here. What a "
+    "machine around the sensor or a floating plate makes of the change: Experiment VII."
+)
+_OF_EXPERIMENT = {
+    "II": "The thesis' tuning absorbs a constant ratio of change to mutual; theirs is not constant.",
+    "III": "The thesis' tuning absorbs the ratio of change to mutual of one plate only.",
+    "IV": "The ratio of change to mutual depends on the angle, too. The holder of the thesis' plate, a dielectric, is left out.",
+}
+
+
+def measured(experiment: str) -> Markup:
+    """Returns which quantity the thesis measured in Experiment II, III or IV."""
+    return page.paragraph(_MEASURED.format(_OF_EXPERIMENT[experiment]))
+
+
+def measured_parts(labelled: curves.Labelled, swept: str) -> list[Markup]:
+    """Returns the ratio of change to mutual, and a figure of both, for curves with their names."""
+    return [
+        page.finding(measured_finding(labelled, swept)),
+        page.figures([_both(labelled, swept)]),
+    ]
+
+
+def measured_finding(labelled: curves.Labelled, swept: str) -> str:
+    """Tells how much of mutual the change is on every curve."""
+    ranges = curves.ranges(labelled, lambda curve: curve.change_over_mutual, swept)
+    return f"The change of the reading, over mutual: {ranges}."
+
+
+def _both(labelled: curves.Labelled, swept: str) -> Panel:
+    traces = []
+    for index, (name, curve) in enumerate(labelled):
+        for what, dash in (("change", "solid"), ("mutual", "dot")):
+            estimates = [getattr(point, what) for point in curve.points]
+            values, bars = (
+                [getattr(estimate, part) / PICOFARAD for estimate in estimates] for part in ("value", "error")
+            )
+            across, colour, hover = (
+                curves.across(curve, swept),
+                series_colour(index),
+                "%{y:.4g} pF<br>%{text}",
+            )
+            more = {"dash": dash, "text": curve.cases, "customdata": curve.cases}
+            traces.append(joined(f"{what}, {name}", across, values, colour, hover, bars, **more))
+    y = power_axis("capacitance (pF)")
+    return Panel(
+        "change of the reading, and mutual, by the reference", figure(traces, curves.axis_of(swept), y, 440)
+    )
+
 
 _TITLES = {
     "I": "Experiment I: splitting against the exact integral",
@@ -37,13 +89,13 @@ def section(results: Results) -> Markup:
         return Markup("")
     if results.experiment == "I":
         parts = splitting.parts(splitting.accuracies(results))
-        parts.append(page.paragraph(measured_section.NOTHING_MEASURED))
+        parts.append(page.paragraph(NOTHING_MEASURED))
     elif results.experiment == "V":
         parts = neighbours.parts(neighbours.series(results))
     elif results.experiment == "VI":
         parts = materials.parts(results)
     else:
-        parts = _over_distance_or_angle(results.experiment, curves(results))
+        parts = _over_distance_or_angle(results.experiment, curves.curves(results))
     return page.section(_TITLES[results.experiment], *parts)
 
 
@@ -52,10 +104,10 @@ def _over_distance_or_angle(experiment: str, found: list[Curve]) -> list[Markup]
     groups: dict[tuple[float, float], list[Curve]] = {}
     for curve in found:
         groups.setdefault(curve.sensor_size, []).append(curve)
-    parts = [measured_section.measured(experiment)]
+    parts = [measured(experiment)]
     parts += [] if groups else [page.paragraph("No curve has both answers.")]
     for size, members in groups.items():
-        parts += [page.heading(f"Sensor of {words.size(size)}"), *_of_sensor(experiment, members)]
+        parts += [page.heading(f"Sensor of {curves.size(size)}"), *_of_sensor(experiment, members)]
     return [*parts, page.soft(_DELTA)]
 
 
@@ -65,20 +117,20 @@ def _of_sensor(experiment: str, found: list[Curve]) -> list[Markup]:
         pivoted = [curve for curve in found if curve.family == "inclined"]
         starting = [with_flat_start(curve, flat[0]) if flat else curve for curve in pivoted]
         swept = ANGLE
-        labelled = [(f"hinge at {words.place(curve.hinge_gap, DISTANCE)}", curve) for curve in starting]
+        labelled = [(f"hinge at {curves.place(curve.hinge_gap, DISTANCE)}", curve) for curve in starting]
     else:
         swept = DISTANCE
-        labelled = [(f"plate of {words.plate(curve)}", curve) for curve in flat]
+        labelled = [(f"plate of {curves.plate(curve)}", curve) for curve in flat]
     if not labelled:
         return [page.paragraph("None of this experiment's curves has both answers.")]
     return [
         page.finding(finding(labelled, swept)),
-        page.figures([plots.delta_output(labelled, swept), plots.ratios(labelled, swept)]),
-        *measured_section.parts(labelled, swept),
+        page.figures([curves.delta_output(labelled, swept), curves.ratios(labelled, swept)]),
+        *measured_parts(labelled, swept),
     ]
 
 
-def finding(labelled: words.Labelled, swept: str) -> str:
+def finding(labelled: curves.Labelled, swept: str) -> str:
     """Tells how far the model's delta output is from the reference's on every curve."""
-    ranges = words.ranges(labelled, lambda curve: curve.untuned / curve.reference, swept)
+    ranges = curves.ranges(labelled, lambda curve: curve.untuned / curve.reference, swept)
     return f"The model's delta output, over the reference's: {ranges}."

@@ -14,10 +14,10 @@ from analysis.pipeline import model_stage
 from analysis.results.store import Document
 from analysis.topics import field_solver
 from analysis.topics.field_solver import QUANTITIES, FieldCheck
-from analysis.topics.insulators import records, section, set_ups, truths
-from analysis.topics.insulators.records import Entry
+from analysis.topics.insulators import section, set_ups, truths
+from analysis.topics.insulators.section import Entry
 from analysis.topics.insulators.set_ups import COVER, FILM, READING, TARGET, SetUp, all_set_ups
-from analysis.topics.insulators.stage import STAGES
+from analysis.topics.insulators.truths import STAGES
 from analysis.topics.stored import rounded
 from analysis.topics.topic import Topic
 
@@ -90,7 +90,7 @@ CHECK = FieldCheck[SetUp](
 INSULATORS = Topic[SetUp, Entry](
     stages=STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
-    entry=records.entry,
+    entry=section.entry,
     sections=lambda found, checked, _: [section.section(found, checked)],
     finding=section.finding,
     absent=section.ABSENT,

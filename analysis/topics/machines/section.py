@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -21,14 +22,103 @@ from analysis.report.plot import (
     rows_axis,
     series_colour,
 )
+from analysis.results.answers import Estimate
+from analysis.results.store import Document
 from analysis.results.units import picofarads, signed_percent
-from analysis.topics.machines import records
-from analysis.topics.machines.parts import ALL_PARTS, COMPANY
-from analysis.topics.machines.records import Entry
-from analysis.topics.machines.set_ups import FAMILIES
-from analysis.topics.machines.stage import METHODS
-from analysis.topics.machines.truths import RTOL
-from analysis.topics.spread import range_of, ratio
+from analysis.topics.errors import records as records_of_pairs
+from analysis.topics.machines import parts
+from analysis.topics.machines.parts import ALL_PARTS, COMPANY, OnMachine, Pairs
+from analysis.topics.machines.set_ups import FAMILIES, SetUp
+from analysis.topics.machines.truths import METHODS, RTOL
+from analysis.topics.spread import Spread, range_of, ratio, spread
+
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A set-up; `methods` holds the change (F) by each method that answers. `pairs` is None for a reading between two sensors."""
+
+    set_up: SetUp
+    true: OnMachine
+    pairs: Pairs | None
+    methods: dict[str, float]
+
+    @property
+    def change(self) -> Estimate:
+        """The true change (F)."""
+        return self.true.full
+
+    def ratio(self, method: str) -> float:
+        """Returns a method's change over the true one; not a number if the method has no answer."""
+        return self.methods.get(method, math.nan) / self.change.value
+
+    @property
+    def error(self) -> float:
+        """(model − truth)/truth, by the model with all triangles; −1 for a reading between sensors, of which the model gives nothing."""
+        return (self.pairs.every if self.pairs else 0.0) / self.change.value - 1
+
+    def parts(self) -> dict[str, float]:
+        """Returns the parts of the relative error, which add up to it; 0 for what the set-up does not have."""
+        company = {name: part.value for name, part in self.true.company().items()}
+        pair = self.pairs.parts() if self.pairs else {parts.NOT_KNOWN: -self.true.alone.value}
+        found = company | pair
+        return {name: found.get(name, 0.0) / self.change.value for name in ALL_PARTS}
+
+    @property
+    def largest(self) -> str:
+        """The name of the largest part."""
+        found = self.parts()
+        return max(found, key=lambda name: abs(found[name]))
+
+
+@dataclass(frozen=True)
+class OfPart:
+    """A part over the set-ups that have it, relative to the truth. `largest_in` counts where it is the greatest part."""
+
+    name: str
+    count: int
+    median: float
+    least: float
+    greatest: float
+    largest_in: int
+
+
+def statistics(found: list[Entry], method: str) -> Spread | None:
+    """Returns how a method's changes over the true ones are spread, about 1; None if it answers none of the set-ups."""
+    return spread((entry.ratio(method) for entry in found), true=1.0)
+
+
+def mean_parts(found: list[Entry]) -> list[OfPart]:
+    """Returns every part that some set-up has."""
+    made = []
+    for name in ALL_PARTS:
+        values = [value for entry in found if (value := entry.parts()[name]) != 0]
+        if values:
+            largest = sum(entry.largest == name for entry in found)
+            made.append(
+                OfPart(name, len(values), float(np.median(values)), min(values), max(values), largest)
+            )
+    return made
+
+
+def entry(set_up: SetUp, document: Document) -> Entry:
+    """Returns a set-up with its answer."""
+    changes = {
+        tuple(each["included"]): Estimate(each["value"], each["error"]) for each in document["changes"]
+    }
+    stored = document["pairs"]
+    pairs = None if stored is None else _pairs(stored)
+    methods = {name: each["change"] for name, each in document["methods"].items() if "change" in each}
+    return Entry(set_up, OnMachine(changes), pairs, methods)
+
+
+def _pairs(stored: Document) -> Pairs:
+    return Pairs(
+        truths=tuple(records_of_pairs.truth(each) for each in stored["truths"]),
+        every=stored["every"],
+        facing=stored["facing"],
+        split=records_of_pairs.split(stored["split"]) if stored["split"] else None,
+    )
+
 
 TITLE = "On machines"
 ABSENT = "This version of the model has no study of machines yet: python3 -m analysis machines does it in a minute."
@@ -56,7 +146,7 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
         page.finding(parts_finding(found)),
         page.figures([of_parts(found)]),
         page.table_of(
-            records.of_parts(found),
+            mean_parts(found),
             ("part", lambda each: each.name),
             ("set-ups", lambda each: str(each.count)),
             ("median", lambda each: f"{each.median:+.3g}"),
@@ -93,11 +183,7 @@ def sealed_finding(found: list[Entry]) -> str:
         told = [
             f"{100 * each.rms:.0f} % rms and {100 * each.worst:+.0f} % at worst in {each.count} {name} ones"
             for name, sealed in (("sealed", True), ("open", False))
-            if (
-                each := records.statistics(
-                    [entry for entry in found if entry.set_up.sealed == sealed], method
-                )
-            )
+            if (each := statistics([entry for entry in found if entry.set_up.sealed == sealed], method))
         ]
         if told:
             phrases.append(f"{method} is off by {', '.join(told)}")
@@ -109,7 +195,7 @@ def finding(found: list[Entry]) -> str:
     phrases = [
         f"{method} {ratio(each.median)} times ({ratio(each.least)} to {ratio(each.greatest)})"
         for method in METHODS
-        if (each := records.statistics(found, method)) is not None
+        if (each := statistics(found, method)) is not None
     ]
     sure = max(entry.change.error / abs(entry.change.value) for entry in found)
     return (
@@ -125,7 +211,7 @@ def parts_finding(found: list[Entry]) -> str:
         name: [entry.parts()[name] for entry in found if name in entry.true.included] for name in COMPANY
     }
     strongest = max(of_company, key=lambda name: float(np.median(of_company[name] or [0.0])))
-    greatest = max(records.of_parts(found), key=lambda each: each.largest_in)
+    greatest = max(mean_parts(found), key=lambda each: each.largest_in)
     return (
         f"Company alone makes {ratio(float(np.median(pairs)))} times too much of a change ({ratio(min(pairs))} to {ratio(max(pairs))}): so much is the exact change "
         f"of the sensor and the target by themselves over that on the machine, and no better model of pairs can be nearer. Most of it is {strongest} "
@@ -139,9 +225,7 @@ def _rows(found: list[Entry]) -> list[list[str]]:
     for family in FAMILIES:
         own = [entry for entry in found if entry.set_up.family == family]
         if own:
-            rows.append(
-                [family, str(len(own)), *(range_of(records.statistics(own, method)) for method in METHODS)]
-            )
+            rows.append([family, str(len(own)), *(range_of(statistics(own, method)) for method in METHODS)])
     return rows
 
 
@@ -151,7 +235,7 @@ def _sealed(found: list[Entry]) -> Markup:
     members = {
         name: [entry for entry in found if entry.set_up.sealed == (name == "sealed")] for _, name in kinds
     }
-    known = [(*kind, spread) for kind in kinds if (spread := records.statistics(members[kind[1]], kind[0]))]
+    known = [(*kind, spread) for kind in kinds if (spread := statistics(members[kind[1]], kind[0]))]
     return page.table_of(
         known,
         ("method", lambda each: each[0]),

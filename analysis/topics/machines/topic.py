@@ -10,10 +10,10 @@ from pathlib import Path
 from analysis.results.store import Document
 from analysis.topics import field_solver
 from analysis.topics.field_solver import FieldCheck
-from analysis.topics.machines import records, section, set_ups, truths
-from analysis.topics.machines.records import Entry
+from analysis.topics.machines import section, set_ups, truths
+from analysis.topics.machines.section import Entry
 from analysis.topics.machines.set_ups import SetUp, all_set_ups
-from analysis.topics.machines.stage import STAGES
+from analysis.topics.machines.truths import STAGES
 from analysis.topics.topic import Topic
 from geometries.scene.shapes import Cuboid, PlateShape
 
@@ -71,7 +71,7 @@ CHECK = FieldCheck[SetUp](
 MACHINES = Topic[SetUp, Entry](
     stages=STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
-    entry=records.entry,
+    entry=section.entry,
     sections=lambda found, checked, _: [section.section(found, checked)],
     finding=section.finding,
     absent=section.ABSENT,

@@ -2,16 +2,137 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+import plotly.graph_objects as go
+from markupsafe import Markup
+
 from analysis.pipeline.set_up_stages import Whole
+from analysis.report import page, set_ups_page
+from analysis.report.plot import Panel, axis, by_family, figure, log_axis
+from analysis.report.set_ups_page import Around, Shown
 from analysis.results.store import Document
 from analysis.results.study_results import Failure
-from analysis.topics.published import files, section
-from analysis.topics.published.section import Published
+from analysis.results.units import CENTIMETRE, measured
+from analysis.topics.published import files
+from analysis.topics.published.files import MUTUAL, QUANTITIES, Check, Row
 from analysis.topics.topic import Topic
+from geometries.studies.study import Case
+
+TITLE = "A reference table of capacitances around a plate"
+Published = tuple[list[Row], list[Check]]
+"""The rows of the table, and what the field solver finds of some."""
+_PERCENT = 100.0
+_CHECKED_EACH = 60
+"""Every so many set-ups, the field solver computed one as in any study."""
+STRICTEST = 1e-5
+"""The smallest relative accuracy that was asked of boundary elements."""
+
+
+def section(published: Published, set_ups: str) -> Markup:
+    """Tells what the table holds and how sure it is; `set_ups` is the file of the page of its set-ups, as seen from the page."""
+    found, checks = published
+    gaps, widths = log_axis("gap (cm)"), axis("half width (%)", rangemode="tozero")
+    values = _points(
+        found, lambda row: row.parameters["gap"] / CENTIMETRE, lambda row: row.values[MUTUAL].best
+    )
+    halves = _points(
+        found, lambda row: row.values[MUTUAL].best, lambda row: _PERCENT * row.values[MUTUAL].half_width
+    )
+    panels = [
+        Panel("mutual, best values", figure(values, gaps, log_axis("mutual (pF)"))),
+        Panel(
+            "half the width of the interval that mutual is proven to lie in",
+            figure(halves, log_axis("mutual (pF)"), widths),
+        ),
+    ]
+    place = files.PLACE.relative_to(files.PLACE.parent.parent)
+    return page.section(
+        TITLE,
+        page.finding(headline(found)),
+        page.figures(panels, set_ups=set_ups),
+        page.soft(
+            f"A click on a point opens its set-up. {check_finding(checks).replace('`', '')} The table is {place / files.TABLE}, explained in "
+            f"{files.PAGE} beside it."
+        ),
+    )
+
+
+def headline(found: list[Row]) -> str:
+    """Tells the number of set-ups and values, and their accuracy."""
+    values = len(found) * len(QUANTITIES)
+    return (
+        f"{len(found)} set-ups of a plate above, beside and diagonal to a square plate, {values} values: mutual, both own capacitances and "
+        f"delta_self of each, every one enclosed and with a best value whose stated error is at most {files.worst_error(found):.1e}."
+    )
+
+
+def check_finding(checks: list[Check]) -> str:
+    """Tells how far the field solver's own best values are from the table's."""
+    agreeing = sum(check.agrees for check in checks)
+    differences = [abs(check.difference) for check in checks]
+    cases = len({check.case for check in checks})
+    return (
+        f"In every {_CHECKED_EACH}th set-up, {cases} of them, the field solver computed its best values with estimated errors "
+        f"(`{files.CHECKS}`): {agreeing} of {len(checks)} agree within the sum of both errors; the difference is {float(np.median(differences)):.1e} in "
+        f"the median and {max(differences):.1e} at most."
+    )
+
+
+def set_ups_document(published: Published, back: str, back_title: str, inputs: str, script: str) -> str:
+    """Returns the page of the table's set-ups; `back` is the file of the page that leads to it, `inputs` the hash of what it is made from."""
+    found, _ = published
+    texts = {case.id: case for case in files.cases()}
+    around = Around(
+        "Set-ups of the published table",
+        back,
+        back_title,
+        ("quantity (pF)", "best value", "proven: low", "high"),
+        "mutual = −M[sensor, target], self = M[s,s] or M[t,t], delta_self = M[s,s] − M0[s,s], M0 without the target.",
+        (f"--method boundary-elements --rtol {STRICTEST:g} --entries",),
+    )
+    return set_ups_page.document(around, [_shown(row, texts[row.case]) for row in found], inputs, script)
+
+
+def _points(found: list[Row], x: Callable[[Row], float], y: Callable[[Row], float]) -> list[go.Scatter]:
+    hover = "%{x:.4g}, %{y:.4g}"
+    return by_family(found, lambda row: row.family, hover, size=6, x=x, y=y, customdata=lambda row: row.case)
+
+
+def _shown(row: Row, case: Case) -> Shown:
+    mutual = row.values[MUTUAL]
+    finding = f"mutual: {measured(mutual.best, mutual.error)} pF, proven to lie in [{mutual.low:.7g}, {mutual.high:.7g}]."
+    numbers = []
+    for quantity in QUANTITIES:
+        value = row.values[quantity]
+        numbers.append(
+            (
+                quantity,
+                measured(value.best, value.error),
+                f"{value.low:.7g}",
+                f"{value.high:.7g}",
+            )
+        )
+    return Shown(
+        row.case, row.family, _description(row, case), (finding,), tuple(numbers), case.scene, case.text
+    )
+
+
+def _description(row: Row, case: Case) -> str:
+    """Describes a row's parameters in words."""
+    (plate,) = case.scene.sensors[0].plates
+    sides = (f"{np.linalg.norm(edge) / CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
+    phrases = [f"Sensor {' × '.join(sides)} cm"]
+    for name, value in row.parameters.items():
+        label = name.replace("_", " ")
+        if name.endswith("_degrees"):
+            phrases.append(f"{label.removesuffix(' degrees')} {value:g}°")
+        else:
+            phrases.append(f"{label} {value / CENTIMETRE:g} cm")
+    return ", ".join(phrases) + "."
 
 
 @dataclass(frozen=True)
@@ -33,11 +154,11 @@ PUBLISHED = Topic[Whole, Published](
     stages=Kept(),
     set_ups=lambda: (Whole(),),
     entry=lambda _, __: files.load(),
-    sections=lambda found, _, set_ups: [section.section(found[0], set_ups)],
-    finding=lambda found: section.headline(found[0][0]),
+    sections=lambda found, _, set_ups: [section(found[0], set_ups)],
+    finding=lambda found: headline(found[0][0]),
     absent="",
-    title=section.TITLE,
+    title=TITLE,
     question="Which values can others be held against?",
     short="published table",
-    set_ups_page=lambda found, *around: section.set_ups_document(found[0], *around),
+    set_ups_page=lambda found, *around: set_ups_document(found[0], *around),
 )

@@ -3,17 +3,110 @@
 from __future__ import annotations
 
 import math
+from dataclasses import dataclass
 
+import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
+from numpy.typing import NDArray
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
 from analysis.results.store import Document
-from analysis.results.study_results import Results
+from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import duration, percent
-from analysis.topics.trade_off import points, stage
-from analysis.topics.trade_off.points import Point
+from analysis.topics.trade_off import stage
+
+Array = NDArray[np.float64]
+
+MESH = "field solver, one mesh"
+ANSWER = "field solver, whole answer"
+# Least fraction of the set-ups that must have a mesh level for it to be a point.
+_LEAST_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Point:
+    """A method over the set-ups: the median of the seconds for one pose, and of the errors in `mutual` relative to the truth, with
+    the error that 95 % of the set-ups stay below; `worst` is the case with the largest."""
+
+    kind: str
+    name: str
+    seconds: float
+    error: float
+    percentile_95: float
+    worst: str
+
+
+def points(document: Document, results: Results) -> list[Point]:
+    """Returns the measured methods, then the field solver's stored meshes and answers."""
+    truths = {case: truth["mutual"] for case, truth in document["truths"].items()}
+    found = [
+        _point(
+            entry["kind"],
+            entry["name"],
+            [entry["seconds"][case] for case in truths],
+            {case: entry["values"][case] / truth - 1 for case, truth in truths.items()},
+        )
+        for entry in document["methods"]
+    ]
+    solved = [(results.cases[case], truth) for case, truth in truths.items() if _is_solved(results, case)]
+    return [*found, *_meshes(solved), *_answers(solved)]
+
+
+def known_to(document: Document) -> float:
+    """Returns the median relative error of the truths; errors below it cannot be distinguished."""
+    return float(np.median([truth["error"] / truth["mutual"] for truth in document["truths"].values()]))
+
+
+def agreement(document: Document, results: Results) -> tuple[int, int]:
+    """Returns how many truths lie within the field solver's error and their own, and how many it has solved."""
+    agreeing = total = 0
+    for case, truth in document["truths"].items():
+        if _is_solved(results, case):
+            reference = results.cases[case].reference
+            assert reference is not None
+            value = reference.mutual(*reference.conductors)
+            total += 1
+            agreeing += abs(value.value - truth["mutual"]) <= value.error + truth["error"]
+    return agreeing, total
+
+
+def _is_solved(results: Results, case: str) -> bool:
+    return case in results.cases and results.cases[case].reference is not None
+
+
+def _meshes(solved: list[tuple[CaseResult, float]]) -> list[Point]:
+    found = []
+    levels = [(case.id, case.reference.levels, truth) for case, truth in solved if case.reference is not None]
+    for depth in range(max((len(each) for _, each, _ in levels), default=0)):
+        there = [(case, each[depth], truth) for case, each, truth in levels if len(each) > depth]
+        if len(there) >= _LEAST_SHARE * len(levels):
+            errors = {case: -level.maxwell[0, 1] / truth - 1 for case, level, truth in there}
+            found.append(_point(MESH, f"{depth + 1}", [level.seconds for _, level, _ in there], errors))
+    return found
+
+
+def _answers(solved: list[tuple[CaseResult, float]]) -> list[Point]:
+    pairs = [(case.id, case.reference, truth) for case, truth in solved if case.reference is not None]
+    if not pairs:
+        return []
+    errors = {case: -answer.maxwell[0, 1] / truth - 1 for case, answer, truth in pairs}
+    return [_point(ANSWER, "answer", [answer.seconds for _, answer, _ in pairs], errors)]
+
+
+def _point(kind: str, name: str, seconds: list[float], errors: dict[str, float]) -> Point:
+    """Makes a point of a method; `errors` are by case."""
+    size = np.abs(list(errors.values()))
+    return Point(
+        kind,
+        name,
+        float(np.median(seconds)),
+        float(np.median(size)),
+        float(np.quantile(size, 0.95)),
+        max(errors, key=lambda case: abs(errors[case])),
+    )
+
 
 TITLE = "Run time against error of all methods"
 _SERIES = {
@@ -22,8 +115,8 @@ _SERIES = {
     "formula": ("formula", 1, "square", "markers+text"),
     "reduced": ("reduced by rtol", 2, "triangle-up", "lines+markers+text"),
     "boundary elements": ("boundary elements by rtol", 4, "diamond", "lines+markers+text"),
-    points.MESH: (points.MESH, 3, "x", "lines+markers+text"),
-    points.ANSWER: (points.ANSWER, 3, "star", "markers"),
+    MESH: (MESH, 3, "x", "lines+markers+text"),
+    ANSWER: (ANSWER, 3, "star", "markers"),
 }
 # Methods with a label; others lie so close together that labels would cover them, and show their name under the pointer.
 _NAMED_OF_SPLITS = ("split:0", "split:4", "split:8")
@@ -35,11 +128,11 @@ def section(document: Document | None, results: Results, cases: str) -> Markup:
     """Returns the finding, the plot and what it shows; empty without a measurement. `cases` is the folder of the cases as seen from the page."""
     if document is None or not document["truths"]:
         return Markup("")
-    found = points.points(document, results)
+    found = points(document, results)
     return page.section(
         TITLE,
         page.finding(finding(found, document, results)),
-        page.figures([Panel(_caption(document), plot(found, points.known_to(document)))], cases),
+        page.figures([Panel(_caption(document), plot(found, known_to(document)))], cases),
         page.soft(_explanation(document, results)),
     )
 
@@ -55,7 +148,7 @@ def finding(found: list[Point], document: Document, results: Results) -> str:
         f"(medians), the {best.name} {duration(best.seconds, 2)} and {percent(best.error)}, {fast.name} "
         f"{duration(fast.seconds, 2)} and {percent(fast.error)}"
     )
-    meshes = [point for point in found if point.kind == points.MESH]
+    meshes = [point for point in found if point.kind == MESH]
     matched = [point for point in meshes if point.error >= fast.error]
     if matched:
         last = matched[-1]
@@ -70,7 +163,7 @@ def advice(document: Document | None, results: Results) -> str:
     """Tells the fastest method for each accuracy, in words; empty without a measurement."""
     if document is None or not document["truths"]:
         return ""
-    found = sorted(points.points(document, results), key=lambda point: point.seconds)
+    found = sorted(points(document, results), key=lambda point: point.seconds)
     reached: dict[Point, list[str]] = {}
     for accuracy in _ACCURACIES:
         best = next((point for point in found if point.percentile_95 <= accuracy), None)
@@ -169,9 +262,9 @@ def _caption(document: Document) -> str:
 
 
 def _explanation(document: Document, results: Results) -> str:
-    agreeing, total = points.agreement(document, results)
+    agreeing, total = agreement(document, results)
     truth = (
-        f"The truth is that of boundary elements at rtol = {document['truth_rtol']:g}, its stated error {points.known_to(document):.0e} in "
+        f"The truth is that of boundary elements at rtol = {document['truth_rtol']:g}, its stated error {known_to(document):.0e} in "
         f"the median; it lies within the field solver's error bar in {agreeing} of {total} set-ups."
     )
     return (

@@ -11,11 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from analysis.topics.verification import truths, truths_of_revolution
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle, rectangle
+from analysis.topics.verification import truths
 from fem_reference.answer.reference import ErrorKind
-from fem_reference.bodies.round_bodies import Cone, Cylinder, Sphere
 from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
+from fem_reference.bodies.round_bodies import Cone, Cylinder, Sphere
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle, rectangle
 from geometries.scene.poses import AxisRotation
 
 Array = NDArray[np.float64]
@@ -141,8 +141,8 @@ def true_cases() -> dict[str, TrueCase]:
 
 def _single_bodies() -> list[TrueCase]:
     turned = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
-    cylinder = truths_of_revolution.body_of_revolution([(0, -1), (1, -1), (1, 1), (0, 1)])
-    cone = truths_of_revolution.body_of_revolution([(0, -0.5), (1, -0.5), (0, 0.5)])
+    cylinder = truths.body_of_revolution([(0, -1), (1, -1), (1, 1), (0, 1)])
+    cone = truths.body_of_revolution([(0, -0.5), (1, -0.5), (0, 0.5)])
     rings = "rings of charge, extrapolated"
     found: list[tuple[str, str, Body, float, float]] = [
         ("square plate", "two boundary-element computations", plate("plate", (0, 0, 0), (0.5, 0.5)),
@@ -227,12 +227,12 @@ def _balls() -> list[TrueCase]:
     known = tuple(Quantity(name, entry(*place), truth, 1e-9) for name, place, truth in entries)
     cases = [TrueCase("balls of radii 1 and 2, gap 2", "Lekner 2011", pair(*bodies), known)]
     answers: list[tuple[str, Callable[[int], float], dict[str, Any]]] = [
-        ("floating", truths_of_revolution.floating, {"floating": ["second"]}),
-        ("of permittivity 5", truths_of_revolution.dielectric(5.0), {"dielectrics": [Dielectric("second", 5.0, 5.0)]}),
-        ("of permittivity 0.2", truths_of_revolution.dielectric(0.2), {"dielectrics": [Dielectric("second", 0.2, 0.2)]}),
+        ("floating", truths.floating, {"floating": ["second"]}),
+        ("of permittivity 5", truths.dielectric(5.0), {"dielectrics": [Dielectric("second", 5.0, 5.0)]}),
+        ("of permittivity 0.2", truths.dielectric(0.2), {"dielectrics": [Dielectric("second", 0.2, 0.2)]}),
     ]  # fmt: skip
     for words, answer, more in answers:
-        value, _ = truths_of_revolution.two_balls(0.01, 0.02, 0.05, answer)
+        value, _ = truths.two_balls(0.01, 0.02, 0.05, answer)
         quantities = (
             Quantity("C11", own, UNIT * value, 1e-12),
             Quantity("delta_self", None, UNIT * (value - 0.01), 1e-12),

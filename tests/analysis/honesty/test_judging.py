@@ -7,9 +7,8 @@ import math
 import pytest
 
 from analysis.honesty import table
-from analysis.honesty.judging import CLOSED_FORM, ITSELF, Judged, Unjudged, judged
+from analysis.honesty.judging import CLOSED_FORM, ITSELF, Judged, Record, Unjudged, judged
 from analysis.honesty.methods import ANSWERED, ENDED, FIELD_SOLVER, FINER, LATE, REFUSED, Answer, Stated
-from analysis.honesty.records import Record
 from analysis.results.answers import Estimate
 
 CHANGE, VALUE = "front: change", "front: value"

@@ -8,10 +8,10 @@ from pathlib import Path
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.honesty import records, run
+from analysis.honesty import judging, run
+from analysis.honesty.asking import Worker
 from analysis.honesty.kinds import KINDS, drawn
 from analysis.honesty.methods import ANSWERED, ENDED, LATE, METHODS, REFUSED, Answer
-from analysis.honesty.workers import Worker
 from analysis.pipeline import model_stage
 
 needs_model = pytest.mark.skipif(
@@ -56,18 +56,18 @@ def test_what_takes_too_long_has_no_answer(tmp_path: Path) -> None:
 def test_two_scenes_are_asked_for_once(tmp_path: Path) -> None:
     asked = run.options("plates,closed-forms", "reduced:1e-2,boundary-elements:3e-2", scenes=2, jobs=1)
     league = run.run(tmp_path, asked)
-    before = (tmp_path / records.FILE).read_text()
+    before = (tmp_path / judging.FILE).read_text()
     assert league.path.read_text() == league.text
-    assert set(records.load(tmp_path)) == {0, list(KINDS).index("closed-forms")}
+    assert set(judging.load(tmp_path)) == {0, list(KINDS).index("closed-forms")}
     assert {row.method for row in league.rows if row.judged} == {"reduced:1e-2", "boundary-elements:3e-2"}
     assert run.run(tmp_path, asked).text == league.text
-    assert (tmp_path / records.FILE).read_text() == before
+    assert (tmp_path / judging.FILE).read_text() == before
 
 
 @needs_model
 def test_an_unfinished_line_is_left_out(tmp_path: Path) -> None:
-    (tmp_path / records.FILE).write_text('{"seed": 1, "ki')
-    assert records.load(tmp_path) == {}
+    (tmp_path / judging.FILE).write_text('{"seed": 1, "ki')
+    assert judging.load(tmp_path) == {}
 
 
 @needs_model
@@ -81,7 +81,7 @@ def test_every_option_of_the_command_acts(
     told = capsys.readouterr().out
     assert f"table: {tmp_path / run.TABLE}" in told and "| reduced:1e-2 | plates | 1 |" in told
     assert status in (0, 1)
-    assert set(records.load(tmp_path)) == {len(KINDS)}
+    assert set(judging.load(tmp_path)) == {len(KINDS)}
     field = ["--results", str(tmp_path), "--methods", "field-solver", "--field-solver", "1"]
     command_line.main(["honesty", *field, *few])
     assert "* field-solver, 1: not today" in capsys.readouterr().out

@@ -11,7 +11,7 @@ import pytest
 
 from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
-from analysis.report.scene_pages import LIVE
+from analysis.report.results_page import LIVE
 from geometries.scene import poses, reader
 from tests.analysis.live.browser import Browser, opened, skip_where_missing, wait_for
 

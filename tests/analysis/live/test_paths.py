@@ -16,7 +16,7 @@ import pytest
 from analysis.__main__ import main
 from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
-from analysis.report.scene_pages import LIVE
+from analysis.report.results_page import LIVE
 from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
 from geometries.scene.scene import Scene

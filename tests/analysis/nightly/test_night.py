@@ -1,19 +1,22 @@
-"""A night: what is solved, kept and told when Snakemake carries a study, and what happens when it is killed."""
+"""A night: what is solved, kept and told when Snakemake carries a study, what happens when it is killed, and the end of jobs on a cluster."""
 
 from __future__ import annotations
 
+import os
+import signal
+import time
 from pathlib import Path
 
 import pytest
 
-from analysis.nightly import chunks, slurm_status
+from analysis.nightly import chunks, cluster, slurm_status
 from analysis.results import study_results as results
 from analysis.study.plan import Work
 from analysis.topics.trends import changes, page as trends_page, records
 from analysis.topics.trends.records import Record
 from geometries.common.errors import InputError
-from tests.analysis.nightly.kill_nights import kill_nights
 from tests.analysis.nightly.toy_repository import ToyRepository
+from tests.waiting import DEADLINE
 
 
 @pytest.fixture(scope="module")
@@ -74,9 +77,28 @@ def test_values_that_moved_and_methods_that_disagree_fail_the_night_and_are_told
 
 
 @pytest.mark.night
-def test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way(tmp_path: Path) -> None:
-    tally = kill_nights(tmp_path, kills=2, seed=7)
-    assert tally.kills == 2 and tally.studies >= 1
+@pytest.mark.parametrize("all_of_it", [False, True], ids=["process", "session"])
+def test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way(
+    tmp_path: Path, all_of_it: bool
+) -> None:
+    """At three moments each, many of them in a write; what a killed process has started ends with it."""
+    whole, killed = (ToyRepository(tmp_path / name, count=8) for name in ("undisturbed", "killed"))
+    killed.make_writing_slower()
+    begun = time.monotonic()
+    assert whole.run("nightly").returncode == 0
+    duration = time.monotonic() - begun
+    for share in (0.4, 0.6, 0.8):
+        before, solved = killed.answers(), killed.solved()
+        process = killed.start("nightly", "--job-seconds", "20")
+        time.sleep(share * duration)
+        (os.killpg if all_of_it and process.poll() is None else os.kill)(process.pid, signal.SIGKILL)
+        process.communicate(timeout=DEADLINE)
+        assert all(killed.solved()[case] == solved[case] for case in before), "solved again"
+    before, solved = killed.answers(), killed.solved()
+    done = killed.run("nightly")
+    assert done.returncode == 0, done.stderr
+    assert all(killed.solved()[case] == solved[case] for case in before), "solved again"
+    assert killed.table() == whole.table() and not list(killed.results.glob("cases/*/.*"))
 
 
 def works(count: int) -> list[Work]:
@@ -113,3 +135,75 @@ def test_a_job_whose_file_is_gone_is_refused(tmp_path: Path) -> None:
 )
 def test_a_job_of_slurm_is_in_one_of_three_states(told: str, word: str) -> None:
     assert slurm_status.word(told) == word
+
+
+CANCEL = """
+import pathlib, sys
+here = pathlib.Path(__file__).parent
+with (here / "called.txt").open("a") as log:
+    log.write(sys.argv[1] + "\\n")
+sys.exit("the controller does not answer" if (here / "silent").exists() else 0)
+"""
+
+
+@pytest.fixture
+def left(tmp_path: Path) -> Path:
+    """With a job's file."""
+    (tmp_path / "results" / chunks.FOLDER).mkdir(parents=True)
+    (tmp_path / "results" / chunks.FOLDER / "1-0.json").write_text("{}")
+    return tmp_path / "results"
+
+
+@pytest.fixture
+def profile(tmp_path: Path) -> Path:
+    (tmp_path / "profile").mkdir()
+    (tmp_path / "profile" / cluster.CANCEL).write_text(CANCEL)
+    return tmp_path / "profile"
+
+
+def called(profile: Path) -> list[str]:
+    log = profile / "called.txt"
+    return log.read_text().split() if log.is_file() else []
+
+
+def test_a_nights_jobs_are_ended_by_name_once_their_files_are_gone(left: Path, profile: Path) -> None:
+    cluster.begin(left, profile)
+    assert (left / chunks.FOLDER).is_dir()
+    cluster.end(left)
+    assert called(profile) == 2 * [cluster.name(left)]
+    assert not (left / chunks.FOLDER).exists()
+    cluster.end_left_over(left)
+    assert len(called(profile)) == 2
+
+
+def test_what_a_killed_night_left_is_ended_by_its_own_profile_whatever_follows(
+    left: Path, profile: Path
+) -> None:
+    cluster.begin(left, profile)
+    cluster.begin(left, None)
+    assert len(called(profile)) == 2 and not (left / chunks.FOLDER).exists()
+
+
+def test_every_folder_of_results_has_jobs_of_its_own(tmp_path: Path) -> None:
+    assert cluster.name(tmp_path) == cluster.name(tmp_path / "." / "x" / "..")
+    assert cluster.name(tmp_path) != cluster.name(tmp_path / "x")
+
+
+def test_jobs_that_cannot_be_ended_are_told_and_tried_again(left: Path, profile: Path) -> None:
+    cluster.begin(left, profile)
+    (profile / "silent").touch()
+    with pytest.raises(
+        OSError, match="may be left on the cluster: exit code 1: the controller does not answer"
+    ):
+        cluster.end(left)
+    (profile / "silent").unlink()
+    cluster.end_left_over(left)
+    cluster.end_left_over(left)
+    assert len(called(profile)) == 3
+
+
+def test_a_profile_that_cannot_end_jobs_is_one_for_which_files_are_enough(left: Path, profile: Path) -> None:
+    (profile / cluster.CANCEL).unlink()
+    cluster.begin(left, profile)
+    cluster.end(left)
+    assert not (left / chunks.FOLDER).exists()

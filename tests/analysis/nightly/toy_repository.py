@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 from collections import Counter
+from collections.abc import Callable
 from pathlib import Path
 
 from tests.analysis.synthetic import HEAD
@@ -95,16 +96,34 @@ class ToyRepository:
         """Have so many cases in the study."""
         (self.folder / "study.toml").write_text(HEAD + SWEEP.format(count=count))
 
-    def start(self, command: str, *options: str, **variables: str) -> subprocess.Popen[str]:
-        """`python3 -m analysis COMMAND` with the study, in a session of its own."""
+    def make_writing_slower(self) -> None:
+        """Has each write take longer between its end and its renaming: a killed writer's file is seldom met by chance."""
+        files = self.folder / "geometries" / "common" / "files.py"
+        written = files.read_text()
+        # Not time.sleep, which libfaketime breaks.
+        pause = '        __import__("select").select([], [], [], 0.02)\n'
+        slower = written.replace("        os.replace(", f"{pause}        os.replace(")
+        assert slower != written
+        files.write_text(slower)
+
+    def start(
+        self,
+        command: str,
+        *options: str,
+        prefix: tuple[str, ...] = (),
+        before: Callable[[], None] | None = None,
+        **variables: str,
+    ) -> subprocess.Popen[str]:
+        """`python3 -m analysis COMMAND` with the study, in a session of its own, after a prefix and what the process is to do before."""
         return subprocess.Popen(
-            [sys.executable, "-m", "analysis", command, "study.toml", *options],
+            [*prefix, sys.executable, "-m", "analysis", command, "study.toml", *options],
             cwd=self.folder,
             env=os.environ | {"CI": "true"} | variables,
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
             start_new_session=True,
+            preexec_fn=before,
         )
 
     def run(self, command: str, *options: str, **variables: str) -> subprocess.CompletedProcess[str]:

@@ -1,14 +1,23 @@
-"""What every stage has in common: an answer is stored once under its key, and a failure stores nothing."""
+"""What every stage has in common: an answer is stored whole and once under its key, which changes with all that can change the answer; a failure is told."""
 
 from __future__ import annotations
 
+import json
+from collections import Counter
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import pytest
 
+from analysis.pipeline import keys
 from analysis.pipeline.processes import Finished, Processes
+from analysis.pipeline.set_up_stages import SetUpStages
 from analysis.pipeline.stage import NoAnswer, Stage, outdated, parsed, unfinished_file
 from analysis.results import store
+from analysis.results.study_results import SCENE, case_folder
+from geometries.common.installation import ROOT
+from geometries.scene import writer
+from geometries.studies import families, study
 
 
 def stage(folder: Path, key: str = "key", error: Exception | None = None) -> Stage:
@@ -73,3 +82,219 @@ def test_an_unfinished_file_is_removed_whatever_happens(tmp_path: Path) -> None:
 )
 def test_the_reason_is_the_last_line_that_a_command_wrote(errors: str, reason: str) -> None:
     assert Finished(2, "", errors).reason == f"exit code 2: {reason}"
+
+
+STUDY = study.Study("n", "t", 1e-3, 60.0, "estimate", ("exact",), ())
+TWO_PLATES = writer.identity(families.parallel((0.1, 0.1), (0.1, 0.1), 0.02))
+
+
+def test_a_document_is_read_as_it_was_written(tmp_path: Path) -> None:
+    store.write_json(tmp_path / "deep" / "a.json", {"key": "k", "value": 0.1})
+    assert store.read_json(tmp_path / "deep" / "a.json") == {"key": "k", "value": 0.1}
+
+
+def test_a_failed_write_leaves_the_old_file_and_no_other(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "a.json"
+    store.write_json(path, {"value": 1})
+
+    def fail(*_: object) -> None:
+        raise OSError("disk full")
+
+    monkeypatch.setattr("os.replace", fail)
+    with pytest.raises(OSError):
+        store.write_json(path, {"value": 2})
+    assert json.loads(path.read_text()) == {"value": 1}
+    assert [file.name for file in tmp_path.iterdir()] == ["a.json"]
+
+
+@pytest.mark.parametrize("content", ["", "{", "[1, 2]"])
+def test_a_damaged_document_counts_as_none(tmp_path: Path, content: str) -> None:
+    (tmp_path / "a.json").write_text(content)
+    assert store.read_json(tmp_path / "a.json") is None
+
+
+def test_a_stored_answer_counts_under_its_own_key_only(tmp_path: Path) -> None:
+    store.write_json(tmp_path / "a.json", {"key": "k"})
+    assert store.read_current(tmp_path / "a.json", "k") == {"key": "k"}
+    assert store.read_current(tmp_path / "a.json", "l") is None
+    assert store.read_current(tmp_path / "b.json", "k") is None
+
+
+def test_the_reference_key_changes_with_scene_options_and_code() -> None:
+    other = writer.identity(families.parallel((0.1, 0.1), (0.1, 0.1), 0.03))
+    found = {
+        keys.reference_key(TWO_PLATES, STUDY, "a"),
+        keys.reference_key(other, STUDY, "a"),
+        keys.reference_key(TWO_PLATES, replace(STUDY, rtol=1e-4), "a"),
+        keys.reference_key(TWO_PLATES, replace(STUDY, max_seconds=9.0), "a"),
+        keys.reference_key(TWO_PLATES, replace(STUDY, error="enclosure"), "a"),
+        keys.reference_key(TWO_PLATES, STUDY, "b"),
+    }
+    assert len(found) == 6
+    assert keys.reference_key(TWO_PLATES, replace(STUDY, methods=("split:1",), title="x"), "a") in found
+
+
+def test_the_model_key_changes_with_scene_methods_and_code_but_not_with_the_reference_options() -> None:
+    here = keys.model_key(TWO_PLATES, STUDY, "a")
+    assert here != keys.model_key(TWO_PLATES, replace(STUDY, methods=("exact", "split:1")), "a")
+    assert here != keys.model_key(TWO_PLATES, STUDY, "b")
+    assert here == keys.model_key(TWO_PLATES, replace(STUDY, rtol=1e-4), "a")
+
+
+@pytest.fixture
+def repository(tmp_path: Path) -> Path:
+    for name in (
+        "model/src/a.cpp",
+        "model/CMakeLists.txt",
+        "fem_reference/solve.py",
+        "geometries/scene/reader.py",
+    ):
+        store.write_text(tmp_path / name, "first")
+    return tmp_path
+
+
+@pytest.mark.parametrize(
+    ("changed", "model", "reference"),
+    [
+        ("model/src/a.cpp", True, False),
+        ("model/include/new.hpp", True, False),
+        ("model/README.md", False, False),
+        ("fem_reference/solve.py", False, True),
+        ("geometries/scene/reader.py", False, True),
+        ("geometries/studies/families.py", False, False),
+        ("analysis/report/page.py", False, False),
+    ],
+)
+def test_the_code_version_of_a_stage_changes_with_its_own_sources(
+    repository: Path, changed: str, model: bool, reference: bool
+) -> None:
+    before = keys.model_code(repository), keys.reference_code(repository)
+    store.write_text(repository / changed, "second")
+    after = keys.model_code(repository), keys.reference_code(repository)
+    assert (before[0] != after[0], before[1] != after[1]) == (model, reference)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        "analysis/report/page.py",
+        "analysis/report/templates/page.html",
+        "analysis/topics/experiments/section.py",
+    ],
+)
+def test_the_code_version_of_the_report_covers_the_packages_within(repository: Path, changed: str) -> None:
+    before = keys.report_code(repository)
+    store.write_text(repository / changed, "second")
+    assert keys.report_code(repository) != before
+
+
+@dataclass(frozen=True)
+class Toy:
+    """A set-up whose scene is a number."""
+
+    text: str
+
+    @property
+    def identity(self) -> str:
+        return f"identity of {self.text}"
+
+    @property
+    def id(self) -> str:
+        return f"set-up-{self.text}"
+
+
+@dataclass
+class Topic:
+    """Stages whose answer is twice the number in the scene, and how often each set-up was answered."""
+
+    answered: Counter[str] = field(default_factory=Counter)
+
+    @property
+    def stages(self) -> SetUpStages[Toy]:
+        return SetUpStages[Toy](
+            name="toys",
+            what="toys",
+            rtol=1e-3,
+            sources=("analysis/pipeline/set_up_stages.py",),
+            seconds=lambda _: 0.1,
+            answer=self._answer,
+        )
+
+    def _answer(self, toy: Toy, scene: Path) -> store.Document:
+        self.answered[toy.text] += 1
+        return {"twice": 2 * int(scene.read_text())}
+
+
+TOYS = tuple(Toy(text) for text in "1234")
+
+
+@pytest.fixture
+def topic() -> Topic:
+    return Topic()
+
+
+def test_every_set_up_is_answered_once_from_its_scene(topic: Topic, tmp_path: Path) -> None:
+    assert topic.stages.run(tmp_path, (*TOYS, TOYS[0]), 2) == []
+    found = topic.stages.load(tmp_path, TOYS)
+    assert {name: answer["twice"] for name, answer in found.items()} == {
+        toy.id: 2 * int(toy.text) for toy in TOYS
+    }
+    assert topic.stages.run(tmp_path, TOYS, 2) == []
+    assert topic.answered == Counter("1234")
+    assert set(topic.stages.load(tmp_path, TOYS[:2])) == {toy.id for toy in TOYS[:2]}
+
+
+def test_what_is_broken_gone_or_of_another_version_is_answered_again(topic: Topic, tmp_path: Path) -> None:
+    topic.stages.run(tmp_path, TOYS, 2)
+    broken, another, gone, _ = (topic.stages.path(tmp_path, toy) for toy in TOYS)
+    broken.write_text(broken.read_text()[:20])
+    store.write_json(another, (store.read_json(another) or {}) | {"key": "another"})
+    gone.unlink()
+    left = broken.with_name(".toys.1.2.json")
+    left.touch()
+    assert set(topic.stages.load(tmp_path, TOYS)) == {TOYS[3].id}
+    topic.stages.run(tmp_path, TOYS, 2)
+    assert not left.exists()
+    assert topic.answered == Counter("1231234")
+
+
+def test_answers_of_other_code_or_accuracy_are_not_found(
+    topic: Topic, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    topic.stages.run(tmp_path, TOYS, 2)
+    coarser = SetUpStages[Toy](
+        "toys", "toys", 1e-2, topic.stages.sources, topic.stages.seconds, topic.stages.answer
+    )
+    assert coarser.load(tmp_path, TOYS) == {}
+    monkeypatch.setattr(SetUpStages, "code", lambda _: "another")
+    assert topic.stages.load(tmp_path, TOYS) == {}
+
+
+def test_the_code_is_that_of_the_model_and_of_the_topics_sources(topic: Topic, tmp_path: Path) -> None:
+    source = tmp_path / topic.stages.sources[0]
+    (tmp_path / "model").mkdir()
+    source.parent.mkdir(parents=True)
+    source.write_text("one")
+    (tmp_path / "model" / "integral.cpp").write_text("1")
+    first = topic.stages.code(tmp_path)
+    source.write_text("two")
+    second = topic.stages.code(tmp_path)
+    (tmp_path / "model" / "integral.cpp").write_text("2")
+    assert len({first, second, topic.stages.code(tmp_path), topic.stages.code(ROOT)}) == 4
+
+
+def test_a_set_up_without_an_answer_is_told_and_done_the_next_time(topic: Topic, tmp_path: Path) -> None:
+    scene = case_folder(tmp_path, TOYS[0].id) / SCENE
+    store.write_text(scene, "not a scene")
+    (failure,) = topic.stages.run(tmp_path, TOYS, 1)
+    assert (failure.case, failure.stage) == (TOYS[0].id, "toys")
+    assert set(topic.stages.load(tmp_path, TOYS)) == {toy.id for toy in TOYS[1:]}
+    scene.unlink()
+    assert topic.stages.run(tmp_path, TOYS, 1) == []
+    assert len(topic.stages.load(tmp_path, TOYS)) == len(TOYS)
+
+
+def test_without_a_folder_there_are_no_answers(topic: Topic, tmp_path: Path) -> None:
+    assert topic.stages.load(tmp_path / "nowhere", TOYS) == {}

@@ -1,23 +1,24 @@
-"""The change of a reading as a quantity: where it is one of its own, what its rows hold, and what is left out where the model knows none."""
+"""The change of a reading as a quantity, and the statistics of errors by family and quantity, on numbers computed by hand."""
 
 from __future__ import annotations
 
 import csv
+import math
 from pathlib import Path
 
 import pytest
 
-from analysis.results import changes, statistics, study_results as results, table
+from analysis.results import set_up, statistics, study_results as results, table
 from analysis.results.answers import ModelAnswer, ReferenceAnswer
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.topics.trends import changes as trend_changes, records
 from geometries.scene import reader
 from geometries.studies import families
 from tests.analysis.synthetic import (
-    MACHINE_ANSWERS,
     MACHINES,
-    make_results,
+    MACHINE_ANSWERS,
     machine_document,
+    make_results,
     model_document,
     reference_document,
 )
@@ -59,7 +60,7 @@ def rows(tmp_path: Path) -> list[Row]:
     ],
 )
 def test_the_change_is_delta_self_where_nothing_stays_but_sensors(scene: str, expected: bool) -> None:
-    assert changes.is_delta_self(reader.loads(scene)) == expected
+    assert set_up.is_delta_self(reader.loads(scene)) == expected
 
 
 def test_a_case_before_a_machine_has_mutual_of_its_target_and_the_change_of_every_reading(
@@ -138,11 +139,55 @@ def test_a_scene_of_ones_own_has_a_machine_if_something_stays(tmp_path: Path) ->
     )
     case = results.load(make_results(tmp_path)).compared()[0]
     named = {"scene": "arm", "frame": "1"}
-    assert [changes.machine_of(_like(case, scene, named)) for scene in (alone, before)] == [
+    assert [table.machine_of(_like(case, scene, named)) for scene in (alone, before)] == [
         "none",
-        changes.OWN_MACHINE,
+        table.OWN_MACHINE,
     ]
 
 
 def _like(case: results.CaseResult, scene: object, parameters: dict[str, str]) -> results.CaseResult:
     return results.CaseResult(**{**vars(case), "scene": scene, "parameters": parameters})
+
+
+@pytest.fixture
+def summaries(tmp_path: Path) -> dict[tuple[str, str], statistics.Summary]:
+    """Three parallel cases off by −10 %, +20 %, −40 %, two edge cases off by 0 and +50 %."""
+    models = [1.8, 2.4, 1.2, 2.0, 3.0]
+    errors = [0.01, 0.02, 0.01, 0.01, 0.05]
+    answers = {
+        number: (reference_document(2, 1, error=error), model_document(model))
+        for number, (model, error) in enumerate(zip(models, errors))
+    }
+    found = statistics.summaries(table.rows(results.load(make_results(tmp_path, answers=answers))))
+    return {(summary.family, summary.quantity): summary for summary in found}
+
+
+def test_every_family_and_all_together_are_summed_up_in_both_quantities(
+    summaries: dict[tuple[str, str], statistics.Summary]
+) -> None:
+    assert set(summaries) == {(f, q) for f in ("all", "parallel", "edge") for q in ("mutual", "delta_self")}
+
+
+def test_the_numbers_of_one_family(summaries: dict[tuple[str, str], statistics.Summary]) -> None:
+    parallel = summaries["parallel", "mutual"]
+    assert parallel.count == 3
+    assert parallel.rms == pytest.approx(math.sqrt((0.01 + 0.04 + 0.16) / 3))
+    assert parallel.median == pytest.approx(0.2)
+    assert parallel.worst == pytest.approx(-0.4)
+    assert parallel.sure_to == pytest.approx(0.01)
+
+
+def test_the_numbers_over_all_families(summaries: dict[tuple[str, str], statistics.Summary]) -> None:
+    whole = summaries["all", "mutual"]
+    assert whole.count == 5
+    assert whole.rms == pytest.approx(math.sqrt((0.01 + 0.04 + 0.16 + 0 + 0.25) / 5))
+    assert whole.worst == pytest.approx(0.5)
+    assert whole.sure_to == pytest.approx(0.025)
+
+
+def test_the_headline_tells_both_quantities_apart(
+    summaries: dict[tuple[str, str], statistics.Summary]
+) -> None:
+    mutual, delta_self = statistics.headline(list(summaries.values())).splitlines()
+    assert mutual.startswith("mutual") and "worst +50.0%" in mutual and "2.5 %" in mutual
+    assert delta_self.startswith("delta_self")

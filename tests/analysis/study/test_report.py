@@ -10,12 +10,12 @@ import pytest
 
 from analysis.report import plot_of_time
 from analysis.report.page import SCRIPT
-from analysis.report.scene_pages import LIVE, MOTION
+from analysis.report.results_page import LIVE, MOTION
 from analysis.results import store, study_results as results, table
 from analysis.results.study_results import Failure
 from analysis.study import report
 from analysis.study.questions import QUESTIONS
-from analysis.topics.corrections import stage as corrections_stage
+from analysis.topics.corrections import topic
 from analysis.topics.corrections.topic import CORRECTIONS
 from analysis.topics.trends import page as trends_page, records
 from geometries.common.errors import InputError
@@ -69,7 +69,7 @@ def pages_of(folder: Path) -> list[Path]:
 
 def test_every_question_has_a_page_that_the_report_leads_to_with_its_finding(folder: Path) -> None:
     text = report.make(folder).path.read_text()
-    asked = [question for question in QUESTIONS if question.name not in ("experiment", "faults")]
+    asked = [question for question in QUESTIONS if question.name != "experiment"]
     cards = re.findall(r'<a href="(report/[^"]*)">([^<]*)</a><p>(.*?)</p></li>', text)
     assert [title for _, title, _ in cards] == [escape(question.title) for question in asked if question.own]
     for target, title, finding in cards:
@@ -160,7 +160,7 @@ def test_a_page_of_set_ups_that_is_gone_is_made_again(folder: Path) -> None:
 
 def test_pages_of_set_ups_are_made_again_only_when_what_they_show_has_changed(tmp_path: Path) -> None:
     folder = make_results(tmp_path / "results")
-    corrections = CORRECTIONS.beside(folder) / corrections_stage.DOCUMENT
+    corrections = CORRECTIONS.beside(folder) / topic.DOCUMENT
     document = corrections_document()
     store.write_json(corrections, document)
     report.make(folder)

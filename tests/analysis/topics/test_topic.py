@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import sys
 from pathlib import Path
@@ -19,13 +20,37 @@ from analysis.topics.errors.topic import ERRORS
 from analysis.topics.insulators.topic import INSULATORS
 from analysis.topics.machines.topic import MACHINES
 from analysis.topics.published.topic import PUBLISHED
+from analysis.topics.spread import range_of, ratio, spread
 from analysis.topics.topic import Topic
 from geometries.common.installation import ROOT
 from tests.analysis.synthetic import make_results, report_text
 from tests.analysis.topics.company import test_company
-from tests.analysis.topics.errors import test_set_ups_and_stage as test_errors
+from tests.analysis.topics.errors import test_errors as test_errors
 from tests.analysis.topics.insulators import test_insulators
 from tests.analysis.topics.machines import test_machines
+
+
+def test_errors_are_about_the_true_number_and_the_range_is_of_the_numbers() -> None:
+    found = spread([0.8, 1.1, 1.6, math.nan, math.inf], true=1.0)
+    assert found is not None and found.count == 3
+    assert (found.median, found.least, found.greatest) == (1.1, 0.8, 1.6)
+    assert found.worst == pytest.approx(0.6)
+    assert found.rms == pytest.approx(math.sqrt((0.04 + 0.01 + 0.36) / 3))
+    assert range_of(found) == found.range == "1.1 (0.8 to 1.6)"
+
+
+def test_the_worst_keeps_its_sign() -> None:
+    found = spread([-3.0, 2.0])
+    assert found is not None and found.worst == -3 and found.least == -3 and found.greatest == 2
+
+
+def test_there_is_none_without_numbers() -> None:
+    assert spread([]) is None and spread([math.nan]) is None and range_of(None) == ""
+
+
+def test_large_ratios_keep_all_their_digits() -> None:
+    assert [ratio(value) for value in (0.12345, 63.84, -5735.2)] == ["0.123", "63.8", "-5735"]
+
 
 MOST_LINES = 150
 

@@ -1,4 +1,4 @@
-"""Rotations and poses: right-handed, rotate then translate, composed from the root outwards."""
+"""Rotations and poses, readings and targets of a scene, also those that it leaves out."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
-from geometries.scene.scene import Link, Object, Plate, Scene, Sensor
-from geometries.scene.shapes import PlateShape
+from geometries.scene.readings import readings, targets
+from geometries.scene.scene import Link, Object, Plate, Reading, Scene, Sensor
+from geometries.scene.shapes import Cuboid, PlateShape
 
 
 def test_a_quarter_turn_about_z_takes_x_to_y() -> None:
@@ -60,3 +61,38 @@ def test_a_sensor_gives_two_triangles_for_each_of_its_plates_and_stands_before_t
 def test_a_dielectric_body_is_no_conductor() -> None:
     scene = Scene(objects=(Object("o", PlateShape((1.0, 1.0)), relative_permittivity=4.0),))
     assert not scene.conductors()
+
+
+CUBE = Cuboid((1.0, 1.0, 1.0))
+PLATE = Plate((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+SENSORS = (Sensor("front", (PLATE,)), Sensor("back", (PLATE,)))
+HAND = Object("hand", CUBE, potential="floating")
+GUARD = Object("guard", CUBE, potential="electrode")
+GLASS = Object("glass", CUBE, relative_permittivity=5.0)
+
+
+def test_a_scene_without_readings_has_one_for_every_sensor() -> None:
+    scene = Scene(sensors=SENSORS, objects=(GUARD,))
+    assert readings(scene) == (Reading("front", "front", ("front",)), Reading("back", "back", ("back",)))
+
+
+def test_a_scene_with_readings_has_those_alone() -> None:
+    guarded = Reading("guarded", "front", ("front", "guard"))
+    assert readings(Scene(sensors=SENSORS, objects=(GUARD,), readings=(guarded,))) == (guarded,)
+
+
+def test_the_threshold_is_five_times_the_noise_unless_it_is_given() -> None:
+    scene = Scene(
+        sensors=SENSORS,
+        readings=(Reading("a", "front", ("front",), 2e-15), Reading("b", "front", ("front",), 2e-15, 3e-15)),
+    )
+    assert [reading.threshold for reading in readings(scene)] == [5 * 2e-15, 3e-15]
+
+
+def test_without_a_mark_every_object_is_a_target_but_electrodes() -> None:
+    assert targets(Scene(objects=(HAND, GUARD, GLASS))) == (True, False, True)
+
+
+def test_with_a_mark_only_the_marked_objects_are_targets() -> None:
+    marked = Object("hand", CUBE, potential="floating", target=True)
+    assert targets(Scene(objects=(marked, GUARD, GLASS))) == (True, False, False)

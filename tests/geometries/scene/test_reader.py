@@ -1,4 +1,4 @@
-"""Scene files: what is read, what is refused, and how the refusal names file, line, key and reason."""
+"""Scene files: what is read, and how a refusal names file, line, key and reason; each key is spoiled in turn by tests/bad_input."""
 
 from __future__ import annotations
 
@@ -129,7 +129,6 @@ def link(name: str, parent: str) -> str:
 
 
 BODY = 'shape = { type = "plate", size = [1, 1] }\n'
-EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
 
 
 @pytest.mark.parametrize(
@@ -137,15 +136,12 @@ EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
     [
         ("", "", "at least one sensor or one object"),
         (SENSOR + "[[wall]]\n", "wall", "unknown key"),
-        ("[medium]\nrelative_permittivity = 0\n" + SENSOR, "medium.relative_permittivity", "greater than 0"),
-        ("[medium]\npermittivity = 1\n" + SENSOR, "medium.permittivity", "unknown key"),
         ("medium = 3\n" + SENSOR, "medium", "must be a table"),
         ("sensor = 3", "sensor", "list of tables"),
         ("[[sensor]]\nplates = []", "sensor[0].name", "is missing"),
         ('[[sensor]]\nname = ""', "sensor[0].name", "must not be empty"),
         ("[[sensor]]\nname = 3", "sensor[0].name", "must be a string"),
         ('[[sensor]]\nname = "s"', 'sensor "s": plates', "at least one plate"),
-        (SENSOR + "voltage = 3", 'sensor "s": voltage', "unknown key"),
         (SENSOR + "input_voltage = nan", 'sensor "s": input_voltage', "must be finite"),
         (SENSOR + "input_voltage = true", 'sensor "s": input_voltage', "must be a number"),
         (SENSOR.replace("0.1, 0, 0", "0, 0, 0"), 'sensor "s": plates[0].edge_u', "length greater than 0"),
@@ -154,33 +150,14 @@ EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
             'sensor "s": plates[0].edge_v',
             "not at right angles",
         ),
-        (SENSOR.replace("edge_u", "edge_w"), 'sensor "s": plates[0].edge_u', "is missing"),
-        (
-            SENSOR.replace("corner = [0, 0, 0]", "corner = [0, 0]"),
-            'sensor "s": plates[0].corner',
-            "3 numbers",
-        ),
-        (SENSOR.replace("[0, 0, 0]", "[0, inf, 0]"), 'sensor "s": plates[0].corner[1]', "must be finite"),
+        (SENSOR.replace("[0, 0, 0]", "[0, 0]"), 'sensor "s": plates[0].corner', "3 numbers"),
         (SENSOR + SENSOR, 'sensor "s": name', "already used"),
-        (SENSOR + object_with(BODY, name="s"), 'object "s": name', "already used"),
         (SENSOR + 'link = "arm"', 'sensor "s": link', "there is no link 'arm'; the scene has none"),
         (SENSOR + link("a", "b"), 'link "a": parent', "there is no link 'b'; there are a"),
         (SENSOR + link("a", "b") + link("b", "a"), 'link "a": parent', "cycle: a → b → a"),
         (SENSOR + link("a", "a"), 'link "a": parent', "cycle: a → a"),
-        ('[[distance_sensor]]\nname = "e"\n' + EYE, 'distance_sensor "e": full_angle_degrees', "is missing"),
-        (
-            '[[distance_sensor]]\nname = "e"\nfull_angle_degrees = 181\n' + EYE,
-            'distance_sensor "e": full_angle_degrees',
-            "at most 180",
-        ),
-        (object_with(""), 'object "o": shape', "is missing"),
-        (shape('type = "torus"'), 'object "o": shape.type', "must be one of plate"),
+        (shape('type = "torus"'), 'object "o": shape.type', "must be one of plate, plane, cuboid, box, cube"),
         (shape('type = "plate", size = [0.1, 0]'), 'object "o": shape.size[1]', "greater than 0"),
-        (shape('type = "plate", size = [0.1, nan]'), 'object "o": shape.size[1]', "must be finite"),
-        (shape('type = "plate", size = 1'), 'object "o": shape.size', "list of 2 numbers"),
-        (shape('type = "plate", size = [1, 1], segments = 5'), 'object "o": shape.segments', "unknown key"),
-        (shape('type = "cube", size = -1'), 'object "o": shape.size', "greater than 0"),
-        (shape('type = "sphere", radius = 0'), 'object "o": shape.radius', "greater than 0"),
         (shape('type = "sphere", radius = 1, segments = 2'), 'object "o": shape.segments', "at least 3"),
         (shape('type = "sphere", radius = 1, segments = 4.0'), 'object "o": shape.segments', "an integer"),
         (
@@ -188,72 +165,9 @@ EYE = "apex = [0, 0, 0]\ndirection = [0, 0, 1]\n"
             'object "o": shape.outer_radius',
             "greater than inner_radius",
         ),
-        (
-            shape('type = "arc", inner_radius = 1, outer_radius = 2, height = 1, degrees = 361'),
-            'object "o": shape.degrees',
-            "at most 360",
-        ),
         (shape('type = "mesh", file = "x.vtk"'), 'object "o": shape.file', "must end in one of .stl"),
         (shape('type = "mesh", file = "x.stl"'), 'object "o": shape.file', "no such mesh file"),
-        (
-            object_with(BODY + 'potential = "live"'),
-            'object "o": potential',
-            'must be "grounded", "floating" or "electrode"',
-        ),
         (object_with(BODY + "collides = 1"), 'object "o": collides', "true or false"),
-        (
-            object_with(BODY + 'potential = "floating"\nmaterial = { relative_permittivity = 5 }'),
-            'object "o": material',
-            "cannot be combined with potential",
-        ),
-        (
-            object_with(BODY + 'conductor = "hand"\nmaterial = { relative_permittivity = 5 }'),
-            'object "o": material',
-            "cannot be combined with conductor",
-        ),
-        (object_with(BODY + 'conductor = ""'), 'object "o": conductor', "must not be empty"),
-        (
-            SENSOR + object_with(BODY + 'conductor = "s"'),
-            'object "o": conductor',
-            '"s" is the name of a sensor',
-        ),
-        (
-            '[[distance_sensor]]\nname = "e"\nfull_angle_degrees = 9\nrange = 1\n'
-            + EYE
-            + object_with(BODY + 'conductor = "e"'),
-            'object "o": conductor',
-            '"e" is the name of a sensor',
-        ),
-        (
-            object_with(BODY + 'conductor = "p"') + object_with(BODY, name="p"),
-            'object "o": conductor',
-            '"p" is the name of an object outside this conductor',
-        ),
-        (
-            object_with(BODY + 'conductor = "p"') + object_with(BODY + 'conductor = "c"', name="p"),
-            'object "o": conductor',
-            '"p" is the name of an object outside this conductor',
-        ),
-        (
-            object_with(BODY + 'conductor = "c"')
-            + object_with(BODY + 'conductor = "c"\npotential = "floating"', name="p"),
-            'object "p": conductor',
-            'one conductor has one potential, but "o" is grounded and "p" is floating',
-        ),
-        (shape('type = "torus"'), 'object "o": shape.type', "cuboid, box, cube"),
-        ('[[sensor]]\nname = "s"\ncorner = [0, 0, 0]\n', 'sensor "s": corner', "unknown key"),
-        (
-            '[[sensor]]\nname = "s"\nplates = [ { centre = [0, 0, 0], radius = 1 } ]\n',
-            'sensor "s": plates[0].corner',
-            "a plate is a rectangle with corner, edge_u and edge_v",
-        ),
-        (object_with(BODY + "translation = [0, 0]"), 'object "o": translation', "list of 3 numbers"),
-        (
-            object_with(BODY + "rotation = { axis = [0, 0, 0], degrees = 3 }"),
-            'object "o": rotation.axis',
-            "length greater than 0",
-        ),
-        (object_with(BODY + "rotation = { axis = [0, 0, 1] }"), 'object "o": rotation.degrees', "is missing"),
         (object_with(BODY + "quaternion = [0, 0, 0, 0]"), 'object "o": quaternion', "must not be zero"),
         *(
             (

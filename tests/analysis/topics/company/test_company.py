@@ -1,18 +1,21 @@
-"""Experiment VII: which set-ups there are, and that factors and sections follow from the answers."""
+"""Experiment VII: which set-ups there are, what follows from the answers, and that the field solver's records agree."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import combinations
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from analysis.pipeline import reference_stage
 from analysis.results import store
 from analysis.results.study_results import SCENE
 from analysis.topics.company import factors, section
 from analysis.topics.company.factors import TOGETHER, Entry
 from analysis.topics.company.set_ups import (
+    ARRANGEMENTS,
     GUARD,
     HAND,
     HOUSING,
@@ -20,17 +23,33 @@ from analysis.topics.company.set_ups import (
     NOTHING,
     PERSON,
     SENSOR,
+    STAGES,
     TABLE,
     TO_GROUND,
     SetUp,
     all_set_ups,
 )
-from analysis.topics.company.stage import STAGES
-from analysis.topics.company.topic import COMPANY
+from analysis.topics.company.topic import CHECK, COMPANY, chosen
+from analysis.topics.field_solver import QUANTITIES
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.readings import readings, targets
 from geometries.studies.families import FLOATING, GROUNDED
+
+IDS = {
+    "nothing": "648909c1bdaeb0c7",
+    "housing": "a2fbcb6d0b22295c",
+    "housing and driven guard": "fe2366d5ffa6f573",
+    "table": "8ab21daf88f23167",
+    "second person": "b040aa9effcc5779",
+}
+"""Of the third arrangement, its hand connected to the ground through 10 pF, since the experiment's first version."""
+
+
+def test_the_scenes_are_those_of_the_first_version() -> None:
+    found = {each.machine: each.id for each in all_set_ups() if (each.number, each.ground) == (3, "10 pF")}
+    assert found == IDS and set(IDS) == set(MACHINES)
+
 
 PICO = 1e-12
 # What made-up answers are multiplied by.
@@ -168,3 +187,54 @@ def test_real_answers_have_the_order_of_the_theorem_and_state_their_errors(folde
         assert grounded.model > grounded.change.value
         assert 0 < grounded.change.error < 5e-3 * grounded.change.value
     assert found[NOTHING, GROUNDED].model == found[HOUSING, GROUNDED].model
+
+
+MANY = 20
+LARGEST_ERROR = 0.05
+"""Relative error, from the second mesh, of a reading whose sensor is close to a guard."""
+
+
+def test_every_machine_is_checked_with_every_connection_and_every_arrangement_occurs() -> None:
+    found = chosen()
+    kinds = {(each.machine, each.ground) for each in found}
+    assert len(kinds) == len(found) == len(MACHINES) * len(TO_GROUND) >= MANY
+    assert {each.number for each in found} == set(range(1, ARRANGEMENTS + 1))
+
+
+def test_the_records_are_of_these_set_ups_as_they_are_today() -> None:
+    """A set-up that changes has another identity: its record is stale, and missing."""
+    records = CHECK.records()
+    assert set(records) <= {each.identity for each in chosen()}
+    kinds = {(each.machine, each.ground) for each in chosen() if each.identity in records}
+    assert {machine for machine, _ in kinds} == set(MACHINES)
+    assert {ground for _, ground in kinds} == set(TO_GROUND)
+    for record in records.values():
+        for quantity in QUANTITIES:
+            assert 0 < record[quantity]["error"] < LARGEST_ERROR * record[quantity]["value"]
+
+
+@pytest.mark.night
+def test_boundary_elements_agree_with_every_record(tmp_path: Path) -> None:
+    records = CHECK.records()
+    recorded = [each for each in chosen() if each.identity in records]
+    assert STAGES.run(tmp_path, recorded, 2) == []
+    found = CHECK.comparisons(COMPANY.found(STAGES.load(tmp_path, recorded)))
+    assert len(found) == 3 * len(records)
+    assert [each for each in found if each.over_errors > 1] == []
+
+
+def test_one_mesh_has_no_error_and_leaves_no_record(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    guarded = next(each for each in chosen() if each.machine == GUARD)
+    asked = []
+
+    def solve(_: Path, __: object, *options: str) -> store.Document:
+        asked.append(options)
+        return {"levels": [{}]}
+
+    monkeypatch.setattr(reference_stage, "solve", solve)
+    assert replace(CHECK, file=tmp_path / "field_checks.json").complete([guarded]) == (0, 1)
+    assert f"set-up {guarded.id}: one mesh has no estimated error" in capsys.readouterr().err
+    assert not (tmp_path / "field_checks.json").exists()
+    assert asked[0][asked[0].index("--columns") + 1] == "sensor,guard"

@@ -1,4 +1,4 @@
-"""The corrections on the stored truths: the set-ups, what is asked of them, and that model/CORRECTIONS.md says what is computed."""
+"""The corrections on the stored truths: the set-ups, what is asked of them, that model/CORRECTIONS.md says what is computed, and their section."""
 
 import json
 import re
@@ -8,22 +8,16 @@ import numpy as np
 import pytest
 
 from analysis.pipeline.model_stage import model_module
+from analysis.results import store
 from analysis.results.store import Document
 from analysis.results.units import percent
-from analysis.topics.corrections import (
-    cases,
-    cases_section,
-    estimates,
-    evaluation,
-    notes,
-    set_ups,
-    truths,
-)
-from analysis.topics.corrections.estimates import Errors
-from analysis.topics.corrections.evaluation import Evaluation
+from analysis.topics.corrections import cases, estimates, section, set_ups, topic
+from analysis.topics.corrections.estimates import Errors, Evaluation
+from analysis.topics.corrections.topic import CORRECTIONS
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.writer import canonical
+from tests.analysis.synthetic import corrections_document
 
 # What is asked of the formula in set-ups it was not fitted to.
 MOST_RMS, MOST_WORST = 0.03, 0.08
@@ -43,17 +37,17 @@ def found() -> estimates.Estimates:
 @pytest.fixture(scope="module")
 def text() -> str:
     """model/CORRECTIONS.md in one line."""
-    return " ".join(notes.PAGE.read_text(encoding="utf-8").split())
+    return " ".join(estimates.PAGE.read_text(encoding="utf-8").split())
 
 
 @pytest.fixture(scope="module")
 def evaluated(found: estimates.Estimates) -> tuple[Evaluation, ...]:
-    return evaluation.evaluations(found)
+    return estimates.evaluations(found)
 
 
 def test_every_set_up_has_a_truth_and_a_third_is_sealed() -> None:
     chosen = list(set_ups.set_ups(model_module()))
-    known = truths.load()
+    known = set_ups.load()
     assert [set_up.name for set_up in chosen] == list(known)
     assert len(chosen) >= 300
     assert {set_up.family for set_up in chosen} == set(set_ups.COUNTS)
@@ -62,9 +56,9 @@ def test_every_set_up_has_a_truth_and_a_third_is_sealed() -> None:
 
 def test_stored_truths_are_what_boundary_elements_say() -> None:
     chosen = list(set_ups.set_ups(model_module()))[::150]
-    known = truths.load()
+    known = set_ups.load()
     for set_up in chosen:
-        truth, stored = truths.solved(model_module(), set_up), known[set_up.name]
+        truth, stored = set_ups.solved(model_module(), set_up), known[set_up.name]
         assert abs(truth.mutual - stored.mutual) <= truth.error + stored.error <= 3e-4 * stored.mutual
 
 
@@ -97,15 +91,15 @@ def test_the_reduced_method_is_within_the_asked_errors_where_it_says_so(
 
 
 def test_the_table_of_errors_is_the_one_computed(evaluated: tuple[Evaluation, ...], text: str) -> None:
-    assert " ".join(notes.errors_table(evaluated)) in text
-    assert notes.by_family(evaluated) in text
+    assert " ".join(estimates.errors_table(evaluated)) in text
+    assert estimates.by_family(evaluated) in text
 
 
 def test_the_plain_models_error_and_the_near_misses_are_those_computed(
     evaluated: tuple[Evaluation, ...], found: estimates.Estimates, text: str
 ) -> None:
     assert f"It is {percent(evaluated[0].all.rms)} off (rms) over the {len(found.names)} set-ups" in text
-    assert f"{notes.near_misses(found)} of {len(found.names)} set-ups are more than 1 % off" in text
+    assert f"{estimates.near_misses(found)} of {len(found.names)} set-ups are more than 1 % off" in text
 
 
 def test_the_constants_are_those_of_the_code(text: str) -> None:
@@ -131,7 +125,7 @@ def told(found: estimates.Estimates) -> list[Document]:
 def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
     found: estimates.Estimates, told: list[Document]
 ) -> None:
-    text = cases_section.section(told, SET_UPS)
+    text = cases.section(told, SET_UPS)
     named = {
         name for group in re.findall(r'"customdata":\[(.*?)\]', text) for name in json.loads(f"[{group}]")
     }
@@ -141,11 +135,11 @@ def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
     gap = parallel.scene.pose_of_object("target")[1][2]
     assert sides[parallel.name][0] == pytest.approx(gap)
     worst = max(told, key=lambda case: abs(case["estimates"]["formula"] / case["truth"] - 1))
-    assert f"worst in {worst['name']}, " in cases_section.finding(told)
+    assert f"worst in {worst['name']}, " in cases.finding(told)
 
 
 def test_the_page_of_the_set_ups_shows_each_scene_with_its_numbers(told: list[Document]) -> None:
-    text = cases_section.set_ups_document(told, "corrections.html", "Corrections", "made from", "plotly.js")
+    text = cases.set_ups_document(told, "corrections.html", "Corrections", "made from", "plotly.js")
     (data,) = re.findall(r'<script type="application/json" id="set-ups">(.*?)</script>', text, re.DOTALL)
     shown = {each["name"]: each for each in json.loads(data)["setUps"]}
     heads, commands = json.loads(data)["heads"], json.loads(data)["commands"]
@@ -161,3 +155,34 @@ def test_the_page_of_the_set_ups_shows_each_scene_with_its_numbers(told: list[Do
         assert values["formula"][0] == f"{case['estimates']['formula'] / 1e-12:.6g}"
         value, error = map(float, values["boundary elements"][0].split(" ± "))
         assert value == pytest.approx(case["truth"] / 1e-12, abs=error / 10)
+
+
+@pytest.mark.parametrize(
+    "earlier", [{"corrections": []}, {**corrections_document(), "corrections": [{"name": "none"}]}]
+)
+def test_an_answer_of_an_earlier_form_counts_as_none(tmp_path: Path, earlier: store.Document) -> None:
+    store.write_json(tmp_path / topic.DOCUMENT, {"key": "", **earlier})
+    assert not CORRECTIONS.load(tmp_path)
+    made = CORRECTIONS.make(tmp_path)
+    assert section.ABSENT in made.path.read_text() and not (tmp_path / "set_ups.html").exists()
+
+
+def test_the_page_by_itself_leads_to_that_of_its_set_ups(tmp_path: Path) -> None:
+    store.write_json(tmp_path / topic.DOCUMENT, corrections_document())
+    made = CORRECTIONS.make(tmp_path)
+    assert made.headline == section.finding(corrections_document())
+    assert 'data-set-ups="set_ups.html"' in made.path.read_text()
+    assert f'href="{CORRECTIONS.file}"' in (tmp_path / "set_ups.html").read_text()
+
+
+def test_the_section_tells_the_errors_and_the_times() -> None:
+    document = corrections_document()
+    told = section.finding(document)
+    assert (
+        "2.1 % off (rms)" in told
+        and "at 2.2 to 2.2 times" in told
+        and "2 % off (rms) and 7 % at worst in all 9" in told
+    )
+    text = section.section(document, SET_UPS)
+    assert section.COMMAND in text and text.count(f'data-set-ups="{SET_UPS}"') == 2
+    assert "within 5 % in 1 of 2 set-ups and worst in parallel-001, −6 % at 0.2 sensor sizes" in text

@@ -12,7 +12,7 @@ from markupsafe import Markup
 from analysis.results.answers import Estimate
 from analysis.topics.field_solver import QUANTITIES
 from analysis.topics.insulators import section, topic, truths
-from analysis.topics.insulators.records import Entry
+from analysis.topics.insulators.section import Entry
 from analysis.topics.insulators.set_ups import (
     BLANKET,
     COUNTS,
@@ -23,8 +23,8 @@ from analysis.topics.insulators.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.insulators.stage import IGNORING, REDUCED, STAGES
 from analysis.topics.insulators.topic import CHECK, INSULATORS
+from analysis.topics.insulators.truths import IGNORING, REDUCED, STAGES
 from geometries.scene import reader
 
 

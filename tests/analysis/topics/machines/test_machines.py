@@ -1,4 +1,4 @@
-"""The model's error on machines: which set-ups there are, that the parts add up, and what page and command tell."""
+"""Set-ups on machines: which there are, the parts of the model's error, and true changes that boundary elements and the field solver agree on."""
 
 from __future__ import annotations
 
@@ -8,14 +8,17 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from analysis.pipeline.model_stage import model_module
 from analysis.results import store
 from analysis.results.answers import Estimate
 from analysis.results.study_results import SCENE
 from analysis.topics.errors.parts import EFFECTS, Truth
-from analysis.topics.machines import parts, records, section
+from analysis.topics.field_solver import Comparison
+from analysis.topics.machines import parts, section, truths
 from analysis.topics.machines.parts import GROUNDING, MERGED, OTHERS, OWN, SENSORS, OnMachine, Pairs
-from analysis.topics.machines.records import Entry
+from analysis.topics.machines.section import Entry
 from analysis.topics.machines.set_ups import (
+    ARM,
     FAMILIES,
     HOUSING,
     PERSON,
@@ -26,9 +29,8 @@ from analysis.topics.machines.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.machines.stage import EVERY, METHODS, REDUCED, STAGES
-from analysis.topics.machines.topic import MACHINES
-from analysis.topics.machines.truths import RTOL
+from analysis.topics.machines.topic import CHECK, MACHINES, chosen
+from analysis.topics.machines.truths import EVERY, METHODS, REDUCED, RTOL, STAGES
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.shapes import MeshShape, PlateShape
@@ -193,7 +195,7 @@ def test_the_section_tells_ratios_and_parts(found: list[Entry]) -> None:
     told = section.finding(found)
     times = [entry.ratio(EVERY) for entry in found if EVERY in entry.methods]
     assert f"exact {np.median(times):.3g} times" in told and f"Over {len(found)} set-ups" in told
-    assert records.statistics(found, "no such method") is None
+    assert section.statistics(found, "no such method") is None
     assert all(f">{method}<" in text for method in METHODS)
 
 
@@ -201,9 +203,59 @@ def test_the_page_on_corrections_counts_sealed_set_ups_apart(found: list[Entry])
     assert section.of_corrections([]) == ""
     told = str(section.of_corrections(found))
     for name, sealed in (("sealed", True), ("open", False)):
-        own = records.statistics([entry for entry in found if entry.set_up.sealed == sealed], EVERY)
+        own = section.statistics([entry for entry in found if entry.set_up.sealed == sealed], EVERY)
         if own is not None:
             assert (
                 f"{100 * own.rms:.0f} % rms and {100 * own.worst:+.0f} % at worst in {own.count} {name} ones"
                 in told
             )
+
+
+SAMPLE = ((HOUSING, 7), (TABLE, 5), (ARM, 2), (PERSON, 1), (ROBOT, 4), (TRANSMIT, 4))
+"""Quick ones, one of each family."""
+MANY = 30
+LARGEST_ERROR = 0.06
+"""Relative error that the field solver estimates of a change."""
+
+
+def test_every_set_up_has_a_record_of_every_choice_and_no_other_scene_has() -> None:
+    stored = truths.load()
+    assert stored.keys() == {each.identity for each in all_set_ups()}
+    for each in all_set_ups():
+        found = stored[each.identity]
+        assert list(found.changes.changes) == list(parts.choices(each))
+        assert len(found.pairs) == (0 if each.is_between_sensors else len(each.targets))
+        assert 0 < found.changes.full.error <= truths.RTOL * abs(found.changes.full.value)
+
+
+@pytest.mark.parametrize(("family", "number"), SAMPLE)
+def test_stored_changes_are_what_boundary_elements_say(family: str, number: int) -> None:
+    set_up = next(each for each in all_set_ups() if (each.family, each.number) == (family, number))
+    stored, again = truths.load()[set_up.identity], truths.solved(model_module(), set_up)
+    for included, value in again.changes.changes.items():
+        assert value.agrees_with(stored.changes.changes[included]), included
+    for one, other in zip(stored.pairs, again.pairs, strict=True):
+        assert one.mutual.agrees_with(other.mutual) and one.target_own.agrees_with(other.target_own)
+
+
+def recorded() -> list[Comparison[SetUp]]:
+    """The stored true changes beside the field solver's."""
+    known = truths.load()
+    entries = [Entry(each, known[each.identity].changes, None, {}) for each in chosen()]
+    return CHECK.comparisons(entries)
+
+
+def test_the_field_solvers_records_are_of_these_set_ups_as_they_are_today() -> None:
+    """A set-up that changes has another identity: its record is stale, and missing."""
+    found = recorded()
+    assert len(found) == len(CHECK.records()) >= MANY
+    assert {HOUSING, TABLE, TRANSMIT} <= {each.set_up.family for each in found}
+    assert {each.set_up.sealed for each in found} == {True, False}
+    for each in found:
+        assert each.proven[0] < each.field.value < each.proven[1]
+        assert 0 < each.field.error < LARGEST_ERROR * abs(each.field.value)
+
+
+def test_every_true_change_lies_in_the_proven_interval_and_agrees_within_the_stated_errors() -> None:
+    found = recorded()
+    assert [each.set_up.name for each in found if not each.is_enclosed or each.over_errors > 1] == []

@@ -11,8 +11,8 @@ import pytest
 from analysis.pipeline.model_stage import model_module
 from analysis.results.set_up import rectangles
 from analysis.results.units import PICOFARAD
-from analysis.topics.published import files, rows, section
-from analysis.topics.published.rows import QUANTITIES, Row
+from analysis.topics.published import files, topic
+from analysis.topics.published.files import QUANTITIES, Row
 from fem_reference.bodies.conductors import conductors
 from fem_reference.bodies.symmetry import mirror_planes
 from geometries.studies.study import Case
@@ -56,7 +56,7 @@ def test_every_value_is_enclosed_and_good_to_four_digits(published: list[Row]) -
 def test_the_page_tells_what_is_in_the_files() -> None:
     found, checks = files.load()
     text = (files.PLACE / files.PAGE).read_text(encoding="utf-8")
-    assert section.headline(found) in text and section.check_finding(checks) in text
+    assert topic.headline(found) in text and topic.check_finding(checks) in text
 
 
 def test_the_field_solvers_own_best_values_agree() -> None:
@@ -75,10 +75,10 @@ def test_rows_drawn_by_chance_are_found_again(
         solved = model_module().Scene.load(scene).maxwell(rtol=MOST_ERROR)
         matrix, error, change = solved["maxwell"], solved["error"], solved["delta_self"]["sensor"]
         found = {
-            rows.MUTUAL: (-matrix[0][1], error[0][1]),
-            rows.SENSOR: (matrix[0][0], error[0][0]),
-            rows.TARGET: (matrix[1][1], error[1][1]),
-            rows.DELTA_SELF: (change["value"], change["error"]),
+            files.MUTUAL: (-matrix[0][1], error[0][1]),
+            files.SENSOR: (matrix[0][0], error[0][0]),
+            files.TARGET: (matrix[1][1], error[1][1]),
+            files.DELTA_SELF: (change["value"], change["error"]),
         }
         for quantity, (value, uncertain) in found.items():
             told = row.values[quantity]

@@ -8,12 +8,12 @@ from typing import Any
 import pytest
 
 from analysis.pipeline.model_stage import model_module
-from analysis.report import plot_of_changes
+from analysis.report import plots_of_errors
 from analysis.report.page import PLOT, SCRIPT
 from analysis.results import store, study_results as results
 from analysis.results.study_results import Results
 from analysis.study import report
-from analysis.topics.trade_off import measure, points, section, stage
+from analysis.topics.trade_off import measure, section, stage
 from tests.analysis.synthetic import PARALLEL, PICO, make_results, report_text
 
 ONE = PARALLEL.replace("[0.01, 0.02, 0.04]", "0.04")
@@ -77,7 +77,7 @@ def test_solvers_meet_the_error_asked_for_and_the_plain_model_is_off(measured: d
 
 def test_points_are_medians_and_meshes_those_that_most_cases_came_to(found: Results) -> None:
     """The reference says 2 pF; its first mesh is 10 % above after 1.5 s, its second at it after 3 s."""
-    made = points.points(document(found, **ERRORS), found)
+    made = section.points(document(found, **ERRORS), found)
     told = [(point.name, point.seconds, round(point.error, 9)) for point in made]
     assert told == [
         ("split:0", 1e-6, 0.3),
@@ -88,29 +88,29 @@ def test_points_are_medians_and_meshes_those_that_most_cases_came_to(found: Resu
         ("2", 3.0, 0.0),
         ("answer", 4.5, 0.0),
     ]
-    assert points.known_to(document(found, **ERRORS)) == pytest.approx(1e-6)
-    assert points.agreement(document(found, **ERRORS), found) == (5, 5)
+    assert section.known_to(document(found, **ERRORS)) == pytest.approx(1e-6)
+    assert section.agreement(document(found, **ERRORS), found) == (5, 5)
 
 
 def test_a_point_opens_the_case_in_which_its_method_is_worst(found: Results) -> None:
     told = document(found, **ERRORS)
     worst = found.compared()[2].id
     told["methods"][1]["values"][worst] *= 0.5
-    made = points.points(told, found)
+    made = section.points(told, found)
     assert {point.name: point.worst for point in made}["exact"] == worst
     text = section.section(told, found, "cases")
     assert 'data-cases="cases"' in text and f'"customdata":["{worst}"]' in text
 
 
 def test_the_front_ends_where_the_truth_is_known_to(found: Results) -> None:
-    made = points.points(document(found, **ERRORS), found)
+    made = section.points(document(found, **ERRORS), found)
     names = [point.name for point in section.front(made, 1e-6)]
     assert names == ["split:0", "exact", "formula", "reduced 1e-3", "2"]
 
 
 def test_the_finding_is_computed(found: Results) -> None:
     told = document(found, **ERRORS)
-    sentence = section.finding(points.points(told, found), told, found)
+    sentence = section.finding(section.points(told, found), told, found)
     assert "Over 5 set-ups the plain model takes 2 µs and is 20 % off" in sentence
     assert "the formula 3 µs and 2 %, reduced 1e-3 4 µs and 0.01 %" in sentence
     assert "mesh 1 of the field solver is 10 % off after 1.5 s, 400,000 times as long" in sentence
@@ -133,7 +133,7 @@ def test_run_time_against_error_follows_the_first_plot_of_a_report_once_measured
     index = report.make(found.folder).path.read_text()
     one_more = before.count(f'class="{PLOT}"') + 1
     assert index.count(f'class="{PLOT}"') == one_more and f'src="{SCRIPT}"' in index
-    assert index.index(plot_of_changes.TITLE) < index.index("Run time against error of all methods")
+    assert index.index(plots_of_errors.TITLE) < index.index("Run time against error of all methods")
     assert "Run time against error (mutual)" not in report_text(found.folder)
 
 

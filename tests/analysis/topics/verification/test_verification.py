@@ -18,13 +18,12 @@ from analysis.topics.verification import (
     records as verification,
     rows as verification_rows,
     section as verification_section,
-    stage as verification_stage,
+    topic as verification_stage,
     truths,
 )
 from analysis.topics.verification.records import Asked, Cost
 from analysis.topics.verification.set_ups import true_cases
-from analysis.topics.verification.stage import Row
-from analysis.topics.verification.topic import VERIFICATION
+from analysis.topics.verification.topic import VERIFICATION, Row
 from tests.analysis.synthetic import make_results, report_text
 
 

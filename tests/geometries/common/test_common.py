@@ -1,7 +1,8 @@
-"""What a process started and made ends with it, in whatever way it ends."""
+"""Options, files and processes: numbers that make sense, files that are there whole or not at all, children that end with their parent."""
 
 from __future__ import annotations
 
+import argparse
 import ast
 import os
 import random
@@ -13,9 +14,29 @@ from pathlib import Path
 
 import pytest
 
+from geometries.common.arguments import positive_integer, positive_number
 from geometries.common.children import ending_with_this, temporary_folder
+from geometries.common.files import whole_file
 from tests.processes import marked
 from tests.waiting import heed_signals, wait_until
+
+
+def test_positive_numbers_are_read() -> None:
+    assert positive_number("2.5e-3") == 2.5e-3
+    assert positive_integer("12") == 12
+
+
+@pytest.mark.parametrize("text", ["0", "-1", "nan", "inf", "much", ""])
+def test_other_numbers_are_refused(text: str) -> None:
+    with pytest.raises(argparse.ArgumentTypeError, match=f"'{text}' is not a finite number greater than 0"):
+        positive_number(text)
+
+
+@pytest.mark.parametrize("text", ["0", "-1", "1.5", "many"])
+def test_other_counts_are_refused(text: str) -> None:
+    with pytest.raises(argparse.ArgumentTypeError, match=f"'{text}' is not a whole number greater than 0"):
+        positive_integer(text)
+
 
 REPOSITORY = Path(__file__).resolve().parents[3]
 # A process that makes a folder, in which the program that it starts writes files without end, and a fork; it says so and sleeps.
@@ -131,3 +152,54 @@ def test_all_packages_start_programs_and_make_folders_so() -> None:
             if "TemporaryDirectory" in text or "mkdtemp" in text:
                 found.append(f"{name} makes a folder that may outlive it")
     assert not found
+
+
+def test_a_file_appears_when_it_is_finished(tmp_path: Path) -> None:
+    target = tmp_path / "answer.json"
+    with whole_file(target) as unfinished:
+        unfinished.write_text("half")
+        assert not target.exists() and unfinished.suffix == ".json"
+    assert target.read_text() == "half" and list(tmp_path.iterdir()) == [target]
+
+
+def test_an_error_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
+    target = tmp_path / "answer.json"
+    target.write_text("old")
+    with pytest.raises(KeyboardInterrupt):
+        with whole_file(target) as unfinished:
+            unfinished.write_text("ne")
+            raise KeyboardInterrupt
+    assert target.read_text() == "old" and list(tmp_path.iterdir()) == [target]
+
+
+WRITER = """
+import sys
+from pathlib import Path
+from geometries.common.files import whole_file
+with whole_file(Path(sys.argv[1])) as unfinished:
+    unfinished.write_text("half")
+    print(flush=True)
+    sys.stdin.read()
+"""
+
+
+def test_what_a_killed_writer_left_goes_with_the_next_one(tmp_path: Path) -> None:
+    target = tmp_path / "answer.json"
+    with subprocess.Popen(
+        [sys.executable, "-c", WRITER, str(target)],
+        cwd=REPOSITORY,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    ) as writer:
+        assert writer.stdout is not None
+        writer.stdout.readline()
+        with whole_file(target) as unfinished:
+            unfinished.write_text("meanwhile")
+        assert len(list(tmp_path.glob(".answer.*.json"))) == 1, "the other is still at it"
+        writer.kill()
+    with whole_file(tmp_path / "another.json") as unfinished:
+        unfinished.write_text("whole")
+    assert len(list(tmp_path.glob(".answer.*.json"))) == 1, "not of the same file"
+    with whole_file(target) as unfinished:
+        unfinished.write_text("whole")
+    assert target.read_text() == "whole" and not list(tmp_path.glob(".*"))
