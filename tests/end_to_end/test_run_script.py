@@ -20,11 +20,21 @@ def test_a_folder_named_like_ours_where_the_user_stands_is_not_taken_for_ours(tm
     for name in ("analysis", "geometries"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("raise SystemExit('the wrong package')")
+    (tmp_path / "no study.toml").write_text("nothing = 1")
     done = subprocess.run(
-        [ROOT / "run", "no such study"], cwd=tmp_path, capture_output=True, text=True, check=False
+        [ROOT / "run", "no study.toml"], cwd=tmp_path, capture_output=True, text=True, check=False
     )
     assert done.returncode == 2, done.stderr
-    assert "no such study" in done.stderr and "wrong package" not in done.stderr
+    assert "no study.toml" in done.stderr and "wrong package" not in done.stderr
+
+
+def test_help_and_a_name_that_is_no_study_are_answered_before_anything_is_installed(tmp_path: Path) -> None:
+    folder = empty_repository(tmp_path, "cmake")
+    assert "./run [STUDY]" in run_in(folder, "./run --help", os.environ["PATH"])
+    for name in ("nowhere", "--fast"):
+        done = subprocess.run([folder / "run", name], capture_output=True, text=True, check=False)
+        assert done.returncode == 2 and f"run: {name}: is neither a study" in done.stderr
+    assert not (folder / "build").exists()
 
 
 @pytest.mark.parametrize(
@@ -121,6 +131,9 @@ def empty_repository(place: Path, *programs: str) -> Path:
     (folder / "analysis").mkdir(parents=True)
     (folder / "analysis" / "__main__.py").write_text("import sys\nprint('asked:', *sys.argv[1:])\n")
     (folder / "packages.txt").write_text("# none\n")
+    (folder / "geometries" / "studies").mkdir(parents=True)
+    for study in ("default", "experiment_1"):
+        (folder / "geometries" / "studies" / f"{study}.toml").touch()
     for program in programs:
         (folder / program).write_text(f'#!/bin/sh\necho "{program} $*"\n')
         (folder / program).chmod(0o755)
