@@ -27,6 +27,15 @@ std::string measured(double value, double error) {
   if (error == 0)
     return fmt::format("{:.6g} ± 0", value);
   const int places = decimals(error);
+  // Of a small number most decimals would be zeros.
+  constexpr double small = 1e-2;
+  constexpr int many = 7;
+  if (places > many && std::abs(value) < small && value != 0) {
+    constexpr double most_digits = 7;
+    const double digits = std::floor(std::log10(std::abs(value))) - std::floor(std::log10(error)) + 1;
+    return fmt::format("{:.{}e} ± {:.1e}", value, static_cast<int>(std::clamp(digits, 0.0, most_digits)),
+                       error);
+  }
   // The smallest that so many decimals show with two digits.
   constexpr double least = 1e-8;
   return error < least ? fmt::format("{:.{}f} ± {:.1e}", value, places, error)

@@ -36,5 +36,12 @@ TEST(Measured, WritesTheSmallestErrorsAsPowersOfTen) {
   EXPECT_EQ(measured(2.5, 0), "2.5 ± 0");
 }
 
+TEST(Measured, WritesSmallNumbersAsPowersOfTen) {
+  EXPECT_EQ(measured(-1.496412e-5, 5.23e-8), "-1.4964e-05 ± 5.2e-08");
+  EXPECT_EQ(measured(1e-9, 1.9e-12), "1.0000e-09 ± 1.9e-12");
+  EXPECT_EQ(measured(2e-9, 3e-9), "2.0e-09 ± 3.0e-09");
+  EXPECT_EQ(measured(0.0005, 0.00002), "0.000500 ± 0.000020");
+}
+
 }  // namespace
 }  // namespace fringe::cli::FRINGE_TEST_FILE
