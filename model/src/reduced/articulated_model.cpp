@@ -329,9 +329,15 @@ void ArticulatedModel::write_pose(Solvers& solvers, const PoseOfMachine& pose,
   }
   if (std::ranges::any_of(touching, &TargetContacts::is_unknown))
     return;
-  for (std::size_t k = 0; k < answers.size(); ++k)
-    if (is_shorted(k, touching))
-      answers[k].change = Estimate{infinity, 0};
+  for (std::size_t k = 0; k < answers.size(); ++k) {
+    if (!is_shorted(k, touching))
+      continue;
+    answers[k].change = Estimate{infinity, 0};
+    if (is_at_rest()) {
+      const auto [background, error] = machine_->background(machine_->readings()[k]);
+      answers[k].background = estimate_of(background, error, unit_);
+    }
+  }
   if (!needs_solution(touching))
     return;
   const bool is_joined = std::ranges::any_of(touching, &TargetContacts::is_joined);

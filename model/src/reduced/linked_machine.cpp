@@ -148,6 +148,13 @@ LinkedMachine::LinkedMachine(std::vector<ChargedBodies> links, const std::vector
     links_.push_back(std::move(*link));
 }
 
+std::pair<double, double> LinkedMachine::background(const OfReading& reading) const {
+  const auto [sense, drive, sign] = reading;
+  const MatrixXd& own = links_.front().own();
+  return {sign * own(sense, drive),
+          links_.front().own_error() * std::sqrt(own(sense, sense) * own(drive, drive))};
+}
+
 double stated_error_of(double change, double parts, double nearness) {
   /// Ratio of the stated error to the sum of its parts: measured (model/CORRECTIONS.md, section 8).
   constexpr double stated_per_parts = 2;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -89,6 +90,9 @@ class LinkedMachine {
   const std::vector<ChargedReading>& readings_on(std::size_t link) const { return charged_[link]; }
   /// Returns boxes around the bodies of a link that are sensed or driven.
   const std::vector<PlacedBox>& used(std::size_t link) const { return used_[link]; }
+
+  /// Returns a reading without targets, in m, to be multiplied by 4πε, and its error, of a machine at rest.
+  std::pair<double, double> background(const OfReading& reading) const;
 
   /// Returns all that the first link was prepared from.
   const std::string& input() const { return input_; }

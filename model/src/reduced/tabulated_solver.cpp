@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
 #include "reduced/node_kernels.hpp"
 #include "simd/dispatch.hpp"
@@ -431,10 +432,8 @@ void TabulatedSolver::state_errors(const TabulatedMachine& machine, const Target
     solved_[k].error = stated_error_of(solved_[k].change, parts, nearness) +
                        facet_effect(machine.link().functions().facet_effect_of_given(), target,
                                     solved_[k].change, on_target_.col(sense), on_target_.col(drive));
-    const MatrixXd& own = machine.link().own();
-    solved_[k].background = sign * own(sense, drive);
-    solved_[k].background_error =
-        machine.link().own_error() * std::sqrt(own(sense, sense) * own(drive, drive));
+    std::tie(solved_[k].background, solved_[k].background_error) =
+        machine.machine().background(machine.machine().readings()[k]);
   }
 }
 

@@ -115,7 +115,7 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
   const auto ask_reduction = [&] {
     // Bodies in contact on different links would be prepared again in every pose.
     best.ask(seconds_of_reduction(methods, size, asked), false, [&](Evaluation& found) {
-      methods.reduce(scene, asked, with_sensors, ReducedContacts::of_one_link, found);
+      methods.reduce(scene, asked, with_sensors, ReducedContacts::of_one_link, Refinement::none, found);
     });
   };
   // One pose boundary elements answer sooner, as a rule.

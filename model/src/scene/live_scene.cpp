@@ -118,7 +118,8 @@ class LiveScene::Implementation {
     if (std::holds_alternative<Formula>(method))
       methods_.combine(scene_, options, answer_);
     else if (std::holds_alternative<Reduced>(method))
-      methods_.reduce(scene_, options, with_sensors, ReducedContacts::all, answer_);
+      methods_.reduce(scene_, options, with_sensors, ReducedContacts::all, detail::Refinement::allowed,
+                      answer_);
     else if (std::holds_alternative<BoundaryElements>(method))
       detail::Methods::solve(scene_, options, answer_);
     else

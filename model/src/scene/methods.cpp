@@ -34,6 +34,10 @@ constexpr double least_reduced_rtol = 1e-4;
 /// Part of the accuracy for which bodies are prepared again where they do not suffice for it.
 constexpr double sharpened = 0.3;
 
+/// Least error of the reduced matrix, relative, for which the readings before a machine are asked instead:
+/// these hardly reach less.
+constexpr double least_read_rtol = 1e-2;
+
 /// Least accuracy for which a rough preparation is all that is made.
 constexpr double least_merely_rough_rtol = 0.1;
 
@@ -287,7 +291,7 @@ void Methods::reduce_roughly(const Scene& scene, const EvaluationOptions& asked,
 }
 
 void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
-                     ReducedContacts contacts, Evaluation& answer) {
+                     ReducedContacts contacts, Refinement refinement, Evaluation& answer) {
   const double rtol = rtol_of(asked);
   if (may_be_rough(rtol, asked.entries)) {
     reduce_roughly(scene, asked, with_sensors, answer);
@@ -313,6 +317,14 @@ void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool wi
   answer.reached = error <= rtol;
   if (answer.matrix)
     answer.matrix->reached = answer.reached;
+  // A machine's functions are the finer the nearer its targets are, which those of single bodies are not.
+  if (refinement == Refinement::none || !std::isfinite(error) || error <= std::max(rtol, least_read_rtol) ||
+      !knows_readings_ || has_insulators_ || asked.entries != Entries::of_readings)
+    return;
+  Evaluation before_machine;
+  read(scene, asked, false, with_sensors, before_machine);
+  if (stated_error(before_machine, scene, asked.entries) < error)
+    answer = std::move(before_machine);
 }
 
 void Methods::solve(const Scene& scene, const EvaluationOptions& asked, Evaluation& answer) {

@@ -48,8 +48,10 @@ class Methods {
   /// readings before a machine, which is prepared roughly first if that may do.
   /// @param with_sensors whether more than the readings is asked for
   /// @param contacts which bodies may touch
+  /// @param refinement whether the readings before a machine may be prepared where the matrix does not
+  /// suffice
   void reduce(const Scene& scene, const EvaluationOptions& asked, bool with_sensors, ReducedContacts contacts,
-              Evaluation& answer);
+              Refinement refinement, Evaluation& answer);
 
   /// Answers with the readings before a machine that is prepared roughly.
   void reduce_roughly(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,

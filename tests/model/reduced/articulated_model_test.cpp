@@ -339,7 +339,8 @@ TEST(ArticulatedModel, DoesNotDependOnTheUnitOfLength) {
 void expect_contact_is_told(const Scene& scene, std::optional<double> rtol) {
   test::Surrounded live(scene), fresh(scene);
   fresh.set_pose("hand", at(0, 0, 0.03));
-  const Estimate alone = fresh.answers()[0].change;
+  const ReadingAnswer apart = fresh.answers()[0];
+  const Estimate alone = apart.change, background = apart.background;
   for (const double height : {-0.01, 0.03, -0.005}) {
     live.set_pose("hand", at(0, 0, height));
     const ReadingAnswer found = live.answers(rtol, rtol.has_value())[0];
@@ -349,6 +350,11 @@ void expect_contact_is_told(const Scene& scene, std::optional<double> rtol) {
       continue;
     }
     EXPECT_TRUE(found.derivatives.empty());
+    // Contact changes nothing of what is read without the target.
+    if (found.change.value) {
+      EXPECT_NEAR(found.background.value.value(), background.value.value(),
+                  *found.background.error + *background.error);
+    }
     EXPECT_EQ(found.change.value.has_value(), std::holds_alternative<Grounded>(scene.objects[1].role));
     EXPECT_TRUE(std::isinf(found.change.value.value_or(HUGE_VAL)));
   }

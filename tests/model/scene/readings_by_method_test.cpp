@@ -222,6 +222,24 @@ TEST(ReadingsByTheReducedMethod, OfAPlateCloseToABoxStateErrorsThatHoldAtLooseAc
   }
 }
 
+TEST(ReadingsByTheReducedMethod, OfATargetManyTimesLargerThanItsGapAreFoundBeforeAMachine) {
+  Scene scene;
+  Sensor sensor;
+  sensor.name = "front";
+  sensor.plates = {{{-0.05885, -0.024305, 0}, {0.1177, 0, 0}, {0, 0.04861, 0}}};
+  scene.sensors = {sensor};
+  scene.objects = {{"wall", std::nullopt, Cuboid{2.341, 0.7545043, 1.1651157}, at(-0.522, -0.213, 0.623878)},
+                   {"house", std::nullopt, Cuboid{0.2354, 0.09722, 0.07564}, at(0, 0, -0.05295)}};
+  scene.objects[0].target = true;
+  // Boundary elements at 1e-4: 0.51966 ± 0.00014 pF. The matrix states an error of half of it.
+  constexpr double change = 0.51966e-12;
+  for (const double rtol : {0.1, 0.01}) {
+    const ReadingAnswer found = evaluate(scene, {.method = Reduced{}, .rtol = rtol}).readings.at(0);
+    EXPECT_LE(std::abs(found.change.value.value() - change), found.change.error.value()) << rtol;
+    EXPECT_LE(*found.change.error, 0.1 * change) << rtol;
+  }
+}
+
 TEST(ReadingsByTheReducedMethod, OfAGapThatItDoesNotResolveAreNotNumbers) {
   Scene scene = machine();
   scene.links[0].pose = at(0, 0, -1);
