@@ -73,6 +73,16 @@ class Geometry:
     opens: bool = False
     """Whether alpha is so small that the widest hollow opens that a wrap would close; this shows what closing hollows costs."""
 
+    @property
+    def coarser(self) -> Geometry:
+        """The same with wraps of twice the lengths."""
+        return replace(self, coarseness=2 * self.coarseness)
+
+    @property
+    def opened(self) -> Geometry:
+        """The same with open hollows."""
+        return replace(self, opens=True)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Wrap(Polyhedron):
@@ -243,22 +253,17 @@ def containing_triangles(shape: Shape, tolerance: float) -> Vector:
         return max(3, math.ceil(min(max(whole, 24), MOST_SEGMENTS) * degrees / 360))
 
     match shape:
-        case shapes.Cylinder() | shapes.Cone():
+        case shapes.Cylinder() | shapes.Cone() | shapes.Disc():
             n = sides(shape.radius)
             return replace(shape, radius=shape.radius / math.cos(math.pi / n), segments=n).triangles()
-        case shapes.Disc():
-            n = sides(shape.radius)
-            return replace(shape, radius=shape.radius / math.cos(math.pi / n), segments=n).triangles()
-        case shapes.Sphere():
-            n = 2 * math.ceil(sides(shape.radius) / 2)
+        case shapes.Sphere() | shapes.Capsule():
+            step = 2 if isinstance(shape, shapes.Sphere) else 4
+            n = step * math.ceil(sides(shape.radius) / step)
             return replace(shape, radius=shape.radius / math.cos(math.pi / n) ** 2, segments=n).triangles()
         case shapes.Ellipsoid():
             n = 2 * math.ceil(sides(max(shape.semi_axes)) / 2)
             x, y, z = (length / math.cos(math.pi / n) ** 2 for length in shape.semi_axes)
             return replace(shape, semi_axes=(x, y, z), segments=n).triangles()
-        case shapes.Capsule():
-            n = 4 * math.ceil(sides(shape.radius) / 4)
-            return replace(shape, radius=shape.radius / math.cos(math.pi / n) ** 2, segments=n).triangles()
         case shapes.RoundedCuboid():
             n = 4 * math.ceil(sides(shape.rounding) / 4)
             radius = shape.rounding / math.cos(math.pi / n) ** 2
