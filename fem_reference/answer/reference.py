@@ -231,7 +231,7 @@ def maxwell(
             source, "--only-readings", "the scene has no readings of conductors that are solved for"
         )
     others = [geometry.coarser] if problem.wraps else []
-    others += [geometry.opened] if any(wrap.closes for wrap in problem.wraps) else []
+    others += [geometry.opened(problem.wraps)] if any(wrap.closes for wrap in problem.wraps) else []
     compared = [wrapped(parts, other) for other in others]
     prepared()
     permittivity = scene.medium.relative_permittivity

@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import subprocess
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -70,18 +70,18 @@ class Geometry:
     """Relative accuracy that was asked for, from which offsets are chosen."""
     coarseness: float = 1.0
     """Factor on all lengths of a wrap; the comparison of two of them shows what the wrap costs."""
-    opens: bool = False
-    """Whether alpha is so small that the widest hollow opens that a wrap would close; this shows what closing hollows costs."""
+    opens: Mapping[str, float] = field(default_factory=dict)
+    """By the names of wraps that close hollows, the largest distance (m) in these, `Wrap.closes`: alpha is so small that the widest one opens,
+    which shows what closing hollows costs."""
 
     @property
     def coarser(self) -> Geometry:
         """The same with wraps of twice the lengths."""
         return replace(self, coarseness=2 * self.coarseness)
 
-    @property
-    def opened(self) -> Geometry:
-        """The same with open hollows."""
-        return replace(self, opens=True)
+    def opened(self, wraps: Sequence[Wrap]) -> Geometry:
+        """The same with the hollows open that these wraps close."""
+        return replace(self, opens={wrap.name: wrap.closes for wrap in wraps if wrap.closes})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -133,9 +133,11 @@ def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geomet
         vertices, corners = _run(triangles, others, alpha, offset)
         return vertices, corners, _closed(vertices[corners], samples, others, offset)
 
-    vertices, corners, closes = wrapped()
-    if geometry.opens and closes:
-        widest, most = closes, 2 * OPENING * closes
+    widest = geometry.opens.get(members[0][0])
+    if widest is None:
+        vertices, corners, closes = wrapped()
+    else:
+        most = 2 * OPENING * widest
         for _ in range(MOST_OPENINGS):
             most = max(most / 2, 2 * offset.least)
             alpha = LocalLength(alpha.share, min(alpha.least, most), most)

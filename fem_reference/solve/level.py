@@ -137,12 +137,15 @@ def _solved(
     found = charges(
         system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
     )
-    on_bodies = body_charges(problem, system, found.potentials, planes)
-    done = time.monotonic()
+    on_bodies: tuple[Array, ...] = ()
     of_bounds = None
+    done = time.monotonic()
     if bounds == "none":
+        # Only what wraps change is asked of such a level.
         readings = level_readings(problem, system, found)
     else:
+        on_bodies = body_charges(problem, system, found.potentials, planes)
+        done = time.monotonic()
         with stage("bounding the energies"):
             known = _bounded(problem, system, found, bounds == "enclosure")
             readings = level_readings(problem, system, found, known)
