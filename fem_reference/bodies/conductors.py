@@ -13,7 +13,7 @@ from scipy.constants import epsilon_0
 
 from fem_reference.bodies.contacts import refuse_contact, refuse_outside
 from fem_reference.bodies.distances import overlap
-from fem_reference.bodies.parts import Part, merged, meshable, object_part
+from fem_reference.bodies.parts import Part, merged, meshable, object_part, of_one_potential
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, PlanePolygon, Rectangle, bounding_sphere, rectangle
 from fem_reference.bodies.symmetry import Plane
@@ -207,18 +207,18 @@ def assembly(scene: Scene, source: str, columns: Sequence[str], geometry: Geomet
         for sides in scene.sensor_rectangles(sensor)
     ]
     come = {body.name: comes for body, comes in zip(scene.objects, targets(scene))}
+    comes = [come[body.name] for body in solid]
     conducting = merged(
-        [object_part(scene, body, geometry, source) for body in solid],
-        solid,
-        [come[body.name] for body in solid],
-        geometry,
+        [object_part(scene, body, geometry, source) for body in solid], solid, comes, geometry
     )
+    known = [part.conductor for part, body in zip(conducting, solid) if body.potential != "floating"]
+    _refuse_unknown(columns, list(dict.fromkeys([*sensors, *known])), source)
+    conducting = of_one_potential(conducting, solid, comes, columns, geometry, source)
     fixed = [part for part, body in zip(conducting, solid) if body.potential != "floating"]
     free = [part for part, body in zip(conducting, solid) if body.potential == "floating"]
     parts = [*plates, *fixed, *free, *(object_part(scene, body, geometry, source) for body in dielectric)]
     rows = list(dict.fromkeys(part.conductor for part in [*plates, *fixed]))
     floating = tuple(dict.fromkeys(part.conductor for part in free))
-    _refuse_unknown(columns, rows, source)
     asked = tuple(name for name in rows if not columns or name in columns)
     others = tuple(name for name in rows if name not in asked)
     comes_and_goes = _targets(come, dielectric, conducting, solid, source)
