@@ -195,12 +195,12 @@ def _answered(options: argparse.Namespace, report: Report) -> int:
         documents.write_field(Path(options.scene), options.output)
     return documents.answer(
         clock,
-        options.error,
         limits,
-        options.columns,
-        not options.no_symmetry,
-        Geometry(options.geometry, options.wrap_alpha, options.wrap_offset),
-        options.only_readings,
+        error=options.error,
+        columns=options.columns,
+        symmetry=not options.no_symmetry,
+        geometry=Geometry(options.geometry, options.wrap_alpha, options.wrap_offset),
+        only_readings=options.only_readings,
     )
 
 

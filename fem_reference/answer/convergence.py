@@ -29,14 +29,8 @@ LEAST_OF_TWO_LEVELS = 3e-3
 """Least relative error stated for two levels: they may agree by chance to 7e-5 where both are 1e-3 off. NUMERICS.md section 3."""
 
 SHARED_ERROR = 5e-5
-"""Relative error that all levels have in common at a growth of SHARED_GROWTH, because the elements away from the edges are never
-refined. On the square plate extrapolation ends 1.4e-5 above the true value; the rest is a margin for other shapes.
-NUMERICS.md section 3."""
-SHARED_GROWTH = 0.4
-"""Growth of the element size per distance from the edges at which SHARED_ERROR was measured."""
-SHARED_ORDER = 6
-"""Order of the shared error in the growth: the energy error of cubic elements is proportional to the sixth power of their size over
-the distance to the edges, which is the growth."""
+"""Relative error that all levels have in common at a growth of 0.4, because the elements away from the edges are never refined. On the square
+plate extrapolation ends 1.4e-5 above the true value; the rest is a margin for other shapes. NUMERICS.md section 3."""
 
 
 @dataclass(frozen=True)
@@ -94,22 +88,3 @@ def _largest_remaining_error(levels: Sequence[Array]) -> Array:
     sizes = np.abs(np.diff(np.array(levels), axis=0))
     halvings = np.arange(len(sizes))[::-1].reshape(-1, *np.ones(sizes.ndim - 1, dtype=int))
     return np.asarray((sizes / 2.0**halvings).max(axis=0))
-
-
-def shared_error(growth: float) -> float:
-    """Relative error that all levels of the same growth have in common."""
-    return SHARED_ERROR * (growth / SHARED_GROWTH) ** SHARED_ORDER
-
-
-def open_boundary_error(maxwell: Array, extent: float, radius: float) -> Array:
-    """Bound (n, n) on the error of the open-boundary condition, in the unit of `maxwell` (ε = 1, metres).
-
-    The condition is exact for a charge in the centre; for a multipole of order l it has the coefficient 1/R instead of (l + 1)/R.
-    All charges lie within `extent` of the centre of the sphere of `radius` R, and their absolute values add up to at most
-    2·maxwell[i, i], which bounds every multipole: NUMERICS.md section 4.
-    """
-    q = extent / radius
-    orders = np.arange(1, 20)
-    series = float(np.sum(orders / (2 * orders + 1) * q ** (2 * orders)))
-    own = (2 * np.diag(maxwell)) ** 2 / (4 * np.pi * radius) * series
-    return np.asarray(np.sqrt(np.outer(own, own)))

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.answer.convergence import Estimate, estimate
-from fem_reference.answer.wrapped import GeometryError
+from fem_reference.answer.shared_errors import SharedErrors
+from fem_reference.answer.wrapped import corrected
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.solve.enclosure import Enclosure, contradict, intersection
 from fem_reference.solve.level import Level
+from fem_reference.solve.readings import LevelReadings
 from fem_reference.solve.two_sided import TwoSided
 
 Array = NDArray[np.float64]
@@ -55,60 +57,28 @@ class ReadingAnswer:
         return self.change.error / abs(self.change.value) if self.change.value else np.inf
 
 
-def difference_estimate(
-    values: Sequence[Array], width: Array | None, from_bounds: TwoSided | None
-) -> Estimate:
-    """Estimate differences (n,) of two solutions on one mesh: `from_bounds`, those from the bounds of both on the finest mesh, if there are any.
-
-    Else from their values on successive levels. On a single level their error is at most the larger one of the two solutions, if `width`
-    (n,), the width of the interval of the one with the targets, stands for both; without it, 100 %.
-    """
-    found = estimate(values)
-    if from_bounds is not None:
-        return Estimate(from_bounds.value, from_bounds.error, np.zeros(found.value.shape, dtype=bool))
-    if len(values) == 1 and width is not None:
-        found = Estimate(found.value, np.asarray(width), found.extrapolated)
-    return found
-
-
-def of_left_out(problem: Conductors, bound: Array) -> Array:
-    """Bounds (n,) on what bodies left out change readings by, if they add at most `bound` to each own entry: |ΔM_ij| ≤ √(b_i·b_j)."""
-    root = np.sqrt(bound)
-    return np.array([root[r.sense] * root[list(r.drive)].sum() for r in problem.readings])
+def delta_self(levels: Sequence[Level], shared: SharedErrors) -> Estimate:
+    """The sensors' own entries less those without the objects (m,)."""
+    first = levels[0].enclosure
+    sensors = len(levels[0].delta_self)
+    width = None if first is None else 2 * np.diag(first.half_width)[:sensors]
+    known = [level.bounds.delta_self for level in levels if level.bounds is not None]
+    found = _difference([level.delta_self for level in levels], width, known)
+    error = found.error + shared.relative[:sensors] * np.abs(found.value) + shared.left_out[:sensors]
+    found = Estimate(found.value, error, found.extrapolated)
+    return found if shared.shape is None else corrected(found, shared.shape.growth_of_change)
 
 
 def combined_readings(
-    problem: Conductors,
-    levels: Sequence[Level],
-    maxwell: Estimate,
-    relative: float,
-    left_out: Array,
-    shape: GeometryError | None,
-    proven: bool,
+    problem: Conductors, levels: Sequence[Level], maxwell: Estimate, shared: SharedErrors, proven: bool
 ) -> tuple[ReadingAnswer, ...]:
-    """The readings in the Maxwell matrix `maxwell`, and their changes from the differences on each mesh.
-
-    `relative` is an error that all levels share, as a share of the change, `left_out` (n,) bounds what bodies left out add to own entries,
-    and `shape` is what wraps cost. There are bounds only if those of the matrix are `proven`.
-    """
+    """The readings in the Maxwell matrix `maxwell`, and their changes from the differences on each mesh; only `proven` bounds are told."""
     own = [level.readings for level in levels if level.readings is not None]
     if not own:
         return ()
-    bounds = [found.value_bounds for found in own if found.value_bounds is not None]
-    around = [found.background_bounds for found in own if found.background_bounds is not None]
-    width = np.ptp(bounds[-1], axis=1) if bounds else None
-    from_bounds = [found.change_from_bounds for found in own if found.change_from_bounds is not None]
-    change = difference_estimate(
-        [found.change for found in own], width, from_bounds[-1] if from_bounds else None
-    )
-    missing = of_left_out(problem, left_out)
-    if any(problem.is_target):
-        error = change.error + relative * np.abs(change.value) + missing
-    else:
-        error = missing
-    change = Estimate(change.value, error, change.extrapolated)
-    if shape is not None:
-        change = shape.corrected_readings(change)
+    bounds, around = _bounds(own)
+    change = _changes(problem, own, shared)
+    missing = shared.of_readings(problem)
     answers = []
     for k, reading in enumerate(problem.readings):
         drive = list(reading.drive)
@@ -116,21 +86,59 @@ def combined_readings(
             float(reading.sign * maxwell.value[reading.sense, drive].sum()),
             float(maxwell.error[reading.sense, drive].sum()),
         )
-        if bounds and proven:
-            value = value.within(*_intersection(bounds, k, missing[k]))
         changed = Quantity(float(change.value[k]), float(change.error[k]))
+        interval = _intersection(bounds, k, missing[k]) if bounds and proven else None
+        if interval is not None:
+            value = value.within(*interval)
         background = Quantity(value.value - changed.value, value.error + changed.error)
-        if around and proven:
+        if interval is not None and around:
             low, high = _intersection(around, k, missing[k])
-            assert value.lower is not None and value.upper is not None
-            changed = changed.within(value.lower - high, value.upper - low)
-            background = background.within(low, high)
+            least, most = interval[0] - high, interval[1] - low
+            background, changed = background.within(low, high), changed.within(least, most)
             # The interval of the change holds this difference too.
             moved = value.value - background.value
-            reach = changed.error + abs(moved - changed.value)
-            changed = replace(changed, value=moved, error=reach).within(value.lower - high, value.upper - low)
+            changed = Quantity(moved, changed.error + abs(moved - changed.value)).within(least, most)
         answers.append(ReadingAnswer(reading.name, value, background, changed))
     return tuple(answers)
+
+
+def _changes(problem: Conductors, own: Sequence[LevelReadings], shared: SharedErrors) -> Estimate:
+    """The changes (k,) of the readings."""
+    bounds, _ = _bounds(own)
+    width = np.ptp(bounds[-1], axis=1) if bounds else None
+    known = [found.change_from_bounds for found in own]
+    change = _difference([found.change for found in own], width, known)
+    error = shared.of_readings(problem)
+    if any(problem.is_target):
+        error = change.error + float(shared.relative.max()) * np.abs(change.value) + error
+    change = Estimate(change.value, error, change.extrapolated)
+    growth = None if shared.shape is None else shared.shape.growth_of_readings
+    return change if growth is None else corrected(change, growth)
+
+
+def _difference(
+    values: Sequence[Array], width: Array | None, from_bounds: Sequence[TwoSided | None]
+) -> Estimate:
+    """Differences (n,) of two solutions on one mesh: those from the bounds of both, on the finest mesh that has them.
+
+    Else from their values on successive levels. On a single level their error is at most the larger one of the two solutions, if `width`
+    (n,), the width of the interval of the one with the targets, stands for both; without it, 100 %.
+    """
+    known = [each for each in from_bounds if each is not None]
+    found = estimate(values)
+    if known:
+        return Estimate(known[-1].value, known[-1].error, np.zeros(found.value.shape, dtype=bool))
+    if len(values) == 1 and width is not None:
+        found = Estimate(found.value, np.asarray(width), found.extrapolated)
+    return found
+
+
+def _bounds(own: Sequence[LevelReadings]) -> tuple[list[Array], list[Array]]:
+    """The levels' bounds of the readings, and of their backgrounds, where there are any."""
+    return (
+        [found.value_bounds for found in own if found.value_bounds is not None],
+        [found.background_bounds for found in own if found.background_bounds is not None],
+    )
 
 
 def _intersection(bounds: Sequence[Array], k: int, widening: float) -> tuple[float, float]:
@@ -141,10 +149,7 @@ def _intersection(bounds: Sequence[Array], k: int, widening: float) -> tuple[flo
 
 def readings_contradict(levels: Sequence[Level]) -> bool:
     """Whether some reading, or background, has intervals on two levels that have nothing in common."""
-    own = [level.readings for level in levels if level.readings is not None]
-    bounds = [found.value_bounds for found in own if found.value_bounds is not None]
-    around = [found.background_bounds for found in own if found.background_bounds is not None]
     return any(
         len(intervals) > 1 and contradict([Enclosure(each[:, 0], each[:, 1]) for each in intervals])
-        for intervals in (bounds, around)
+        for intervals in _bounds([level.readings for level in levels if level.readings is not None])
     )

@@ -6,9 +6,9 @@ import math
 import os
 import signal
 import time
-from itertools import combinations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import Literal
 
 import numpy as np
@@ -16,24 +16,17 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
-from fem_reference.answer.best_value import best_value
-from fem_reference.answer.checks import checked
-from fem_reference.answer.convergence import Estimate, open_boundary_error
-from fem_reference.answer.readings import (
-    ReadingAnswer,
-    combined_readings,
-    difference_estimate,
-    of_left_out,
-    readings_contradict,
-)
+from fem_reference.answer.convergence import Estimate
+from fem_reference.answer.matrix import combined_matrix
+from fem_reference.answer.readings import ReadingAnswer, combined_readings, delta_self
+from fem_reference.answer.shared_errors import SharedErrors, shared_errors
 from fem_reference.answer.wrapped import GeometryError, geometry_error
+from fem_reference.bodies.conductors import Conductors, assembly, wrapped
 from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.distant import LeftOut, is_negligible, without_distant
-from fem_reference.solve.enclosure import Enclosure, contradict, intersection, with_left_out
-from fem_reference.solve.level import Level, solve_level
+from fem_reference.bodies.symmetry import Plane, mirror_planes
+from fem_reference.bodies.wrapping import Geometry
 from fem_reference.common.limits import Limits
-from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
-from fem_reference.bodies.conductors import Conductors, Dielectric, conductors
 from fem_reference.mesh.marks import (
     AWAY_ORDER,
     AWAY_ORDER_OF_ESTIMATES,
@@ -44,8 +37,8 @@ from fem_reference.mesh.marks import (
     adapted_sizes,
 )
 from fem_reference.mesh.size_rules import Sizing, sizing_for
-from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
-from fem_reference.bodies.wrapping import Geometry, Wrap
+from fem_reference.solve.enclosure import Enclosure
+from fem_reference.solve.level import Level, solve_level
 from geometries.common.errors import InputError
 from geometries.scene.scene import Scene
 
@@ -68,21 +61,16 @@ MOST_GROWTH_OF_CELLS = 8.0
 """Largest growth of the number of cells at which the next mesh is to reach the goal at once."""
 PETSC_OUT_OF_MEMORY = "error code 55"
 """What PETSc's exceptions say where memory is wanting (PETSC_ERR_MEM)."""
-GROWTH_OF_TIME = 3.2
-"""Predicted ratio of the times of successive levels, somewhat above the largest measured in the default study (2.9)."""
-GROWTH_OF_UNKNOWNS = 2.4
-"""Predicted ratio of the unknowns, and of the memory, of successive levels: the number of cells along the edges doubles."""
 ORDER_OF_TIME = 1.15
-"""Predicted order of the time of a level in its cells, if these are adapted."""
+"""Predicted order of the time of a level in its cells."""
 
 
 @dataclass(frozen=True)
 class Reference:
     """The answer for one scene, in farads. The rows of the matrices follow `names`: sensors first, then objects."""
 
-    names: tuple[str, ...]
-    sensors: int
-    """Number of sensors among `names`."""
+    problem: Conductors
+    """What was solved, with lengths over its unit; distant bodies are left out of it."""
     maxwell: Estimate
     """Maxwell matrix (n, n): Q = maxwell · V."""
     delta_self: Estimate
@@ -90,46 +78,44 @@ class Reference:
     levels: tuple[Level, ...]
     rtol: float
     seconds: float
-    grounded: tuple[str, ...] = ()
-    """Conductors that are present, but whose columns were not asked for: they are grounded and have no row. Sensors first."""
-    grounded_sensors: int = 0
-    """Number of sensors among `grounded`."""
-    floating: tuple[str, ...] = ()
-    """Conductors without charge, which are eliminated from the matrix."""
-    dielectrics: tuple[Dielectric, ...] = ()
-    curved: tuple[str, ...] = ()
-    """Bodies with curved surfaces, which the cells follow approximately."""
-    planes: tuple[Plane, ...] = ()
-    """Planes of symmetry, in metres; only one side of each was solved: a half, a quarter or an eighth of space."""
-    enclosure: Enclosure | None = None
-    """Proven bounds of the entries of the Maxwell matrix, when asked for."""
-    in_room: bool = False
-    """Whether ground is the walls of a room rather than infinity."""
-    left_out: tuple[LeftOut, ...] = ()
-    """Distant bodies that were left out of the mesh; the errors and the interval account for them."""
-    members: tuple[tuple[str, ...], ...] = ()
-    """The bodies that each conductor in `names` consists of."""
-    wraps: tuple[Wrap, ...] = ()
-    """The surfaces that were solved in the place of bodies that could not be meshed as they are; lengths over the scene's unit."""
-    unit: float = 1.0
-    """Unit of length (m) of `wraps`."""
-    geometry: GeometryError | None = None
-    """What the wraps cost, if there are any; the errors and the interval account for it."""
     readings: tuple[ReadingAnswer, ...] = ()
     """The readings whose conductors all have a row."""
     only_readings: bool = False
     """Whether the accuracy is asked of the readings and their changes only, not of every entry of the matrix and of `delta_self`."""
-    stopped_by: str | None = None
-    """The limit that ended the refinement, if one did."""
+    enclosure: Enclosure | None = None
+    """Proven bounds of the entries of the Maxwell matrix, when asked for."""
     contradicted: str | None = None
     """Description of the checks that the estimates fail by more than their errors; such an answer never counts as reached."""
+    planes: tuple[Plane, ...] = ()
+    """Planes of symmetry, in metres; only one side of each was solved: a half, a quarter or an eighth of space."""
+    left_out: tuple[LeftOut, ...] = ()
+    """Distant bodies that were left out of the mesh; the errors and the interval account for them."""
+    geometry: GeometryError | None = None
+    """What the wraps cost, if there are any; the errors and the interval account for it."""
+    stopped_by: str | None = None
+    """The limit that ended the refinement, if one did."""
+
+    def stopped(self, why: str | None) -> Reference:
+        """The same answer after which the refinement ended, for this reason."""
+        return replace(self, stopped_by=why)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """The conductors that have rows."""
+        return self.problem.names
+
+    @property
+    def curved(self) -> tuple[str, ...]:
+        """Bodies with curved surfaces, which the cells follow approximately."""
+        return self.problem.curved
 
     @property
     def has_objects(self) -> bool:
         """Whether the scene has objects besides its sensors, without which `delta_self` would be zero."""
-        grounded_objects = len(self.grounded) - self.grounded_sensors
-        others = grounded_objects or self.floating or self.dielectrics
-        return len(self.names) > self.sensors or bool(others)
+        problem = self.problem
+        grounded_objects = len(problem.grounded) - problem.grounded_sensors
+        others = grounded_objects or problem.floating or problem.dielectrics
+        return len(problem.names) > problem.sensors or bool(others)
 
     @property
     def reached(self) -> bool:
@@ -148,7 +134,7 @@ class Reference:
         """Why the interval is not proven, in words; None if it is."""
         if self.contradicted is not None:
             return self.contradicted
-        if self.wraps:
+        if self.problem.wraps:
             return "of the wraps"
         return "of curved surfaces" if self.curved else None
 
@@ -176,7 +162,7 @@ class Reference:
     def worst_of_changes(self) -> float:
         """The largest relative error of delta_self and of the changes of readings; 0 if there are none."""
         errors = [reading.relative_error_of_change for reading in self.readings]
-        if self.has_objects and self.sensors and not self.only_readings:
+        if self.has_objects and self.problem.sensors and not self.only_readings:
             errors.append(float(np.max(self.delta_self.error / np.abs(self.delta_self.value))))
         return float(max(errors, default=0.0))
 
@@ -226,40 +212,54 @@ def maxwell(
 ) -> Reference:
     """Solve the scene on finer and finer meshes until every entry's relative error is at most `rtol`.
 
-    `error` selects the kind of error: half the width of an interval that is proven to contain the true value, or an estimate from
-    successive levels, which is several times faster. The refinement stops early (`reached` is False, the errors are those
-    reached) when the next level would end `max_seconds` after the start, wraps included, have more than `max_unknowns` or take more than `max_memory` bytes.
-    `prepared` is called when the bodies, perhaps wrapped, are ready to be meshed, `progress` after each level with the answer so far; `source` names the scene in error messages. With `columns`, names of conductors, only their rows and columns are solved and returned, and the other conductors are
-    grounded. Without `symmetry` the whole of space is meshed even if the scene is its own mirror image. `geometry` says which bodies
-    are wrapped, and how closely. With `only_readings` the accuracy is asked of the readings and their changes, and not of every entry. Raises InputError for scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
+    `error` selects the kind of error: half the width of an interval that is proven to contain the true value, or an estimate from wider
+    bounds, which is several times faster. The refinement stops early (`reached` is False, the errors are those reached) when the next
+    level would end `max_seconds` after the start, wraps included, have more than `max_unknowns` or take more than `max_memory` bytes.
+    `prepared` is called when the bodies, perhaps wrapped, are ready to be meshed, `progress` after each level with the answer so far;
+    `source` names the scene in error messages. With `columns`, names of conductors, only their rows and columns are solved and returned,
+    and the other conductors are grounded. Without `symmetry` the whole of space is meshed even if the scene is its own mirror image.
+    `geometry` says which bodies are wrapped, and how closely. With `only_readings` the accuracy is asked of the readings and their
+    changes, and not of every entry. Raises InputError for scenes that cannot be solved, RuntimeError when the mesher or the solver fails.
     """
     start = time.monotonic()
     limits = Limits(max_seconds, max_unknowns, max_memory)
     geometry = replace(geometry, rtol=rtol)
-    problem = conductors(scene, source, columns, geometry)
+    parts = assembly(scene, source, columns, geometry)
+    problem = wrapped(parts, geometry)
     if only_readings and not problem.readings:
         raise InputError(
             source, "--only-readings", "the scene has no readings of conductors that are solved for"
         )
-    coarser, opened = None, None
-    if problem.wraps:
-        coarser = conductors(scene, source, columns, replace(geometry, coarseness=2 * geometry.coarseness))
-    if any(wrap.closes for wrap in problem.wraps):
-        opened = conductors(scene, source, columns, replace(geometry, opens=True))
+    others = [geometry.coarser] if problem.wraps else []
+    others += [geometry.opened(problem.wraps)] if any(wrap.closes for wrap in problem.wraps) else []
+    compared = [wrapped(parts, other) for other in others]
     prepared()
+    permittivity = scene.medium.relative_permittivity
     return solve_conductors(
-        problem,
-        scene.medium.relative_permittivity,
-        rtol,
-        limits,
-        progress,
-        error,
-        symmetry,
-        coarser,
-        opened,
-        only_readings,
-        start,
+        problem, permittivity, rtol, limits, progress, error, symmetry, compared, only_readings, start
     )
+
+
+@dataclass(frozen=True)
+class _SetUp:
+    """What is solved of a problem: without the bodies that are left out, and on one side of its planes of symmetry."""
+
+    problem: Conductors
+    left_out: tuple[LeftOut, ...]
+    planes: tuple[Plane, ...]
+
+    @property
+    def bound(self) -> Array:
+        """What the bodies left out add at most to own entries (n,), in farads."""
+        return sum((body.bound for body in self.left_out), np.zeros(len(self.problem.names)))
+
+    def may_leave_out(self, level: Level, shared: SharedErrors, rtol: float) -> bool:
+        """Whether the bodies left out are negligible beside all that a level shows."""
+        changes, of_changes = level.delta_self, self.bound[: self.problem.sensors]
+        if level.readings is not None:
+            changes = np.append(changes, level.readings.change)
+            of_changes = np.append(of_changes, shared.of_readings(self.problem))
+        return not self.left_out or is_negligible(self.bound, level.maxwell, of_changes, changes, rtol)
 
 
 def solve_conductors(
@@ -270,80 +270,92 @@ def solve_conductors(
     progress: Progress | None = None,
     error: ErrorKind = "enclosure",
     symmetry: bool = True,
-    coarser: Conductors | None = None,
-    opened: Conductors | None = None,
+    compared: Sequence[Conductors] = (),
     only_readings: bool = False,
     start: float | None = None,
 ) -> Reference:
-    """Solve as `maxwell` does, for conductors given as bodies; `coarser` are the same with wraps of twice the offset, and `opened` with wraps
-    that close no wide hollows, if the others do. The time counts from `start`
-    on the monotonic clock, or from now."""
+    """Solve as `maxwell` does, for conductors given as bodies. The time counts from `start` on the monotonic clock, or from now.
+
+    With wraps, `compared` are the same conductors with wraps of twice the offset and, if wraps close wide hollows, with open ones.
+    """
     start = time.monotonic() if start is None else start
-    whole = problem
-    problem, left_out = without_distant(whole, epsilon_0 * relative_permittivity, rtol)
-    planes = _planes(problem, symmetry)
+    fewer, left_out = without_distant(problem, epsilon_0 * relative_permittivity, rtol)
+    set_up = _SetUp(fewer, left_out, _planes(fewer, symmetry))
     levels: list[Level] = []
     answer: Reference
     shape: GeometryError | None = None
-    sizing = sizing_for(rtol, first_refinement(problem), True)
+    sizing = sizing_for(rtol, first_refinement(fewer))
     while True:
         try:
-            level = solve_level(problem, relative_permittivity, sizing, error, planes, only_readings)
+            level = solve_level(
+                set_up.problem, relative_permittivity, sizing, error, set_up.planes, only_readings
+            )
         except (MemoryError, RuntimeError) as failure:
             if not levels or not _is_want_of_memory(failure):
                 raise
-            if MPI.COMM_WORLD.size > 1:
-                # The others wait for this process. It ends as if the system had ended it, whereupon mpirun ends the others, and the parent
-                # of the first one prints the answer.
-                os.kill(os.getpid(), signal.SIGKILL)
-            return replace(answer, stopped_by="the next level took more memory than there is")
-        bound = sum((body.bound for body in left_out), np.zeros(len(problem.names)))
-        changes, of_changes = level.delta_self, bound[: problem.sensors]
-        if level.readings is not None:
-            changes = np.append(changes, level.readings.change)
-            of_changes = np.append(of_changes, of_left_out(problem, bound))
-        if left_out and not is_negligible(bound, level.maxwell, of_changes, changes, rtol):
+            _end_all_processes()
+            return answer.stopped("the next level took more memory than there is")
+        shared = shared_errors(set_up.problem, relative_permittivity, level, set_up.bound, shape)
+        if not set_up.may_leave_out(level, shared, rtol):
             # The first level shows that some entries are too small for the bound: solve the whole scene after all.
-            problem, left_out, planes = whole, (), _planes(whole, symmetry)
+            set_up = _SetUp(problem, (), _planes(problem, symmetry))
             continue
         levels.append(level)
-        if coarser is not None and shape is None:
+        if compared and shape is None:
             others = [
                 solve_level(other, relative_permittivity, sizing, "none", _planes(other, symmetry))
-                for other in (coarser, opened)
-                if other is not None
+                for other in compared
             ]
-            shape = geometry_error(whole, level, *others)
-        answer = _combined(
-            problem,
-            relative_permittivity,
-            levels,
-            rtol,
-            time.monotonic() - start,
-            planes,
-            bound,
-            left_out,
-            shape,
-            only_readings,
-        )
+            shape = geometry_error(problem, level, *others)
+            shared = replace(shared, shape=shape)
+        answer = _answer(set_up, levels, shared, rtol, only_readings, time.monotonic() - start)
         if progress is not None:
             progress(answer)
-        following = _next_sizing(sizing, level, answer, rtol)
+        if answer.reached:
+            return answer
+        following = _next_sizing(sizing, level, answer)
         # Clocks differ between processes, so that all of them follow the decision of the first.
         stopped_by = MPI.COMM_WORLD.bcast(_stopped_by(level, following, limits, answer.seconds))
-        if shape is not None and stopped_by is None:
-            changes = np.array([reading.change.value for reading in answer.readings])
-            least = shape.least_error(
-                answer.maxwell.value, answer.delta_self.value, problem.readings, changes, only_readings
-            )
-            if least > rtol:
-                stopped_by = (
-                    f"the wraps alone cost {least:.2g}, on any mesh; a smaller --wrap-offset costs less"
-                )
-        if answer.reached or len(levels) == MOST_LEVELS or stopped_by is not None:
-            most = f"the refinement ends after {MOST_LEVELS} levels"
-            return answer if answer.reached else replace(answer, stopped_by=stopped_by or most)
+        stopped_by = stopped_by or _stopped_by_wraps(answer)
+        if stopped_by is not None or len(levels) == MOST_LEVELS:
+            return answer.stopped(stopped_by or f"the refinement ends after {MOST_LEVELS} levels")
         sizing = following
+
+
+def _answer(
+    set_up: _SetUp,
+    levels: Sequence[Level],
+    shared: SharedErrors,
+    rtol: float,
+    only_readings: bool,
+    seconds: float,
+) -> Reference:
+    """The answer that the levels give together, with the errors that all of them share."""
+    problem = set_up.problem
+    matrix = combined_matrix(problem, levels, shared)
+    proven = shared.shape is None and not problem.curved and matrix.contradicted is None
+    return Reference(
+        problem=problem,
+        maxwell=matrix.value,
+        delta_self=delta_self(levels, shared),
+        levels=tuple(levels),
+        rtol=rtol,
+        seconds=seconds,
+        readings=combined_readings(problem, levels, matrix.value, shared, proven),
+        only_readings=only_readings,
+        enclosure=matrix.interval,
+        contradicted=matrix.contradicted,
+        planes=tuple(problem.in_metres(plane) for plane in set_up.planes),
+        left_out=set_up.left_out,
+        geometry=shared.shape,
+    )
+
+
+def _end_all_processes() -> None:
+    """End this process as if the system had ended it, if others wait for it: mpirun ends these then, and the parent of the first prints
+    the answer."""
+    if MPI.COMM_WORLD.size > 1:
+        os.kill(os.getpid(), signal.SIGKILL)
 
 
 def _is_want_of_memory(failure: BaseException) -> bool:
@@ -369,25 +381,25 @@ def first_refinement(problem: Conductors) -> float:
     return REFINEMENT_IN_NARROW_GAPS if narrow else 1.0
 
 
-def _next_sizing(sizing: Sizing, level: Level, answer: Reference, rtol: float) -> Sizing:
-    """The sizes of the next mesh: half of the present ones at edges or, where the level has marks, those that reach the goal.
+def _next_sizing(sizing: Sizing, level: Level, answer: Reference) -> Sizing:
+    """The sizes of the next mesh, by the marks of the level: those that reach the goal.
 
     If this takes many more cells, the next mesh is to reach the geometric mean of the present errors and the goal, so that it shows
     more reliably where errors arise.
     """
-    if level.marks is None:
-        return replace(sizing, refinement=2 * sizing.refinement)
-    present = max(answer.worst, answer.worst_of_changes) / rtol
+    assert level.bounds is not None
+    marks = level.bounds.marks
+    present = max(answer.worst, answer.worst_of_changes) / answer.rtol
     order, away_order = FIRST_ORDER, AWAY_ORDER
     if level.estimated is not None:
         order, away_order = FIRST_ORDER_OF_ESTIMATES, AWAY_ORDER_OF_ESTIMATES
-    orders = level.marks.orders(order)
+    orders = marks.orders(order)
     if sizing.adapted is not None:
         orders = np.full_like(orders, LATER_ORDER)
     for ratio in (1.0, np.sqrt(max(present, 1.0))):
         # Errors that a check contradicts are smaller than the true ones.
-        goal = FRACTION_OF_GOAL * rtol * ratio * min(present, 1.0)
-        adapted = adapted_sizes(level.marks, goal, orders, away_order)
+        goal = FRACTION_OF_GOAL * answer.rtol * ratio * min(present, 1.0)
+        adapted = adapted_sizes(marks, goal, orders, away_order)
         if adapted.growth_of_cells <= MOST_GROWTH_OF_CELLS:
             break
     return replace(sizing, refinement=sizing.refinement * max(present / ratio, 1.0), adapted=adapted)
@@ -395,118 +407,24 @@ def _next_sizing(sizing: Sizing, level: Level, answer: Reference, rtol: float) -
 
 def _stopped_by(last: Level, following: Sizing, limits: Limits, seconds: float) -> str | None:
     """The limit that the next level is predicted to exceed, in words; None when it would keep all of them."""
-    growth_of_time, growth = GROWTH_OF_TIME, GROWTH_OF_UNKNOWNS
-    if following.adapted is not None:
-        growth = following.adapted.growth_of_cells
-        growth_of_time = growth**ORDER_OF_TIME
-    predicted = seconds + growth_of_time * last.seconds
+    assert following.adapted is not None
+    growth = following.adapted.growth_of_cells
+    predicted = seconds + growth**ORDER_OF_TIME * last.seconds
     return limits.exceeded_by(predicted, growth * last.unknowns, growth * last.memory)
 
 
-def _combined(
-    problem: Conductors,
-    relative_permittivity: float,
-    levels: Sequence[Level],
-    rtol: float,
-    seconds: float,
-    planes: Sequence[Plane],
-    bound: Array,
-    left_out: tuple[LeftOut, ...],
-    shape: GeometryError | None,
-    only_readings: bool,
-) -> Reference:
-    """Extrapolate the levels, and add the errors that all levels share.
-
-    These are the errors of the open boundary, of the bodies `left_out`, and of wraps: `bound` (n,) limits what these bodies may add to the
-    diagonal, and `shape` is what wraps cost.
-    """
-    boundary = _boundary_error(problem, relative_permittivity, levels[-1])
-    answer, interval, contradicted = _matrix(problem, levels, boundary, bound, shape)
-    relative = np.diag(boundary) / np.diag(levels[-1].maxwell)
-    proven = shape is None and not problem.curved and contradicted is None
-    return Reference(
-        names=problem.names,
-        sensors=problem.sensors,
-        maxwell=answer,
-        delta_self=_delta_self(levels, relative[: problem.sensors], bound[: problem.sensors], shape),
-        readings=combined_readings(problem, levels, answer, float(relative.max()), bound, shape, proven),
-        levels=tuple(levels),
-        rtol=rtol,
-        seconds=seconds,
-        grounded=problem.grounded,
-        grounded_sensors=problem.grounded_sensors,
-        floating=problem.floating,
-        in_room=problem.room is not None,
-        dielectrics=problem.dielectrics,
-        curved=problem.curved,
-        planes=tuple(problem.in_metres(plane) for plane in planes),
-        enclosure=interval,
-        contradicted=contradicted,
-        members=problem.members[: len(problem.names)],
-        wraps=problem.wraps,
-        unit=problem.unit,
-        geometry=shape,
-        left_out=left_out,
-        only_readings=only_readings,
+def _stopped_by_wraps(answer: Reference) -> str | None:
+    """What wraps cost on any mesh, in words, if it is more than was asked for."""
+    if answer.geometry is None:
+        return None
+    changes = np.array([reading.change.value for reading in answer.readings])
+    least = answer.geometry.least_error(
+        answer.maxwell.value,
+        answer.delta_self.value,
+        answer.problem.readings,
+        changes,
+        answer.only_readings,
     )
-
-
-def _boundary_error(problem: Conductors, relative_permittivity: float, finest: Level) -> Array:
-    """The error (n, n) of the open boundary; 0 in a room."""
-    if problem.room is not None:
-        return np.zeros_like(finest.maxwell)
-    farads = epsilon_0 * relative_permittivity * problem.unit
-    error = farads * open_boundary_error(finest.maxwell / farads, 1.0, OUTER_RADIUS)
-    return np.asarray(problem.most_charge**2 * error)
-
-
-def _matrix(
-    problem: Conductors, levels: Sequence[Level], boundary: Array, bound: Array, shape: GeometryError | None
-) -> tuple[Estimate, Enclosure | None, str | None]:
-    """The Maxwell matrix, its interval if it is enclosed, and what contradicts its errors, in words."""
-    found = best_value(levels)
-    value, error = found.value, found.error + boundary + np.sqrt(np.outer(bound, bound))
-    proven = [level.enclosure for level in levels if level.enclosure is not None]
-    checks = [level.check for level in levels if level.check is not None]
-    contradicted = None
-    if any(contradict(known) for known in (proven, checks) if known) or readings_contradict(levels):
-        contradicted = "the bounds of two meshes exclude each other"
-    interval = with_left_out(intersection(proven or checks), bound) if proven or checks else None
-    if shape is not None:
-        interval = None if interval is None else shape.widened(interval)
-        value, error = shape.corrected(value, error)
-    if proven and interval is not None:
-        value = np.clip(value, interval.lower, interval.upper)
-        reach = np.maximum(value - interval.lower, interval.upper - value)
-        # Where meshes contradict each other, no estimate of theirs is better than the interval that holds both.
-        error = np.minimum(error, reach) if contradicted is None else reach
-        return Estimate(value, error, found.extrapolated), interval, contradicted
-    answer, deviation = checked(Estimate(value, error, found.extrapolated), _exchanges(problem), interval)
-    return answer, None, "; ".join(filter(None, (contradicted, deviation))) or None
-
-
-def _delta_self(
-    levels: Sequence[Level], relative: Array, bound: Array, shape: GeometryError | None
-) -> Estimate:
-    """The sensors' `delta_self`; `relative` (m,) are the errors of the open boundary, and `bound` (m,) is what bodies left out may add."""
-    first = levels[0].enclosure
-    width = None if first is None else 2 * np.diag(first.half_width)[: len(relative)]
-    two_sided = [level.delta_self_from_bounds for level in levels if level.delta_self_from_bounds is not None]
-    change = difference_estimate(
-        [level.delta_self for level in levels], width, two_sided[-1] if two_sided else None
-    )
-    error = change.error + relative * np.abs(change.value) + bound
-    change = Estimate(change.value, error, change.extrapolated)
-    return change if shape is None else shape.corrected_change(change)
-
-
-def _exchanges(problem: Conductors) -> list[tuple[int, ...]]:
-    """The permutations of the rows and columns that leave the matrix unchanged, because a mirror image of the scene is the scene."""
-    kinds: list[tuple[str, float]] = [("row", 0.0)] * len(problem.names)
-    kinds += [("floating", value) for value in problem.to_ground] or [("floating", 0.0)] * len(
-        problem.floating
-    )
-    kinds += [("grounded", 0.0)] * len(problem.grounded)
-    kinds += [("dielectric", body.contrast) for body in problem.dielectrics]
-    orders = exchanges(problem.bodies, problem.owner, kinds, problem.room)
-    return [order[: len(problem.names)] for order in orders]
+    if least <= answer.rtol:
+        return None
+    return f"the wraps alone cost {least:.2g}, on any mesh; a smaller --wrap-offset costs less"

@@ -32,7 +32,6 @@ class GeometryError:
     """(n, n): which entries are with wraps at least as large as without."""
     lower_proven: Flags
     """(n, n): which entries are with wraps at most as large as without."""
-
     growth_of_readings: Array | None = None
     """(k,): the same of the change of each reading; None without readings."""
 
@@ -40,18 +39,6 @@ class GeometryError:
     def error(self) -> Array:
         """The error (n, n) of each entry that is stated for the wraps."""
         return np.asarray(np.abs(self.growth))
-
-    def corrected(self, value: Array, error: Array) -> tuple[Array, Array]:
-        """The values extrapolated linearly to no offset, with their errors; the whole correction counts as error."""
-        return value - self.growth, error + self.error
-
-    def corrected_change(self, change: Estimate) -> Estimate:
-        """The same for the sensors' `delta_self`."""
-        return _corrected(change, self.growth_of_change)
-
-    def corrected_readings(self, change: Estimate) -> Estimate:
-        """The same for the changes of the readings."""
-        return change if self.growth_of_readings is None else _corrected(change, self.growth_of_readings)
 
     def widened(self, interval: Enclosure) -> Enclosure:
         """The interval of the bodies as they are, from that of the wraps: by twice the growth, except where a bound stays proven."""
@@ -84,7 +71,7 @@ class GeometryError:
         return max(parts, default=0.0)
 
 
-def _corrected(found: Estimate, growth: Array) -> Estimate:
+def corrected(found: Estimate, growth: Array) -> Estimate:
     """Extrapolate linearly to no offset; the whole correction counts as error."""
     return Estimate(found.value - growth, found.error + np.abs(growth), found.extrapolated)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +13,7 @@ from scipy.constants import epsilon_0
 
 from fem_reference.bodies.contacts import refuse_contact, refuse_outside
 from fem_reference.bodies.distances import overlap
-from fem_reference.bodies.parts import Part, merged, meshable, object_part
+from fem_reference.bodies.parts import Part, merged, meshable, object_part, of_one_potential
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, PlanePolygon, Rectangle, bounding_sphere, rectangle
 from fem_reference.bodies.symmetry import Plane
@@ -22,6 +23,14 @@ from geometries.scene.readings import readings, targets
 from geometries.scene.scene import Object, Scene
 
 Array = NDArray[np.float64]
+
+AnyBody = TypeVar("AnyBody", bound=Body)
+POINTS = frozenset(("centre", "vertices", "samples"))
+"""The attributes of bodies that are points."""
+LENGTHS = frozenset(
+    "half_widths outline ears radius height inner_radius outer_radius core semi_axes size".split()
+)
+"""Those that are lengths, or coordinates in the frame of a body."""
 
 
 @dataclass(frozen=True)
@@ -149,16 +158,41 @@ class Conductors:
         return 1 + len(self.floating) + sum(abs(1 - 1 / body.contrast) for body in self.dielectrics)
 
 
+@dataclass(frozen=True)
+class Assembly:
+    """The parts of a scene, told apart by their conductors, before those that need it are wrapped."""
+
+    scene: Scene
+    source: str
+    parts: tuple[Part, ...]
+    asked: tuple[str, ...]
+    """The conductors that have a row."""
+    floating: tuple[str, ...]
+    others: tuple[str, ...]
+    """The conductors that are only grounded."""
+    targets: frozenset[str]
+    to_ground: tuple[float, ...]
+    """The capacitance to ground (F) of each floating conductor."""
+
+
 def conductors(
     scene: Scene, source: str = "scene", columns: Sequence[str] = (), geometry: Geometry = Geometry()
 ) -> Conductors:
     """The conductors and dielectric bodies of a scene, moved to the origin and scaled by their bounding sphere's radius.
 
-    Scaled, a scene of twice the size or in another place gives the same mesh and the same numbers, except for the unit. Grounded bodies
-    that touch or overlap are one conductor, and so are objects with the same `conductor`. With `columns` only the conductors named there have a row,
-    and the others are grounded. `geometry` says which bodies are wrapped. Raises InputError for scenes that cannot be solved: without
-    a sensor or an electrode, with a column that names no conductor, with a shape or material unknown to the solver, or where bodies touch that may
-    have different potentials. Raises RuntimeError when a body cannot be wrapped.
+    Scaled, a scene of twice the size or in another place gives the same mesh and the same numbers, except for the unit. Raises InputError and
+    RuntimeError as `assembly` and `wrapped` do.
+    """
+    return wrapped(assembly(scene, source, columns, geometry), geometry)
+
+
+def assembly(scene: Scene, source: str, columns: Sequence[str], geometry: Geometry) -> Assembly:
+    """The parts of a scene and the conductors that they make up.
+
+    Grounded bodies that touch or overlap are one conductor, and so are objects with the same `conductor`. With `columns` only the conductors
+    named there have a row, and the others are grounded. Raises InputError for scenes that cannot be solved: without a sensor or an
+    electrode, with a column that names no conductor, with a shape or material unknown to the solver, or where bodies touch that may have
+    different potentials.
     """
     if not scene.sensors and all(body.potential != "electrode" for body in scene.objects):
         raise InputError(
@@ -173,45 +207,67 @@ def conductors(
         for sides in scene.sensor_rectangles(sensor)
     ]
     come = {body.name: comes for body, comes in zip(scene.objects, targets(scene))}
+    comes = [come[body.name] for body in solid]
     conducting = merged(
-        [object_part(scene, body, geometry, source) for body in solid],
-        solid,
-        [come[body.name] for body in solid],
-        geometry,
+        [object_part(scene, body, geometry, source) for body in solid], solid, comes, geometry
     )
+    known = [part.conductor for part, body in zip(conducting, solid) if body.potential != "floating"]
+    _refuse_unknown(columns, list(dict.fromkeys([*sensors, *known])), source)
+    conducting = of_one_potential(conducting, solid, comes, columns, geometry, source)
     fixed = [part for part, body in zip(conducting, solid) if body.potential != "floating"]
     free = [part for part, body in zip(conducting, solid) if body.potential == "floating"]
     parts = [*plates, *fixed, *free, *(object_part(scene, body, geometry, source) for body in dielectric)]
     rows = list(dict.fromkeys(part.conductor for part in [*plates, *fixed]))
-    floating = list(dict.fromkeys(part.conductor for part in free))
-    _refuse_unknown(columns, rows, source)
-    asked = [name for name in rows if not columns or name in columns]
-    others = [name for name in rows if name not in asked]
+    floating = tuple(dict.fromkeys(part.conductor for part in free))
+    asked = tuple(name for name in rows if not columns or name in columns)
+    others = tuple(name for name in rows if name not in asked)
     comes_and_goes = _targets(come, dielectric, conducting, solid, source)
     _refuse_contacts(parts, sensors, source)
+    to_ground = {part.conductor: body.to_ground for part, body in zip(conducting, solid)}
+    return Assembly(
+        scene,
+        source,
+        tuple(parts),
+        asked,
+        floating,
+        others,
+        comes_and_goes,
+        tuple(to_ground[name] for name in floating),
+    )
+
+
+def wrapped(found: Assembly, geometry: Geometry) -> Conductors:
+    """The conductors, where `geometry` says which bodies are wrapped, and how closely.
+
+    Raises InputError where a wrap meets another body or the walls of a room, RuntimeError when a body cannot be wrapped.
+    """
+    scene, asked, others = found.scene, found.asked, found.others
     room = _room(scene)
-    parts = meshable(scene, parts, room, geometry, source)
+    parts = meshable(scene, found.parts, room, geometry, found.source)
     if room is not None:
         for part in parts:
-            refuse_outside(part.surface, room, source)
-    numbered = [*asked, *floating, *others, *(body.name for body in dielectric)]
+            refuse_outside(part.surface, room, found.source)
+    dielectrics = [
+        _dielectric(body, scene) for body in scene.objects if body.relative_permittivity is not None
+    ]
+    numbered = [*asked, *found.floating, *others, *(body.name for body in dielectrics)]
+    sensors = [sensor.name for sensor in scene.sensors]
     problem = normalised(
         asked,
         sum(name in asked for name in sensors),
         [part.body for part in parts],
         [numbered.index(part.conductor) for part in parts],
-        floating,
-        [_dielectric(body, scene) for body in dielectric],
+        found.floating,
+        dielectrics,
         others,
         sum(name in others for name in sensors),
         room,
     )
-    to_ground = {part.conductor: body.to_ground for part, body in zip(conducting, solid)}
     permittivity = epsilon_0 * scene.medium.relative_permittivity
     return replace(
         problem,
-        to_ground=tuple(to_ground[name] / (permittivity * problem.unit) for name in floating),
-        targets=comes_and_goes,
+        to_ground=tuple(capacitance / (permittivity * problem.unit) for capacitance in found.to_ground),
+        targets=found.targets,
         readings=tuple(
             Measured(reading.name, asked.index(reading.sense), tuple(map(asked.index, reading.drive)))
             for reading in readings(scene)
@@ -285,20 +341,33 @@ def normalised(
     room: Cuboid | None = None,
 ) -> Conductors:
     """Scale bodies given in metres to `Conductors`, whose attributes the arguments are."""
-    centre, unit = bounding_sphere(bodies)
-    scaled = tuple(moved(body, centre, unit) for body in bodies)
-    return Conductors(
-        tuple(names),
-        sensors,
-        scaled,
-        tuple(owner),
-        centre,
-        unit,
-        tuple(floating),
-        tuple(dielectrics),
-        tuple(grounded),
-        grounded_sensors,
-        None if room is None else moved_cuboid(room, centre, unit),
+    return scaled(
+        Conductors(
+            tuple(names),
+            sensors,
+            tuple(bodies),
+            tuple(owner),
+            np.zeros(3),
+            1.0,
+            tuple(floating),
+            tuple(dielectrics),
+            tuple(grounded),
+            grounded_sensors,
+            room,
+        )
+    )
+
+
+def scaled(problem: Conductors) -> Conductors:
+    """The same with the centre of the bodies' bounding sphere as the origin, and its radius as the unit of length."""
+    centre, unit = bounding_sphere(problem.bodies)
+    return replace(
+        problem,
+        bodies=tuple(_moved(body, centre, unit) for body in problem.bodies),
+        centre=problem.centre + problem.unit * centre,
+        unit=problem.unit * unit,
+        room=None if problem.room is None else _moved(problem.room, centre, unit),
+        to_ground=tuple(capacitance / unit for capacitance in problem.to_ground),
     )
 
 
@@ -308,29 +377,10 @@ def _dielectric(body: Object, scene: Scene) -> Dielectric:
     return Dielectric(body.name, body.relative_permittivity, contrast)
 
 
-def moved(body: Body, centre: Array, unit: float) -> Body:
+def _moved(body: AnyBody, centre: Array, unit: float) -> AnyBody:
     """The body with `centre` as the origin and with lengths divided by `unit`."""
-    if isinstance(body, Wrap):
-        body = replace(body, samples=(body.samples - centre) / unit)
-    if isinstance(body, Polyhedron):
-        return replace(body, vertices=(body.vertices - centre) / unit, size=body.size / unit)
-    origin = (body.centre - centre) / unit
-    if isinstance(body, Rectangle):
-        a, b = body.half_widths
-        return replace(body, centre=origin, half_widths=(a / unit, b / unit))
-    if isinstance(body, Cuboid):
-        return moved_cuboid(body, centre, unit)
-    if isinstance(body, PlanePolygon):
-        return replace(body, centre=origin, outline=body.outline / unit, ears=body.ears / unit)
-    lengths = ("radius", "height", "inner_radius", "outer_radius")
-    scaled = {name: getattr(body, name) / unit for name in lengths if hasattr(body, name)}
-    for name in ("core", "semi_axes"):
-        if hasattr(body, name):
-            scaled[name] = tuple(length / unit for length in getattr(body, name))
-    return replace(body, centre=origin, **scaled)
-
-
-def moved_cuboid(body: Cuboid, centre: Array, unit: float) -> Cuboid:
-    """The cuboid with `centre` as the origin and with lengths divided by `unit`."""
-    a, b, c = body.half_widths
-    return replace(body, centre=(body.centre - centre) / unit, half_widths=(a / unit, b / unit, c / unit))
+    changed = {name: (getattr(body, name) - centre) / unit for name in POINTS & vars(body).keys()}
+    for name in LENGTHS & vars(body).keys():
+        own = getattr(body, name)
+        changed[name] = tuple(length / unit for length in own) if isinstance(own, tuple) else own / unit
+    return replace(body, **changed)

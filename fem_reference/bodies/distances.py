@@ -256,12 +256,9 @@ def pieces(body: Surface) -> list[Piece]:
         return [Piece(body.corners)]
     if isinstance(body, Sphere):
         return [Piece(body.centre[None], radius=body.radius)]
-    if isinstance(body, Polyhedron):
-        return [Piece(triangle) for triangle in body.vertices[body.triangles]]
-    if isinstance(body, Soup):
-        return [Piece(triangle) for triangle in body.triangles]
-    if isinstance(body, PlanePolygon):
-        return [Piece(triangle) for triangle in body.triangles]
+    if isinstance(body, Polyhedron | Soup | PlanePolygon):
+        triangles = triangles_of(body)
+        return [] if triangles is None else [Piece(triangle) for triangle in triangles]
     if isinstance(body, Arc):
         return _arc_pieces(body)
     if isinstance(body, Swept):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from fem_reference.bodies.shapes import Body, bounding_sphere
 from fem_reference.bodies.distances import gap_to_walls
 from fem_reference.bodies.round_bodies import Sphere
-from fem_reference.bodies.conductors import Conductors, moved, moved_cuboid
+from fem_reference.bodies.conductors import Conductors, scaled
 
 Array = NDArray[np.float64]
 
@@ -109,23 +109,19 @@ def _ball(bodies: Sequence[Body]) -> tuple[Array, float]:
 def _without(problem: Conductors, numbers: Collection[int]) -> Conductors:
     """The problem without the bodies of these numbers, scaled anew."""
     kept = [k for k, own in enumerate(problem.owner) if own not in numbers]
-    bodies = [problem.bodies[k] for k in kept]
-    centre, unit = bounding_sphere(bodies)
     floating, grounded = len(problem.names), problem.driven
     dielectric = grounded + len(problem.grounded)
     remaining = sorted(set(range(dielectric + len(problem.dielectrics))) - set(numbers))
     renumbered = {number: k for k, number in enumerate(remaining)}
     other_sensors = range(grounded, grounded + problem.grounded_sensors)
-    return replace(
+    fewer = replace(
         problem,
-        bodies=tuple(moved(body, centre, unit) for body in bodies),
+        bodies=tuple(problem.bodies[k] for k in kept),
         owner=tuple(renumbered[problem.owner[k]] for k in kept),
-        centre=problem.centre + problem.unit * centre,
-        unit=problem.unit * unit,
-        room=None if problem.room is None else moved_cuboid(problem.room, centre, unit),
         floating=tuple(name for k, name in enumerate(problem.floating, floating) if k not in numbers),
-        to_ground=tuple(c / unit for k, c in enumerate(problem.to_ground, floating) if k not in numbers),
+        to_ground=tuple(c for k, c in enumerate(problem.to_ground, floating) if k not in numbers),
         grounded=tuple(name for k, name in enumerate(problem.grounded, grounded) if k not in numbers),
         grounded_sensors=sum(k not in numbers for k in other_sensors),
         dielectrics=tuple(body for k, body in enumerate(problem.dielectrics, dielectric) if k not in numbers),
     )
+    return scaled(fewer)

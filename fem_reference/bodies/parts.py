@@ -16,7 +16,7 @@ from fem_reference.bodies.polyhedron import NotASolid, Polyhedron, polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
 from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Disc, PlanePolygon, Rectangle
 from fem_reference.bodies.soup import Soup, Surface
-from fem_reference.bodies.wrapping import Geometry, containing_triangles, wrap
+from fem_reference.bodies.wrapping import ALPHA_OF_EXTENT, Geometry, containing_triangles, wrap
 from geometries.common.errors import InputError
 from geometries.scene import polygons, shapes
 from geometries.scene.person import Person
@@ -145,6 +145,43 @@ def merged(
         first = parts[cluster.index(cluster[k])].surface.name
         result.append(replace(part, conductor=name, cluster=first, bridged=k in bridged))
     return result
+
+
+def of_one_potential(
+    parts: Sequence[Part],
+    objects: Sequence[Object],
+    comes: Sequence[bool],
+    columns: Sequence[str],
+    geometry: Geometry,
+    source: str,
+) -> list[Part]:
+    """The parts that these objects are, with those made one conductor that are wrapped, have no column of their own among `columns`, and have
+    gaps that a common wrap bridges.
+
+    All of these are grounded whatever is asked. What `comes` and goes stays apart from the rest.
+    """
+    quiet = [
+        k
+        for k, (part, body) in enumerate(zip(parts, objects))
+        if columns and body.potential == "grounded" and part.conductor not in columns
+        if _needs_wrap([other for other in parts if other.cluster == part.cluster], geometry, source)
+    ]
+    if not quiet:
+        return list(parts)
+    corners = np.concatenate([parts[k].surface.corners for k in quiet])
+    bridged = ALPHA_OF_EXTENT * float(np.linalg.norm(np.ptp(corners, axis=0)))
+
+    def are_one(first: Part, second: Part) -> bool:
+        margin = bridged / min(first.surface.size, second.surface.size)
+        return first.cluster == second.cluster or meet(first.surface, second.surface, margin)
+
+    pairs = [(i, j) for i, j in combinations(quiet, 2) if comes[i] == comes[j]]
+    group = groups(len(parts), [(i, j) for i, j in pairs if are_one(parts[i], parts[j])])
+    leads = {k: parts[group.index(group[k])] for k in quiet}
+    return [
+        replace(part, conductor=leads[k].conductor, cluster=leads[k].cluster) if k in leads else part
+        for k, part in enumerate(parts)
+    ]
 
 
 def _nearly_touch(first: Surface, second: Surface) -> bool:

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
+
+from fem_reference.bodies.triangle_distances import winding_number
 
 Vector = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -44,10 +47,7 @@ class Polyhedron:
     """The numbers of the triangles that bound each of the solid's parts, which do not touch each other."""
     size: float
     """The smallest width of a part at right angles to one of its faces."""
-
-    @property
-    def is_solid(self) -> bool:
-        return True
+    is_solid: ClassVar[bool] = True
 
     @property
     def corners(self) -> Vector:
@@ -81,7 +81,7 @@ class Polyhedron:
 
     def holds(self, points: Vector) -> NDArray[np.bool_]:
         """Whether each of the points (n, 3) is inside: the surface subtends the solid angle 4π there, and 0 outside."""
-        return _holds(self.vertices[self.triangles], points)
+        return np.asarray(winding_number(self.vertices[self.triangles], points) > 0.5)
 
 
 def polyhedron(name: str, triangles: Vector) -> Polyhedron:
@@ -241,21 +241,10 @@ def _normals(triangles: Vector) -> Vector:
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
 
 
-def _holds(triangles: Vector, points: Vector) -> NDArray[np.bool_]:
-    """Whether a closed surface of triangles (m, 3, 3) subtends more than half of the whole solid angle at each of the points (n, 3)."""
-    to = triangles[None] - points[:, None, None]
-    a, b, c = to[:, :, 0], to[:, :, 1], to[:, :, 2]
-    ra, rb, rc = (np.linalg.norm(side, axis=2) for side in (a, b, c))
-    volume = np.einsum("ijk,ijk->ij", a, np.cross(b, c))
-    dots = [np.einsum("ijk,ijk->ij", p, q) for p, q in ((a, b), (b, c), (c, a))]
-    angle = 2 * np.arctan2(volume, ra * rb * rc + dots[0] * rc + dots[1] * ra + dots[2] * rb)
-    return np.asarray(angle.sum(axis=1) > 2 * np.pi)
-
-
 def _is_cavity(triangles: Vector, part: Indices) -> bool:
     """Whether a part of a closed surface (m, 3, 3), whose triangles face inwards, is inside of the rest."""
     rest = np.delete(triangles, part, axis=0)
-    return bool(len(rest) and _holds(rest, triangles[part[:1], 0]).all())
+    return bool(len(rest) and (winding_number(rest, triangles[part[:1], 0]) > 0.5).all())
 
 
 def _volume(triangles: Vector) -> float:

@@ -11,7 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.bodies.soup import winding_number
+from fem_reference.bodies.triangle_distances import winding_number
 from geometries.scene.poses import Transform
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import MeshShape

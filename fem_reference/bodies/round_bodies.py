@@ -7,11 +7,22 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 Vector = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Placed:
+    """A body with a frame of its own; lengths in metres."""
+
+    name: str
+    centre: Vector
+    axes: Vector
+    is_solid: ClassVar[bool] = True
 
 
 @dataclass(frozen=True)
@@ -21,10 +32,7 @@ class Sphere:
     name: str
     centre: Vector
     radius: float
-
-    @property
-    def is_solid(self) -> bool:
-        return True
+    is_solid: ClassVar[bool] = True
 
     @property
     def size(self) -> float:
@@ -37,17 +45,10 @@ class Sphere:
 
 
 @dataclass(frozen=True)
-class Ellipsoid:
-    """A solid ellipsoid with semi_axes[i] along axes[i]; lengths in metres."""
+class Ellipsoid(Placed):
+    """A solid ellipsoid with semi_axes[i] along axes[i]."""
 
-    name: str
-    centre: Vector
-    axes: Vector
     semi_axes: tuple[float, float, float]
-
-    @property
-    def is_solid(self) -> bool:
-        return True
 
     @property
     def size(self) -> float:
@@ -60,18 +61,11 @@ class Ellipsoid:
 
 
 @dataclass(frozen=True)
-class Swept:
+class Swept(Placed):
     """A box, centre ± core[i]·axes[i], swept by a ball; some of `core` may be 0, and a segment gives a capsule. Lengths in metres."""
 
-    name: str
-    centre: Vector
-    axes: Vector
     core: tuple[float, float, float]
     radius: float
-
-    @property
-    def is_solid(self) -> bool:
-        return True
 
     @property
     def size(self) -> float:
@@ -90,18 +84,11 @@ class Swept:
 
 
 @dataclass(frozen=True)
-class _OnCircularBase:
+class _OnCircularBase(Placed):
     """A body of revolution around axes[2] on a circular base, from −height/2 to height/2; lengths in metres."""
 
-    name: str
-    centre: Vector
-    axes: Vector
     radius: float
     height: float
-
-    @property
-    def is_solid(self) -> bool:
-        return True
 
     @property
     def size(self) -> float:
@@ -124,20 +111,13 @@ class Cone(_OnCircularBase):
 
 
 @dataclass(frozen=True)
-class Arc:
+class Arc(Placed):
     """A sector of a ring around axes[2], from −half_angle to half_angle about axes[0]; lengths in metres, angles in radians."""
 
-    name: str
-    centre: Vector
-    axes: Vector
     inner_radius: float
     outer_radius: float
     height: float
     half_angle: float
-
-    @property
-    def is_solid(self) -> bool:
-        return True
 
     @property
     def is_ring(self) -> bool:

@@ -1,37 +1,30 @@
 """The bodies of the field problem in the world frame: rectangles, discs and polygons without thickness, and solids.
 
-Every body has a size, corners, and, where the charge density is singular, edges. In the frame of a body that is symmetric about its
-coordinate planes, the distance of a point depends on the absolute values of its coordinates only. The mesh generator gets the
-same closed forms as text (`distance_expressions`).
+Every body has a size, relative to which the mesh resolves it, corners and, where the charge density is singular, edges.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.round_bodies import RoundBody
+from fem_reference.bodies.round_bodies import Placed, RoundBody
 
 Vector = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class Rectangle:
+class Rectangle(Placed):
     """A plate without thickness: centre ± half_widths[i]·axes[i], with the normal axes[2]; lengths in metres."""
 
-    name: str
-    centre: Vector
-    axes: Vector
     half_widths: tuple[float, float]
-
-    @property
-    def is_solid(self) -> bool:
-        return False
+    is_solid: ClassVar[bool] = False
 
     @property
     def size(self) -> float:
@@ -50,27 +43,13 @@ class Rectangle:
         origin = self.centre - (u + v) / 2
         return np.array([origin, origin + u, origin + u + v, origin + v])
 
-    def edge_distance(self, points: Vector) -> Vector:
-        """Distance (n,) of points (n, 3) to the rectangle's boundary."""
-        x, y, z = _folded(self, points)
-        a, b = self.half_widths
-        beside_x = np.sqrt(np.maximum(x - a, 0) ** 2 + (y - b) ** 2 + z**2)
-        beside_y = np.sqrt((x - a) ** 2 + np.maximum(y - b, 0) ** 2 + z**2)
-        return np.asarray(np.minimum(beside_x, beside_y))
-
 
 @dataclass(frozen=True)
-class Disc:
+class Disc(Placed):
     """A circular plate without thickness, as in Love's equation, with the normal axes[2]; lengths in metres."""
 
-    name: str
-    centre: Vector
-    axes: Vector
     radius: float
-
-    @property
-    def is_solid(self) -> bool:
-        return False
+    is_solid: ClassVar[bool] = False
 
     @property
     def size(self) -> float:
@@ -82,27 +61,16 @@ class Disc:
         u, v = self.radius * self.axes[:2]
         return np.array([self.centre - u - v, self.centre + u - v, self.centre + u + v, self.centre - u + v])
 
-    def edge_distance(self, points: Vector) -> Vector:
-        """Distance (n,) of points (n, 3) to the circle."""
-        x, y, z = _folded(self, points)
-        return np.asarray(np.hypot(np.hypot(x, y) - self.radius, z))
-
 
 @dataclass(frozen=True)
-class PlanePolygon:
+class PlanePolygon(Placed):
     """A simple polygon without thickness, with the normal axes[2]; lengths in metres."""
 
-    name: str
-    centre: Vector
-    axes: Vector
     outline: Vector
     """The vertices (n, 2), anticlockwise, along axes[0] and axes[1] from `centre`."""
     ears: Vector
     """The triangles (n − 2, 3, 2) that it consists of, in the same coordinates."""
-
-    @property
-    def is_solid(self) -> bool:
-        return False
+    is_solid: ClassVar[bool] = False
 
     @property
     def size(self) -> float:
@@ -122,29 +90,12 @@ class PlanePolygon:
         """The triangles (n − 2, 3, 3)."""
         return np.asarray(self.centre + self.ears @ self.axes[:2])
 
-    def edge_distance(self, points: Vector) -> Vector:
-        """Distance (n,) of points (n, 3) to the outline."""
-        starts = self.corners
-        sides = np.roll(starts, -1, axis=0) - starts
-        nearest = np.full(len(points), np.inf)
-        for start, side in zip(starts, sides):
-            share = np.clip((points - start) @ side / (side @ side), 0, 1)
-            nearest = np.minimum(nearest, np.linalg.norm(points - start - share[:, None] * side, axis=1))
-        return nearest
-
 
 @dataclass(frozen=True)
-class Cuboid:
+class Cuboid(Placed):
     """A solid box: centre ± half_widths[i]·axes[i]; lengths in metres."""
 
-    name: str
-    centre: Vector
-    axes: Vector
     half_widths: tuple[float, float, float]
-
-    @property
-    def is_solid(self) -> bool:
-        return True
 
     @property
     def size(self) -> float:
@@ -182,11 +133,6 @@ def bounding_sphere(bodies: Sequence[Body]) -> tuple[Vector, float]:
     corners = np.concatenate([body.corners for body in bodies])
     centre = (corners.min(axis=0) + corners.max(axis=0)) / 2
     return centre, float(np.linalg.norm(corners - centre, axis=1).max())
-
-
-def _folded(body: Rectangle | Disc, points: Vector) -> Vector:
-    """Absolute values (3, n) of the coordinates of points in the body's frame."""
-    return np.asarray(np.abs((points - body.centre) @ body.axes.T).T)
 
 
 def separation(first: Rectangle | Cuboid, second: Rectangle | Cuboid) -> float:

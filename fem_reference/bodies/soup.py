@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.bodies.shapes import Body
+from fem_reference.bodies.triangle_distances import winding_number
 
 Vector = NDArray[np.float64]
 
@@ -20,10 +22,7 @@ class Soup:
     triangles: Vector
     defect: str
     """Words that follow the name of the file."""
-
-    @property
-    def is_solid(self) -> bool:
-        return False
+    is_solid: ClassVar[bool] = False
 
     @property
     def corners(self) -> Vector:
@@ -41,16 +40,3 @@ class Soup:
 
 Surface = Body | Soup
 """What a body is before it is known whether it has to be wrapped."""
-
-
-def winding_number(triangles: Vector, points: Vector) -> Vector:
-    """The solid angle (n,) that triangles (m, 3, 3) subtend at points (n, 3), over 4π (Van Oosterom & Strackee 1983)."""
-    found = np.empty(len(points))
-    for k, point in enumerate(points):
-        a, b, c = (triangles[:, corner] - point for corner in range(3))
-        ra, rb, rc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
-        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
-        dots = [np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a))]
-        angle = 2 * np.arctan2(volume, ra * rb * rc + dots[0] * rc + dots[1] * ra + dots[2] * rb)
-        found[k] = angle.sum() / (4 * np.pi)
-    return found

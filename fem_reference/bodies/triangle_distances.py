@@ -1,4 +1,4 @@
-"""Distances between sets of triangles, closed or not: exact to rounding, and fast for a hundred thousand of them."""
+"""Distances between sets of triangles, closed or not, exact to rounding and fast for a hundred thousand of them; how they wind around points."""
 
 from __future__ import annotations
 
@@ -155,3 +155,16 @@ def _between_segments(p: Vector, q: Vector, r: Vector, s: Vector) -> Vector:
     )
     across = np.clip(across, 0, 1)
     return np.asarray(((w + along[:, None] * u - across[:, None] * v) ** 2).sum(axis=1))
+
+
+def winding_number(triangles: Vector, points: Vector) -> Vector:
+    """The solid angle (n,) that triangles (m, 3, 3) subtend at points (n, 3), over 4π (Van Oosterom & Strackee 1983)."""
+    found = np.empty(len(points))
+    for k, point in enumerate(points):
+        a, b, c = (triangles[:, corner] - point for corner in range(3))
+        ra, rb, rc = (np.linalg.norm(side, axis=1) for side in (a, b, c))
+        volume = np.einsum("ij,ij->i", a, np.cross(b, c))
+        dots = [np.einsum("ij,ij->i", p, q) for p, q in ((a, b), (b, c), (c, a))]
+        angle = 2 * np.arctan2(volume, ra * rb * rc + dots[0] * rc + dots[1] * ra + dots[2] * rb)
+        found[k] = angle.sum() / (4 * np.pi)
+    return found

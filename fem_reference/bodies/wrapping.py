@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import math
 import subprocess
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -70,8 +70,18 @@ class Geometry:
     """Relative accuracy that was asked for, from which offsets are chosen."""
     coarseness: float = 1.0
     """Factor on all lengths of a wrap; the comparison of two of them shows what the wrap costs."""
-    opens: bool = False
-    """Whether alpha is so small that the widest hollow opens that a wrap would close; this shows what closing hollows costs."""
+    opens: Mapping[str, float] = field(default_factory=dict)
+    """By the names of wraps that close hollows, the largest distance (m) in these, `Wrap.closes`: alpha is so small that the widest one opens,
+    which shows what closing hollows costs."""
+
+    @property
+    def coarser(self) -> Geometry:
+        """The same with wraps of twice the lengths."""
+        return replace(self, coarseness=2 * self.coarseness)
+
+    def opened(self, wraps: Sequence[Wrap]) -> Geometry:
+        """The same with the hollows open that these wraps close."""
+        return replace(self, opens={wrap.name: wrap.closes for wrap in wraps if wrap.closes})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,9 +133,11 @@ def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geomet
         vertices, corners = _run(triangles, others, alpha, offset)
         return vertices, corners, _closed(vertices[corners], samples, others, offset)
 
-    vertices, corners, closes = wrapped()
-    if geometry.opens and closes:
-        widest, most = closes, 2 * OPENING * closes
+    widest = geometry.opens.get(members[0][0])
+    if widest is None:
+        vertices, corners, closes = wrapped()
+    else:
+        most = 2 * OPENING * widest
         for _ in range(MOST_OPENINGS):
             most = max(most / 2, 2 * offset.least)
             alpha = LocalLength(alpha.share, min(alpha.least, most), most)
@@ -243,22 +255,17 @@ def containing_triangles(shape: Shape, tolerance: float) -> Vector:
         return max(3, math.ceil(min(max(whole, 24), MOST_SEGMENTS) * degrees / 360))
 
     match shape:
-        case shapes.Cylinder() | shapes.Cone():
+        case shapes.Cylinder() | shapes.Cone() | shapes.Disc():
             n = sides(shape.radius)
             return replace(shape, radius=shape.radius / math.cos(math.pi / n), segments=n).triangles()
-        case shapes.Disc():
-            n = sides(shape.radius)
-            return replace(shape, radius=shape.radius / math.cos(math.pi / n), segments=n).triangles()
-        case shapes.Sphere():
-            n = 2 * math.ceil(sides(shape.radius) / 2)
+        case shapes.Sphere() | shapes.Capsule():
+            step = 2 if isinstance(shape, shapes.Sphere) else 4
+            n = step * math.ceil(sides(shape.radius) / step)
             return replace(shape, radius=shape.radius / math.cos(math.pi / n) ** 2, segments=n).triangles()
         case shapes.Ellipsoid():
             n = 2 * math.ceil(sides(max(shape.semi_axes)) / 2)
             x, y, z = (length / math.cos(math.pi / n) ** 2 for length in shape.semi_axes)
             return replace(shape, semi_axes=(x, y, z), segments=n).triangles()
-        case shapes.Capsule():
-            n = 4 * math.ceil(sides(shape.radius) / 4)
-            return replace(shape, radius=shape.radius / math.cos(math.pi / n) ** 2, segments=n).triangles()
         case shapes.RoundedCuboid():
             n = 4 * math.ceil(sides(shape.rounding) / 4)
             radius = shape.rounding / math.cos(math.pi / n) ** 2

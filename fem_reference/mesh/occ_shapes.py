@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from fem_reference.bodies.distances import CUBOID_FACES
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle
 from fem_reference.bodies.plane_faces import plane_faces
 from fem_reference.bodies.polyhedron import Polyhedron
@@ -116,8 +117,7 @@ def _parallelotope(body: Rectangle | Cuboid) -> Entity:
     lines: dict[frozenset[int], int] = {}
     if isinstance(body, Rectangle):
         return (2, _polygon([points], lines))
-    quads = ((0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5))
-    faces = [_polygon([[points[k] for k in quad]], lines) for quad in quads]
+    faces = [_polygon([[points[k] for k in quad]], lines) for quad in CUBOID_FACES]
     return (3, occ.addVolume([occ.addSurfaceLoop(faces)]))
 
 

@@ -8,37 +8,25 @@ coordinate s, which grows away from the vertices on the edge, by s²: NUMERICS.m
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cache
 
 import basix
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.bodies.shapes import SHEETS, Body
-
 Array = NDArray[np.float64]
 
+CORNERS = np.array(basix.geometry(basix.CellType.tetrahedron))
+"""The vertices of the reference tetrahedron."""
+FACES = np.array(basix.topology(basix.CellType.tetrahedron)[2])
+"""The vertices of each of its faces; face f lies opposite vertex f."""
 TETRAHEDRON_EDGES = np.array([[2, 3], [1, 3], [1, 2], [0, 3], [0, 2], [0, 1]])
 """Vertices of the edges that carry nodes 4 … 9 of a second-order tetrahedron, in the order of basix."""
 
 RADIAL_DEGREE = 23
 """Degree of the Gauss rule along s, which has 12 points. The integrands are polynomials in s over (1 + s)², which are analytic except
 at s = −1, so that n points leave an error of about 5.8^(−2n): with 12 points it is rounding error."""
-
-
-def vertices_on_edges(nodes: Array, cells: NDArray[np.int32], bodies: Sequence[Body]) -> NDArray[np.bool_]:
-    """Which of the four vertices of each cell (n, 4) lie on the edge of a plate.
-
-    The right-angled edges of solids, where the potential behaves as the power 2/3 of the distance, do not count: there the grading of
-    the mesh alone resolves the singularity.
-    """
-    vertices = np.unique(cells[:, :4])
-    on_edge = np.zeros(len(nodes), dtype=bool)
-    for body in bodies:
-        if isinstance(body, SHEETS):
-            on_edge[vertices] |= body.edge_distance(nodes[vertices]) < 1e-7 * body.size
-    return np.asarray(on_edge[cells[:, :4]])
 
 
 def straighten(nodes: Array, cells: NDArray[np.int32]) -> None:
@@ -86,8 +74,7 @@ def jacobian(collapsed: frozenset[int], points: Array) -> Array:
     The map of an element with straight sides is this map followed by an affine one, so that its integrals are those over the
     reference tetrahedron with another metric.
     """
-    corners = np.array(basix.geometry(basix.CellType.tetrahedron))
-    nodes = np.vstack([corners, np.zeros((len(TETRAHEDRON_EDGES), 3))])
+    nodes = np.vstack([CORNERS, np.zeros((len(TETRAHEDRON_EDGES), 3))])
     cell = np.arange(10, dtype=np.int32)[None]
     straighten(nodes, cell)
     pull(nodes, cell, np.array([[k in collapsed for k in range(4)]]))
@@ -99,10 +86,13 @@ def jacobian(collapsed: frozenset[int], points: Array) -> Array:
 def aligned_rule(collapsed: frozenset[int], degree: int) -> tuple[Array, Array]:
     """Quadrature points (n, 3) and weights (n,) on the reference tetrahedron for the integrals over a quarter-point element.
 
-    `collapsed` are the one to three vertices on the plate's edge. Let s be the sum of the other barycentric coordinates. The integrand
+    `collapsed` are the vertices on the plate's edge, one to three; without any the element is a usual one. Let s be the sum of the other barycentric coordinates. The integrand
     is analytic in s, and a polynomial of at most `degree` in the positions within the two simplices that the collapsed and the other
     vertices span.
     """
+    if not collapsed:
+        points, weights = basix.make_quadrature(basix.CellType.tetrahedron, degree)
+        return np.asarray(points), np.asarray(weights)
     points, weights = basix.make_quadrature(basix.CellType.interval, RADIAL_DEGREE)
     s = points[:, 0]
     near, far = sorted(collapsed), [k for k in range(4) if k not in collapsed]

@@ -14,12 +14,18 @@ from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.shapes import Body, Cuboid, bounding_sphere
+from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, bounding_sphere
 from fem_reference.mesh.distributed import gathered, whole_numbers
-from fem_reference.mesh.curved_cells import curved_cells, straighten_inverted
-from fem_reference.mesh.curved_faces import CurvedFaces, curved_faces, rim_errors
+from fem_reference.mesh.edges import on_edges
+from fem_reference.mesh.curved_surfaces import (
+    CurvedFaces,
+    curved_cells,
+    curved_faces,
+    rim_errors,
+    straighten_inverted,
+)
 from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to, united
-from fem_reference.mesh.quarter_points import is_pulled, pull, straighten, vertices_on_edges
+from fem_reference.mesh.quarter_points import is_pulled, pull, straighten
 from fem_reference.mesh.sizing import Sizing, size_function
 from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
@@ -194,7 +200,9 @@ def tagged_mesh(
         error = comm.allreduce(float(own.max(initial=0.0)), op=MPI.MAX)
         whole = comm.allreduce(float(weights.sum()))
         mean = comm.allreduce(float(own @ weights)) / whole if whole else 0.0
-        on_edge = vertices_on_edges(nodes, node_numbers, bodies)
+        # The edges of solids, where the potential behaves as the power 2/3 of the distance, are resolved by the grading of the mesh alone.
+        sheets = [body for body in bodies if isinstance(body, SHEETS)]
+        on_edge = on_edges(sheets, nodes, np.unique(node_numbers[:, :4]))[node_numbers[:, :4]]
         pull(nodes, node_numbers, on_edge)
     _refuse_flat_cells(nodes[node_numbers[:, :4]])
     faces = curved_faces(mesh, cells, () if straight else bodies)

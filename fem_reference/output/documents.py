@@ -7,7 +7,7 @@ import math
 import sys
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -18,17 +18,14 @@ import numpy as np
 from mpi4py import MPI
 from petsc4py import PETSc
 
-from fem_reference.output.field_file import write_field_file
-from fem_reference.output.readings import readings_document, readings_table
-from fem_reference.output.units import PICOFARAD
+from fem_reference.output.pictures import potential_slice, write_field_file
+from fem_reference.output.readings import PICOFARAD, readings_document, readings_table
 from fem_reference.solve.level import Level
 from fem_reference.common.limits import Limits
 from fem_reference.common.supervision import AnswerSoFar, Report
-from fem_reference.output.potential_slice import potential_slice
 from fem_reference.answer.wrapped import GeometryError
 from fem_reference.answer.reference import ErrorKind, Reference, maxwell
 from fem_reference.bodies.remarks import remarks
-from fem_reference.bodies.wrapping import Geometry
 from geometries.common.files import whole_file
 from geometries.scene.reader import load
 
@@ -39,13 +36,11 @@ ANSWERED, NOT_REACHED = 0, 3
 # Seconds after the limit of time in which the solver may end by itself, as it does between two levels.
 _GRACE = 2.0
 
-METHOD: dict[bool, str] = {
-    True: "the value lies between an upper and a lower bound of the energies on one mesh, by shares of their distance that were measured for "
-    "each kind of edge; the next mesh is refined where the error arises",
-    False: "Richardson extrapolation over meshes of edge size h, h/2, h/4 … where the ratio of their differences is that of the "
-    "theory; the error is an estimate from those differences, plus a bound on the open boundary and what all meshes share",
-}
-"""How values and errors are found: between bounds on each mesh, or by differences of meshes."""
+METHOD = (
+    "the value lies between an upper and a lower bound of the energies on one mesh, by shares of their distance that were measured for "
+    "each kind of edge; the next mesh is refined where the error arises"
+)
+"""How values and errors are found."""
 INTERVAL: dict[ErrorKind, str] = {
     "estimate": "lower and upper are the value less and plus its estimated error",
     "enclosure": "lower and upper enclose the true value: energies of a continuous potential and of a divergence-free flux, "
@@ -105,16 +100,9 @@ class Clock:
         self.report(AnswerSoFar(text, message, self._left(), is_answer=False))
 
 
-def answer(
-    clock: Clock,
-    error: ErrorKind,
-    limits: Limits,
-    columns: Sequence[str] = (),
-    symmetry: bool = True,
-    geometry: Geometry = Geometry(),
-    only_readings: bool = False,
-) -> int:
-    """Solve a scene file and print the answer; returns the exit status. The clock gets the answer so far after every level."""
+def answer(clock: Clock, limits: Limits, **asked: Any) -> int:
+    """Solve a scene file and print the answer; returns the exit status. The clock gets the answer so far after every level, and `asked`
+    goes to `maxwell`."""
     path, as_json = clock.path, clock.as_json
     scene = load(path)
     is_first = MPI.COMM_WORLD.rank == 0
@@ -130,23 +118,19 @@ def answer(
             return
         if not as_json:
             _print_level(so_far)
-        stopped = replace(so_far, stopped_by="it was stopped before the next level ended")
+        stopped = so_far.stopped("it was stopped before the next level ended")
         clock.answered(_text(stopped, as_json, found), _shortfall(path, stopped))
 
     reference = maxwell(
         scene,
-        rtol=clock.rtol,
-        max_seconds=limits.seconds,
-        max_unknowns=limits.unknowns,
-        max_memory=limits.memory,
-        source=str(path),
-        progress=progress,
-        error=error,
-        columns=columns,
-        symmetry=symmetry,
-        geometry=geometry,
-        only_readings=only_readings,
+        clock.rtol,
+        limits.seconds,
+        limits.unknowns,
+        limits.memory,
+        str(path),
+        progress,
         prepared=lambda: clock.solving(found),
+        **asked,
     )
     status = ANSWERED if reference.reached else NOT_REACHED
     if not is_first:
@@ -179,16 +163,17 @@ def _shortfall(path: Path, reference: Reference) -> str:
 def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
     """The answer, with the remarks on the scene, as data for JSON: farads, metres, seconds, bytes; matrices row by row in the order of
     `conductors`."""
-    sensors = reference.names[: reference.sensors]
+    problem = reference.problem
+    sensors = problem.names[: problem.sensors]
     result: dict[str, Any] = {
         "format": FORMAT,
-        "conductors": list(reference.names),
+        "conductors": list(problem.names),
         "maxwell": reference.maxwell.value.tolist(),
         "lower": reference.lower.tolist(),
         "upper": reference.upper.tolist(),
         "error": reference.maxwell.error.tolist(),
         "extrapolated": reference.maxwell.extrapolated.tolist(),
-        "members": [list(members) for members in reference.members],
+        "members": [list(members) for members in problem.members[: len(problem.names)]],
         "charges": [charges.tolist() for charges in reference.charges],
     }
     if reference.geometry is not None:
@@ -204,13 +189,13 @@ def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
     finest = reference.levels[-1]
     return result | {
         "readings": readings_document(reference.readings),
-        "not_asked": list(reference.grounded),
-        "ground": "room" if reference.in_room else "infinity",
+        "not_asked": list(problem.grounded),
+        "ground": "room" if problem.room is not None else "infinity",
         "left_out": [{"name": body.name, "bound": float(body.bound.max())} for body in reference.left_out],
-        "floating": list(reference.floating),
+        "floating": list(problem.floating),
         "dielectrics": [
             {"name": body.name, "relative_permittivity": body.relative_permittivity}
-            for body in reference.dielectrics
+            for body in problem.dielectrics
         ],
         "rtol": reference.rtol,
         "reached": reference.reached,
@@ -223,7 +208,7 @@ def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
         "symmetry_planes": [
             {"normal": plane.normal.tolist(), "offset": plane.offset} for plane in reference.planes
         ],
-        "method": METHOD[finest.marks is not None],
+        "method": METHOD,
         "levels": [_level_document(level) for level in reference.levels],
         "unknowns": finest.unknowns,
         "memory_per_unknown": finest.memory / finest.unknowns,
@@ -236,7 +221,7 @@ def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
 
 def _interval(reference: Reference) -> str:
     """What `lower` and `upper` are."""
-    words = INTERVAL[reference.error_kind] + (WRAPPED_INTERVAL if reference.wraps else "")
+    words = INTERVAL[reference.error_kind] + (WRAPPED_INTERVAL if reference.problem.wraps else "")
     if reference.enclosure is not None and reference.contradicted is not None:
         words += f"; nothing is proven: {reference.contradicted}"
     return words
@@ -258,7 +243,7 @@ def _geometry_document(reference: Reference, geometry: GeometryError) -> dict[st
                 "offset": wrap.offset,
                 "triangles": len(wrap.triangles),
             }
-            for wrap in reference.wraps
+            for wrap in reference.problem.wraps
         ],
     }
 
@@ -276,24 +261,23 @@ def versions() -> dict[str, str]:
 
 def table(reference: Reference) -> str:
     """A table of the Maxwell matrix and delta_self in picofarad, each with its error, for people to read."""
-    width = max(8, *(len(name) for name in reference.names)) + 2
+    problem, names = reference.problem, reference.problem.names
+    width = max(8, *(len(name) for name in names)) + 2
     lines = ["Maxwell matrix, pF: charge on the row's conductor per volt on the column's"]
-    lines.append(" " * width + "".join(f"{name:>24}" for name in reference.names))
+    lines.append(" " * width + "".join(f"{name:>24}" for name in names))
     value, error = reference.maxwell.value / PICOFARAD, reference.maxwell.error / PICOFARAD
-    for i, name in enumerate(reference.names):
-        entries = (f"{value[i, j]:.6f} ± {error[i, j]:.6f}" for j in range(len(reference.names)))
-        lines.append(f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
-    for names in reference.members:
-        if len(names) > 1:
-            lines.append(f"one conductor: {', '.join(names)}")
+    lines += _rows(width, names, [[f"{v:.6f} ± {e:.6f}" for v, e in zip(*row)] for row in zip(value, error)])
+    for members in problem.members[: len(names)]:
+        if len(members) > 1:
+            lines.append(f"one conductor: {', '.join(members)}")
     if reference.enclosure is not None:
         why = reference.unproven_because
         lines.append("proven to lie in" if why is None else f"estimated to lie in, because {why}")
         lower, upper = reference.lower / PICOFARAD, reference.upper / PICOFARAD
-        for i, name in enumerate(reference.names):
-            entries = (f"[{lower[i, j]:.6f}, {upper[i, j]:.6f}]" for j in range(len(reference.names)))
-            lines.append(f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
-    for wrap in reference.wraps:
+        lines += _rows(
+            width, names, [[f"[{v:.6f}, {w:.6f}]" for v, w in zip(*row)] for row in zip(lower, upper)]
+        )
+    for wrap in problem.wraps:
         lines.append(
             f"wrapped: {', '.join(wrap.members)}, {len(wrap.triangles)} triangles, offset {wrap.offset * 1e3:.3g} mm"
         )
@@ -302,21 +286,20 @@ def table(reference: Reference) -> str:
         lines.append(f"largest relative error due to the wraps: {worst:.2e}, included in all errors")
     if reference.has_objects:
         lines.append("delta_self, pF: the sensor's own entry less what it is without the objects")
-        for k, name in enumerate(reference.names[: reference.sensors]):
-            change = reference.delta_self.value[k] / PICOFARAD, reference.delta_self.error[k] / PICOFARAD
-            lines.append(f"{name:<{width}}" + f"{change[0]:.6f} ± {change[1]:.6f}".rjust(24))
+        changes = zip(reference.delta_self.value / PICOFARAD, reference.delta_self.error / PICOFARAD)
+        lines += _rows(width, names[: problem.sensors], [[f"{v:.6f} ± {e:.6f}"] for v, e in changes])
     lines += readings_table(reference.readings)
-    if reference.grounded:
-        lines.append(f"grounded, their columns not asked for: {', '.join(reference.grounded)}")
-    if reference.in_room:
+    if problem.grounded:
+        lines.append(f"grounded, their columns not asked for: {', '.join(problem.grounded)}")
+    if problem.room is not None:
         lines.append("ground: the walls of the room")
     for left in reference.left_out:
         lines.append(
             f"left out: {left.name}, adds at most {left.bound.max() / PICOFARAD:.2g} pF to an own entry"
         )
-    if reference.floating:
-        lines.append(f"floating, without charge and so without a row: {', '.join(reference.floating)}")
-    for body in reference.dielectrics:
+    if problem.floating:
+        lines.append(f"floating, without charge and so without a row: {', '.join(problem.floating)}")
+    for body in problem.dielectrics:
         lines.append(f"dielectric: {body.name}, relative permittivity {body.relative_permittivity:g}")
     if reference.planes:
         lines.append(f"planes of symmetry found: {len(reference.planes)}; one side of them was solved")
@@ -326,6 +309,13 @@ def table(reference: Reference) -> str:
         f"{finest.unknowns} unknowns, {reference.seconds:.1f} s"
     )
     return "\n".join(lines)
+
+
+def _rows(width: int, names: Sequence[str], entries: Sequence[Sequence[str]]) -> list[str]:
+    """Lines of a table, each with its name and its entries."""
+    return [
+        f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in row) for name, row in zip(names, entries)
+    ]
 
 
 def write_slice(path: Path, target: Path) -> int:
@@ -373,6 +363,7 @@ def _level_document(level: Level) -> dict[str, Any]:
             "upper": level.enclosure.upper.tolist(),
             "flux_seconds": level.flux_seconds,
         }
-    if level.check is not None:
-        described["check"] = {"lower": level.check.lower.tolist(), "upper": level.check.upper.tolist()}
+    elif level.bounds is not None:
+        check = level.bounds.interval
+        described["check"] = {"lower": check.lower.tolist(), "upper": check.upper.tolist()}
     return described

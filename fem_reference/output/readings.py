@@ -6,8 +6,9 @@ from collections.abc import Sequence
 from typing import Any
 
 from fem_reference.answer.readings import Quantity, ReadingAnswer
-from fem_reference.output.units import PICOFARAD
 
+PICOFARAD = 1e-12
+"""Farads in the unit in which people read the answers."""
 ANSWERED_BY = "field"
 PARTS = ("value", "background", "change")
 

@@ -15,7 +15,7 @@ from fem_reference.bodies.shapes import Body
 from fem_reference.bodies.symmetry import Plane, orbits
 from fem_reference.bodies.wrapping import Wrap, member_names, spread_points
 from fem_reference.mesh.body_distances import surface_distance
-from fem_reference.solve.field_problem import FieldProblem
+from fem_reference.solve.field_problem import FieldProblem, with_floating
 
 Array = NDArray[np.float64]
 
@@ -38,8 +38,10 @@ def body_charges(
     rows, members = len(problem.names), problem.members
     if all(len(names) == 1 for names in members[:rows]):
         return ()
-    driven = _without_charge_on_floating(system, potentials, rows)
-    reactions = np.array([_reactions(system, potential) for potential in driven])
+    floating = len(potentials) - rows
+    maxwell = system.energies(potentials) if floating else np.empty((0, 0))
+    driven = with_floating(np.array(potentials), maxwell, floating, system.to_ground)
+    reactions = system.reactions(driven)
     coordinates = system.space.tabulate_dof_coordinates()
     images = orbits(problem.bodies, problem.owner, planes)
     found = []
@@ -52,25 +54,6 @@ def body_charges(
         own = MPI.COMM_WORLD.allreduce(shares @ reactions[:, dofs].T)
         found.append(_mean_over_images(np.asarray(own), problem, row, images))
     return tuple(found)
-
-
-def _without_charge_on_floating(system: FieldProblem, potentials: Sequence[Array], rows: int) -> list[Array]:
-    """The potentials with each of the first `rows` conductors at 1 V and the floating ones, which follow, left to themselves."""
-    if len(potentials) == rows:
-        return list(potentials)
-    maxwell = system.energies(potentials)
-    own = maxwell[rows:, rows:]
-    own = own + np.diag(system.to_ground) if len(system.to_ground) else own
-    induced = np.linalg.solve(own, -maxwell[rows:, :rows])
-    return [potentials[k] + induced[:, k] @ np.array(potentials[rows:]) for k in range(rows)]
-
-
-def _reactions(system: FieldProblem, potential: Array) -> Array:
-    """The product K·u for this process's unknowns."""
-    source, image = system.stiffness.createVecRight(), system.stiffness.createVecLeft()
-    source.array[:] = potential
-    system.stiffness.mult(source, image)
-    return np.asarray(image.array.copy())
 
 
 def _shares(points: Array, bodies: Sequence[Body], names: Sequence[str]) -> Array:

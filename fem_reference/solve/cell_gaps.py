@@ -19,17 +19,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fem_reference.mesh.distributed import gathered
+from fem_reference.mesh.quarter_points import CORNERS, FACES
 from fem_reference.mesh.tagged_mesh import local_count
 from fem_reference.solve.field_problem import (
     FieldProblem,
     cell_permittivities,
-    floating_potentials,
+    with_floating,
     without_floating,
 )
 from fem_reference.solve.flux import CondensedCells, flux_energies, with_field
 from fem_reference.solve.reference_flux import (
-    CORNERS,
-    FACES,
     ORDERS,
     face_polynomials,
     in_order,
@@ -91,8 +90,9 @@ def bounded_matrix(
     flux = flux_energies(condensed, conductors, len(potentials), permittivities, guesses)
     upper = upper_energies(system, potentials)
     lower = flux.lower - np.diag(flux.algebraic_error)
-    above, fields = _without_floating(upper, with_ghosts, floating, system.to_ground)
-    below, multipliers = _without_floating(lower, flux.multipliers, floating, system.to_ground)
+    above, below = (without_floating(form, floating, system.to_ground) for form in (upper, lower))
+    fields = with_floating(with_ghosts, upper, floating, system.to_ground)
+    multipliers = with_floating(flux.multipliers, lower, floating, system.to_ground)
     tagged = condensed.tagged
     numbers = with_field(tagged, permittivities)
     numbers = numbers[numbers < tagged.owned_cells]
@@ -122,16 +122,6 @@ def _gaps(
     off, both = known - projected, forms @ projected.transpose(0, 2, 1)
     found = cell_energies(system, potentials, cells) - projected @ both
     return np.asarray(found + off @ (forms @ off.transpose(0, 2, 1)))
-
-
-def _without_floating(form: Array, fields: Array, floating: int, to_ground: Array) -> tuple[Array, Array]:
-    """A quadratic form (n, n) and the fields (n, …) that it belongs to, without the last `floating` conductors."""
-    if floating == 0:
-        return form, fields
-    kept = len(form) - floating
-    induced = floating_potentials(form, floating, to_ground)
-    kept_fields = fields[:kept] + np.tensordot(induced.T, fields[kept:], axes=1)
-    return without_floating(form, floating, to_ground), kept_fields
 
 
 def _on_faces(system: FieldProblem, condensed: CondensedCells, potentials: Array) -> Array:

@@ -108,10 +108,6 @@ class FaceSystem:
         self._coarse = _petsc_matrix(own_rows, columns, own_vertices, self._comm)
         self._solver = self._two_level_solver()
 
-    @property
-    def unknowns(self) -> int:
-        return int(self._matrix.getSize()[0])
-
     def solve(self, driven: Integers, guess: Array) -> FaceSolution:
         """Solve for the multipliers with these fixed faces at potential 1 and the other fixed ones at 0, from a guess (faces, m).
 

@@ -18,6 +18,8 @@ from fem_reference.mesh.distributed import from_owners
 from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, FIRST_BODY, NEAR_EDGE, OUTER_SURFACE, TaggedMesh
 from fem_reference.common.stages import stage
 
+Fields = Sequence[NDArray[np.float64]] | NDArray[np.float64]
+"""Potentials (unknowns,), or other values, of several solutions."""
 DEGREE = 3
 """Degree of the Lagrange elements."""
 QUADRATURE_DEGREE_NEAR_EDGE = 10
@@ -152,26 +154,25 @@ class FieldProblem:
         own[:, : unknowns.size_local] = potentials
         return np.array([from_owners(unknowns, each) for each in own]).reshape(own.shape)
 
-    def energies(self, potentials: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    def energies(self, potentials: Fields) -> NDArray[np.float64]:
         """The products u_i·K·u_j (n, n) of potentials (unknowns,): the charge on conductor i with conductor j at 1 V (ε = 1).
 
         They equal the sums of the reactions K·u_j over the conductors' unknowns, except that the error of the iterative solver
         enters squared.
         """
-        return products(self.stiffness, potentials)
+        comm = self.stiffness.comm.tompi4py()
+        found = comm.allreduce(np.array(potentials) @ self.reactions(potentials).T)
+        return np.asarray((found + found.T) / 2)
 
-
-def products(matrix: PETSc.Mat, vectors: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """The products v_i·A·v_j (n, n) for a symmetric matrix A."""
-    images = []
-    for vector in vectors:
-        source = matrix.createVecRight()
-        source.array[:] = vector
-        image = matrix.createVecLeft()
-        matrix.mult(source, image)
-        images.append(image.array.copy())
-    found = matrix.comm.tompi4py().allreduce(np.array(vectors) @ np.array(images).T)
-    return np.asarray((found + found.T) / 2)
+    def reactions(self, potentials: Fields) -> NDArray[np.float64]:
+        """The products K·u_j (n, unknowns) for this process's unknowns."""
+        images = []
+        for potential in potentials:
+            source, image = self.stiffness.createVecRight(), self.stiffness.createVecLeft()
+            source.array[:] = potential
+            self.stiffness.mult(source, image)
+            images.append(image.array.copy())
+        return np.array(images)
 
 
 def charges(
@@ -207,14 +208,25 @@ def without_floating(
     if floating == 0:
         return maxwell
     kept = len(maxwell) - floating
-    reduced = maxwell[:kept, :kept] + maxwell[:kept, kept:] @ floating_potentials(
-        maxwell, floating, to_ground
-    )
+    reduced = maxwell[:kept, :kept] + maxwell[:kept, kept:] @ _induced(maxwell, floating, to_ground)
     return np.asarray((reduced + reduced.T) / 2)
 
 
-def floating_potentials(
-    maxwell: NDArray[np.float64], floating: int, to_ground: Sequence[float] | NDArray[np.float64] = ()
+def with_floating(
+    fields: NDArray[np.float64],
+    maxwell: NDArray[np.float64],
+    floating: int,
+    to_ground: Sequence[float] | NDArray[np.float64] = (),
+) -> NDArray[np.float64]:
+    """The fields (kept, …) with one conductor at 1 V and the last `floating` ones left to themselves, from those (n, …) with these at 0 V too."""
+    if floating == 0:
+        return fields
+    kept = len(maxwell) - floating
+    return fields[:kept] + np.tensordot(_induced(maxwell, floating, to_ground).T, fields[kept:], axes=1)
+
+
+def _induced(
+    maxwell: NDArray[np.float64], floating: int, to_ground: Sequence[float] | NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """The potentials (floating, kept) of the last `floating` conductors of a Maxwell matrix per volt on each of the others."""
     kept = len(maxwell) - floating
@@ -226,12 +238,9 @@ def floating_potentials(
 def first_sensor_driven(problem: FieldProblem, floating: int) -> NDArray[np.float64]:
     """The potential (unknowns,) with the first conductor at 1 V, the last `floating` ones uncharged, and the others at 0 V."""
     count = len(problem.dofs)
-    potentials = problem.potentials(range(count), count)
-    if floating == 0:
-        return potentials[0]
-    maxwell = problem.energies(potentials)
-    induced = floating_potentials(maxwell, floating, problem.to_ground)[:, 0]
-    return np.asarray(potentials[0] + induced @ np.array(potentials[-floating:]))
+    potentials = np.array(problem.potentials(range(count), count))
+    found = with_floating(potentials, problem.energies(potentials), floating, problem.to_ground)
+    return np.asarray(found[0])
 
 
 def _stiffness(

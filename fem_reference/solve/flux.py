@@ -9,7 +9,7 @@ the fluxes cell by cell and leaves a symmetric positive semidefinite system for 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import basix
 import numpy as np
@@ -18,10 +18,8 @@ from numpy.typing import NDArray
 from fem_reference.mesh.distributed import summed, whole_numbers
 from fem_reference.solve.face_solver import CellForms, FaceSystem
 from fem_reference.mesh.tagged_mesh import FIRST_BODY, FREE_SPACE, OUTER_SURFACE, TaggedMesh
-from fem_reference.mesh.quarter_points import aligned_rule, patterns, second_order
+from fem_reference.mesh.quarter_points import CORNERS, FACES, aligned_rule, patterns, second_order
 from fem_reference.solve.reference_flux import (
-    CORNERS,
-    FACES,
     ORDERS,
     FluxSpace,
     face_polynomials,
@@ -47,7 +45,6 @@ class FluxEnergies:
 
     lower: Array
     algebraic_error: Array
-    unknowns: int
     multipliers: Array
     """The multipliers (n, faces, m) of these fluxes, which act as potentials on the faces that this process holds."""
 
@@ -69,13 +66,7 @@ class _Cells:
 
     def at(self, numbers: NDArray[np.int64]) -> _Cells:
         """The cells of these numbers."""
-        return _Cells(
-            self.nodes[numbers],
-            self.faces[numbers],
-            self.orders[numbers],
-            self.on_edge[numbers],
-            self.curved[numbers],
-        )
+        return _Cells(*(getattr(self, own.name)[numbers] for own in fields(self)))
 
 
 class CondensedCells:
@@ -131,7 +122,7 @@ def flux_energies(
     solutions = [system.solve(faces, guess) for faces, guess in zip(fixed[:driven], guesses)]
     potentials = [solution.potentials for solution in solutions]
     energies_left = np.array([solution.energy_left for solution in solutions])
-    return FluxEnergies(system.energies(potentials), energies_left, system.unknowns, np.array(potentials))
+    return FluxEnergies(system.energies(potentials), energies_left, np.array(potentials))
 
 
 def with_field(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> NDArray[np.int64]:
@@ -199,10 +190,7 @@ def _straight_mass(nodes: Array, space: FluxSpace) -> Array:
 
 def _curved_mass(nodes: Array, space: FluxSpace, collapsed: frozenset[int]) -> Array:
     """Mass matrices of any second-order cells, by quadrature. The integrands are rational, and smooth except at the edges of discs."""
-    if collapsed:
-        points, weights = aligned_rule(collapsed, CURVED_QUADRATURE_DEGREE)
-    else:
-        points, weights = basix.make_quadrature(basix.CellType.tetrahedron, CURVED_QUADRATURE_DEGREE)
+    points, weights = aligned_rule(collapsed, CURVED_QUADRATURE_DEGREE)
     derivatives = np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes)
     scaled = weights / np.abs(np.linalg.det(derivatives))
     values = space.values(points)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from fem_reference.solve.body_charges import body_charges
-from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
+from fem_reference.solve.cell_gaps import bounded_matrix
 from fem_reference.solve.enclosure import Enclosure, enclosure, widened
 from fem_reference.solve.flux import CondensedCells
 from fem_reference.common.limits import peak_memory
@@ -23,8 +23,8 @@ from fem_reference.mesh.sizing import Sizing
 from fem_reference.solve.field_problem import Charges, FieldProblem, charges, release_unused
 from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
-from fem_reference.solve.parts_of_errors import parts_of_errors, parts_of_estimates
-from fem_reference.solve.readings import LevelReadings, level_readings, quantities
+from fem_reference.solve.parts_of_errors import entries, parts_of_errors, parts_of_estimates
+from fem_reference.solve.readings import Bounded, LevelReadings, level_readings, quantities
 from fem_reference.solve.shares import estimated, shares_by_kind
 from fem_reference.solve.two_sided import TwoSided, two_sided
 
@@ -43,34 +43,50 @@ time of the potentials. With degree 1 no flux is left in quarter-point cells."""
 
 
 @dataclass(frozen=True)
+class LevelBounds:
+    """What the bounds of the energies tell on one mesh; farads."""
+
+    interval: Enclosure
+    """Proven bounds of the Maxwell matrix."""
+    likely: tuple[Array, Array] | None
+    """The Maxwell matrix between wide bounds, and its estimated error; None between narrow ones, which are part of the answer themselves."""
+    delta_self: TwoSided | None
+    """`delta_self` from both bounds of both scenes; None without objects."""
+    marks: Marks
+    """What the cells add to the relative errors of the entries and changes."""
+
+
+@dataclass(frozen=True)
 class Level:
     """The solution on one mesh; matrices in farads, `edge_size` in metres: that at the edges of the smallest body, or the smallest adapted one."""
 
     edge_size: float
     unknowns: int
     cells: int
-    seconds: float
     maxwell: Array
     sensors_alone: Array
     delta_self: Array
-    memory: int = 0
-    """The most memory (bytes) the process had held when the level was done."""
-    flux_seconds: float = 0.0
-    """The share of `seconds` that the bounds took."""
-    enclosure: Enclosure | None = None
-    """Proven bounds of the Maxwell matrix, when asked for."""
-    check: Enclosure | None = None
-    """Wider proven bounds, by fluxes of lower degree, against which an estimated answer is checked."""
-    estimated: tuple[Array, Array] | None = None
-    """The Maxwell matrix between these bounds, and its estimated error."""
     body_charges: tuple[Array, ...] = ()
     """For each conductor with a row the charges (members, n) on its bodies; empty if each conductor is one body."""
     readings: LevelReadings | None = None
     """The readings, if there are any."""
-    delta_self_from_bounds: TwoSided | None = None
-    """`delta_self` from both bounds of both scenes, where there are narrow ones."""
-    marks: Marks | None = None
-    """What the cells add to the relative errors of the entries and changes, where there are narrow bounds."""
+    bounds: LevelBounds | None = None
+    """What the bounds tell, if any were asked for."""
+    seconds: float = 0.0
+    flux_seconds: float = 0.0
+    """The share of `seconds` that the bounds took."""
+    memory: int = 0
+    """The most memory (bytes) the process had held when the level was done."""
+
+    @property
+    def enclosure(self) -> Enclosure | None:
+        """Proven bounds of the Maxwell matrix that are part of the answer."""
+        return None if self.bounds is None or self.bounds.likely is not None else self.bounds.interval
+
+    @property
+    def estimated(self) -> tuple[Array, Array] | None:
+        """The Maxwell matrix between wide bounds, and its estimated error."""
+        return None if self.bounds is None else self.bounds.likely
 
 
 def solve_level(
@@ -86,6 +102,7 @@ def solve_level(
     Raises RuntimeError when the mesher or the solver fails, or when bounds are asked for and contradict each other.
     """
     start = time.monotonic()
+    grounded = range(problem.driven, problem.driven + len(problem.grounded))
     mesh = tagged_mesh(
         problem.bodies,
         problem.owner,
@@ -93,134 +110,117 @@ def solve_level(
         dielectrics=problem.permittivities,
         planes=planes,
         room=problem.room,
-        grounded=[
-            k for number in range(len(problem.grounded)) for k in problem.bodies_of(problem.driven + number)
-        ],
+        grounded=[k for number in grounded for k in problem.bodies_of(number)],
     )
-    farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    solved = _solved(problem, mesh, farads, bounds, planes, only_readings)
-    found = solved.charges
+    level = _solved(problem, mesh, relative_permittivity, sizing, bounds, planes, only_readings, start)
+    # All matrices were local to that function, so that they can be freed now.
     release_unused(mesh.mesh.comm)
-    smallest = min(body.size for body in problem.bodies)
-    edge_size = sizing.edge * smallest / sizing.refinement
-    if sizing.adapted is not None and len(sizing.adapted.sizes):
-        edge_size = float(sizing.adapted.sizes.min())
-    end = time.monotonic()
-    level = Level(
-        edge_size * problem.unit,
-        found.unknowns,
-        mesh.cell_count,
-        end - start,
-        farads * found.maxwell,
-        farads * found.sensors_alone,
-        farads * np.diag(found.maxwell[: problem.sensors, : problem.sensors] - found.sensors_alone),
-        peak_memory(),
-        end - solved.done,
-        solved.interval if bounds == "enclosure" else None,
-        solved.interval if bounds == "estimate" else None,
-        None if solved.between is None else (farads * solved.between[0], farads * solved.between[1]),
-        tuple(farads * own for own in solved.on_bodies),
-        None if solved.readings is None else solved.readings.scaled(farads),
-        None if solved.delta_self is None else solved.delta_self.scaled(farads),
-        solved.marks,
-    )
     # All processes go on with the numbers of the first, to the last digit: these decide what all of them do next.
     if mesh.mesh.comm.size > 1:
         level = mesh.mesh.comm.bcast(level)
     return level
 
 
-@dataclass(frozen=True)
-class _Solved:
-    """What one mesh yields (ε = 1, but for the interval); without bounds only the first three and the readings."""
-
-    charges: Charges
-    on_bodies: tuple[Array, ...]
-    """The charges on the bodies of each conductor."""
-    done: float
-    """When all charges were known (s), on the monotonic clock."""
-    readings: LevelReadings | None
-    interval: Enclosure | None = None
-    """Bounds of the Maxwell matrix (F)."""
-    delta_self: TwoSided | None = None
-    """`delta_self` from the bounds."""
-    marks: Marks | None = None
-    between: tuple[Array, Array] | None = None
-    """The Maxwell matrix between wide bounds, and its estimated error."""
-
-
 def _solved(
     problem: Conductors,
     mesh: TaggedMesh,
-    farads: float,
+    relative_permittivity: float,
+    sizing: Sizing,
     bounds: Bounds,
     planes: Sequence[Plane],
     only_readings: bool,
-) -> _Solved:
-    """Solve for the charges and, if asked for, their bounds, and for the readings.
-
-    The matrices are local to this function, so that `release_unused` can free them afterwards.
-    """
+    start: float,
+) -> Level:
+    """Solve for the charges and the readings on a mesh and, if asked for, bound them; the level began at `start` on the monotonic clock."""
+    farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
     system = FieldProblem(mesh, problem.parts, problem.permittivities, problem.to_ground)
     found = charges(
         system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
     )
-    on_bodies = body_charges(problem, system, found.potentials, planes)
+    on_bodies: tuple[Array, ...] = ()
+    of_bounds = None
     done = time.monotonic()
     if bounds == "none":
-        return _Solved(found, on_bodies, done, level_readings(problem, system, found))
-    with stage("bounding the energies"):
-        cells = CondensedCells(mesh, ESTIMATE_DEGREE if bounds == "estimate" else FLUX_DEGREE)
-        matrix = _bounded(problem, system, found.potentials, cells)
-        whole = matrix.with_shift
-        interval = widened(enclosure(farads * whole.lower, farads * whole.upper), mesh.rim_error)
-        shares = shares_by_kind(mesh, problem.bodies) if bounds == "estimate" else None
-        rim_error = mesh.rim_error if shares is None else mesh.mean_rim_error
-        alone = _bounded_alone(problem, system, found.potentials_alone, cells)
-        readings = level_readings(problem, system, found, cells, matrix, alone, shares)
-        from_bounds = None
-        if alone is not None:
-            of_sensors, sensors = matrix.of(range(problem.sensors)), np.eye(problem.sensors)
-            from_bounds = two_sided(sensors, sensors, of_sensors, alone, 1.0, rim_error, shares)
-        changes = [
-            None if only_readings else from_bounds,
-            None if readings is None else readings.change_from_bounds,
-        ]
-        asked = quantities(problem.readings, len(problem.names), only_readings)
-        known = [each for each in changes if each is not None]
-        between = None
-        if shares is None:
-            parts = parts_of_errors(whole, asked, rim_error, known)
-        else:
-            likely = estimated(matrix, shares)
-            parts = parts_of_estimates(likely, asked, rim_error, known)
-            own = np.diag(likely.value)
-            between = likely.value, likely.error + rim_error * np.sqrt(np.outer(own, own))
-            readings = (
-                None if readings is None else replace(readings, value_bounds=None, background_bounds=None)
-            )
-        marked = marks(problem.bodies, problem.owner, *mesh.corners(), parts.of_cells, parts.whole)
-    return _Solved(found, on_bodies, done, readings, interval, from_bounds, marked, between)
-
-
-def _bounded(
-    problem: Conductors, system: FieldProblem, potentials: list[Array], cells: CondensedCells
-) -> BoundedMatrix:
-    """Bound the matrix of the scene, without floating conductors."""
-    return bounded_matrix(
-        system, cells, potentials, problem.parts, problem.permittivities, len(problem.floating)
+        # Only what wraps change is asked of such a level.
+        readings = level_readings(problem, system, found)
+    else:
+        on_bodies = body_charges(problem, system, found.potentials, planes)
+        done = time.monotonic()
+        with stage("bounding the energies"):
+            known = _bounded(problem, system, found, bounds == "enclosure")
+            readings = level_readings(problem, system, found, known)
+            of_bounds = _level_bounds(problem, known, readings, farads, only_readings)
+    end = time.monotonic()
+    return Level(
+        edge_size=_edge_size(problem, sizing) * problem.unit,
+        unknowns=found.unknowns,
+        cells=mesh.cell_count,
+        maxwell=farads * found.maxwell,
+        sensors_alone=farads * found.sensors_alone,
+        delta_self=farads
+        * np.diag(found.maxwell[: problem.sensors, : problem.sensors] - found.sensors_alone),
+        body_charges=tuple(farads * own for own in on_bodies),
+        readings=None if readings is None else readings.scaled(farads),
+        bounds=of_bounds,
+        seconds=end - start,
+        flux_seconds=end - done,
+        memory=peak_memory(),
     )
 
 
-def _bounded_alone(
-    problem: Conductors, system: FieldProblem, potentials: list[Array] | None, cells: CondensedCells
-) -> BoundedMatrix | None:
-    """The same for the sensors that are asked for, without any objects; None if there are none."""
-    if potentials is None:
-        return None
-    others = range(problem.driven, problem.driven + problem.grounded_sensors)
-    parts = [problem.bodies_of(k) for k in (*range(problem.sensors), *others)]
-    present = {body for part in parts for body in part}
-    # There is a field inside of the objects, which are the medium here.
-    medium = {k: 1.0 for k, body in enumerate(problem.bodies) if body.is_solid and k not in present}
-    return bounded_matrix(system.with_dielectrics({}), cells, potentials, parts, medium)
+def _edge_size(problem: Conductors, sizing: Sizing) -> float:
+    """The size of the cells, in the scene's unit, at the edges of the smallest body, or the smallest adapted one."""
+    if sizing.adapted is not None and len(sizing.adapted.sizes):
+        return float(sizing.adapted.sizes.min())
+    return sizing.edge * min(body.size for body in problem.bodies) / sizing.refinement
+
+
+def _bounded(problem: Conductors, system: FieldProblem, found: Charges, narrow: bool) -> Bounded:
+    """Bound the matrix of the scene, without floating conductors, and that of the sensors that are asked for, without any objects."""
+    cells = CondensedCells(system.tagged, FLUX_DEGREE if narrow else ESTIMATE_DEGREE)
+    matrix = bounded_matrix(
+        system, cells, found.potentials, problem.parts, problem.permittivities, len(problem.floating)
+    )
+    alone = None
+    if found.potentials_alone is not None:
+        others = range(problem.driven, problem.driven + problem.grounded_sensors)
+        parts = [problem.bodies_of(k) for k in (*range(problem.sensors), *others)]
+        present = {body for part in parts for body in part}
+        # There is a field inside of the objects, which are the medium here.
+        medium = {k: 1.0 for k, body in enumerate(problem.bodies) if body.is_solid and k not in present}
+        alone = bounded_matrix(system.with_dielectrics({}), cells, found.potentials_alone, parts, medium)
+    return Bounded(cells, matrix, alone, None if narrow else shares_by_kind(system.tagged, problem.bodies))
+
+
+def _level_bounds(
+    problem: Conductors, known: Bounded, readings: LevelReadings | None, farads: float, only_readings: bool
+) -> LevelBounds:
+    """What the bounds tell of the matrix and of `delta_self`, and what the cells add to the errors."""
+    mesh, whole = known.cells.tagged, known.matrix.with_shift
+    interval = widened(enclosure(farads * whole.lower, farads * whole.upper), mesh.rim_error)
+    delta_self = None
+    if known.alone is not None:
+        of_sensors, sensors = known.matrix.of(range(problem.sensors)), np.eye(problem.sensors)
+        delta_self = two_sided(sensors, sensors, of_sensors, known.alone, 1.0, known.rim_error, known.shares)
+    changes = [
+        None if only_readings else delta_self,
+        None if readings is None else readings.change_from_bounds,
+    ]
+    count = len(problem.names)
+    asked = quantities(problem.readings, count) if only_readings else entries(count)
+    stated = [each for each in changes if each is not None]
+    likely = None
+    if known.shares is None:
+        parts = parts_of_errors(whole, asked, known.rim_error, stated)
+    else:
+        between = estimated(known.matrix, known.shares)
+        parts = parts_of_estimates(between, asked, known.rim_error, stated)
+        own = np.diag(between.value)
+        error = between.error + known.rim_error * np.sqrt(np.outer(own, own))
+        likely = farads * between.value, farads * error
+    return LevelBounds(
+        interval,
+        likely,
+        None if delta_self is None else delta_self.scaled(farads),
+        marks(problem.bodies, problem.owner, *mesh.corners(), parts.of_cells, parts.whole),
+    )

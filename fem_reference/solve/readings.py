@@ -15,7 +15,7 @@ from fem_reference.bodies.conductors import Conductors, Measured
 from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
 from fem_reference.solve.field_problem import Charges, FieldProblem, without_floating
 from fem_reference.solve.flux import CondensedCells
-from fem_reference.solve.parts_of_errors import Quantities, entries
+from fem_reference.solve.parts_of_errors import Quantities
 from fem_reference.solve.shares import Shares
 from fem_reference.solve.two_sided import TwoSided, two_sided, unit_voltages
 
@@ -63,16 +63,14 @@ class Background:
     @property
     def maxwell(self) -> Array:
         """The Maxwell matrix of the rows."""
-        return self.without_floating(self.system.energies(self.potentials))
-
-    def without_floating(self, matrix: Array) -> Array:
-        return without_floating(matrix, self.floating, self.system.to_ground)
+        energies = self.system.energies(self.potentials)
+        return without_floating(energies, self.floating, self.system.to_ground)
 
 
 def background(problem: Conductors, system: FieldProblem) -> Background:
     """Solve for the machine without the targets, in whose place is the medium."""
     is_target = problem.is_target
-    rows = tuple(sorted({k for reading in problem.readings for k in (reading.sense, *reading.drive)}))
+    rows = _rows(problem.readings)
     count = problem.driven + len(problem.grounded)
     floating = [k for k in range(len(problem.names), problem.driven) if not is_target[k]]
     others = [k for k in range(count) if not is_target[k] and k not in rows and k not in floating]
@@ -89,48 +87,58 @@ def background(problem: Conductors, system: FieldProblem) -> Background:
     return Background(machine, rows, len(floating), parts, machine.potentials(range(len(order)), driven))
 
 
-def level_readings(
-    problem: Conductors,
-    system: FieldProblem,
-    found: Charges,
-    cells: CondensedCells | None = None,
-    matrix: BoundedMatrix | None = None,
-    alone: BoundedMatrix | None = None,
-    shares: Shares | None = None,
-) -> LevelReadings | None:
-    """The readings on one mesh (ε = 1); None if there are none.
+@dataclass(frozen=True)
+class Bounded:
+    """The bounds of a scene's matrix on one mesh (ε = 1)."""
 
-    `matrix` bounds the Maxwell matrix, by fluxes in `cells`, and `alone` that of the sensors alone. The background is bounded too if
-    that matrix is the background's, or if the problem says so. `shares` tell where in the cells' gaps the true values lie, by default in
-    the middle.
+    cells: CondensedCells
+    """The cells by whose fluxes it was bounded."""
+    matrix: BoundedMatrix
+    alone: BoundedMatrix | None
+    """The bounds of the matrix of the sensors alone; None without objects."""
+    shares: Shares | None
+    """Where in the cells' gaps of wide bounds the true values lie; None if the bounds are narrow, and part of the answer."""
+
+    @property
+    def rim_error(self) -> float:
+        """The relative effect of the rims of discs on energies: its bound or, beside estimates, its mean."""
+        tagged = self.cells.tagged
+        return tagged.rim_error if self.shares is None else tagged.mean_rim_error
+
+
+def level_readings(
+    problem: Conductors, system: FieldProblem, found: Charges, known: Bounded | None = None
+) -> LevelReadings | None:
+    """The readings on one mesh (ε = 1); None if there are none. Their bounds are proven where those that are `known` are narrow.
+
+    The background is bounded too if it is the sensors alone, whose bounds are known, or if the problem says so.
     """
     readings = problem.readings
     if not readings:
         return None
+    proven = known is not None and known.shares is None
     value = _values(readings, found.maxwell)
-    tagged = system.tagged
-    rim_error = tagged.rim_error if shares is None else tagged.mean_rim_error
-    bounds = None if matrix is None else _bounds(readings, matrix, rim_error)
+    bounds = _bounds(readings, known.matrix, known.rim_error) if known is not None and proven else None
     if not any(problem.is_target):
         return LevelReadings(value, value, bounds, bounds)
+    measured = readings
     if _is_sensors_alone(problem):
         background_value = _values(readings, found.sensors_alone)
-        if matrix is None or alone is None:
-            return LevelReadings(value, background_value, bounds)
+        around = None if known is None else known.alone
+    else:
+        without = background(problem, system)
+        measured = tuple(_renumbered(reading, without.rows) for reading in readings)
+        background_value = _values(measured, without.maxwell)
         around = None
-        if problem.bounded_readings:
-            around = _bounds(readings, alone, rim_error)
-        change = _change_from_bounds(readings, matrix, readings, alone, rim_error, shares)
-        return LevelReadings(value, background_value, bounds, around, change)
-    without = background(problem, system)
-    measured = [_renumbered(reading, without.rows) for reading in readings]
-    background_value = _values(measured, without.maxwell)
-    if matrix is None or cells is None or not problem.bounded_readings:
+        if known is not None and problem.bounded_readings:
+            around = _bounded_background(problem, without, known.cells)
+    if known is None or around is None:
         return LevelReadings(value, background_value, bounds)
-    of_background = _bounded_background(problem, without, cells)
-    around = _bounds(measured, of_background, rim_error)
-    change = _change_from_bounds(readings, matrix, measured, of_background, rim_error, shares)
-    return LevelReadings(value, background_value, bounds, around, change)
+    change = _change_from_bounds(readings, known, measured, around)
+    around_bounds = None
+    if proven and problem.bounded_readings:
+        around_bounds = _bounds(measured, around, known.rim_error)
+    return LevelReadings(value, background_value, bounds, around_bounds, change)
 
 
 def _bounded_background(problem: Conductors, without: Background, cells: CondensedCells) -> BoundedMatrix:
@@ -144,31 +152,27 @@ def _bounded_background(problem: Conductors, without: Background, cells: Condens
 
 
 def _change_from_bounds(
-    readings: Sequence[Measured],
-    matrix: BoundedMatrix,
-    measured: Sequence[Measured],
-    around: BoundedMatrix,
-    rim_error: float,
-    shares: Shares | None,
+    readings: Sequence[Measured], known: Bounded, measured: Sequence[Measured], around: BoundedMatrix
 ) -> TwoSided:
     """The changes of readings from the bounds with the targets and from those without, in which the readings are `measured`."""
-    rows = sorted({k for reading in readings for k in (reading.sense, *reading.drive)})
-    rows_around = sorted({k for reading in measured for k in (reading.sense, *reading.drive)})
-    chosen = [_renumbered(reading, rows) for reading in readings]
-    sensed = unit_voltages(len(rows), [[reading.sense] for reading in chosen])
-    driven = unit_voltages(len(rows), [reading.drive for reading in chosen])
+    rows = _rows(readings)
+    chosen = quantities([_renumbered(reading, rows) for reading in readings], len(rows))
     signs = np.array([float(reading.sign) for reading in readings])
-    return two_sided(sensed, driven, matrix.of(rows), around.of(rows_around), signs, rim_error, shares)
+    present, absent = known.matrix.of(rows), around.of(_rows(measured))
+    return two_sided(chosen.sensed, chosen.driven, present, absent, signs, known.rim_error, known.shares)
 
 
-def quantities(readings: Sequence[Measured], count: int, only_readings: bool) -> Quantities:
-    """The quantities of a matrix of `count` conductors whose errors count: all entries, or only the readings."""
-    if not only_readings:
-        return entries(count)
+def quantities(readings: Sequence[Measured], count: int) -> Quantities:
+    """The readings as quantities of a matrix of `count` conductors."""
     return Quantities(
         unit_voltages(count, [[reading.sense] for reading in readings]),
         unit_voltages(count, [reading.drive for reading in readings]),
     )
+
+
+def _rows(readings: Sequence[Measured]) -> tuple[int, ...]:
+    """The rows of the Maxwell matrix that readings measure."""
+    return tuple(sorted({k for reading in readings for k in (reading.sense, *reading.drive)}))
 
 
 def _is_sensors_alone(problem: Conductors) -> bool:

@@ -16,13 +16,10 @@ import basix
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.mesh.quarter_points import aligned_rule, jacobian
+from fem_reference.mesh.quarter_points import CORNERS, FACES, aligned_rule, jacobian
 
 Array = NDArray[np.float64]
 
-CORNERS = np.array(basix.geometry(basix.CellType.tetrahedron))
-FACES = np.array(basix.topology(basix.CellType.tetrahedron)[2])
-"""Local vertices of each face; face f lies opposite vertex f."""
 ORDERS = list(permutations(range(3)))
 """The orders in which the three vertices of a face can be numbered."""
 
@@ -141,10 +138,7 @@ def _products(
     element: basix.finite_element.FiniteElement, degree: int, combinations: Array, collapsed: frozenset[int]
 ) -> Array:
     """The integrals `FluxSpace.products`."""
-    if collapsed:
-        points, weights = aligned_rule(collapsed, 2 * degree + 2)
-    else:
-        points, weights = basix.make_quadrature(basix.CellType.tetrahedron, 2 * degree)
+    points, weights = aligned_rule(collapsed, 2 * degree + 2 if collapsed else 2 * degree)
     derivatives = jacobian(collapsed, points)
     values = np.einsum("pad,an->pdn", element.tabulate(0, points)[0], combinations)
     mapped = np.einsum("pid,pdn->pin", derivatives, values)

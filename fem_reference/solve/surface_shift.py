@@ -12,8 +12,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from fem_reference.mesh.curved_faces import FACES, face_rule
-from fem_reference.mesh.quarter_points import second_order
+from fem_reference.mesh.curved_surfaces import face_rule
+from fem_reference.mesh.quarter_points import CORNERS, FACES, second_order
 from fem_reference.solve.field_problem import FieldProblem, cell_permittivities
 from fem_reference.solve.flux import with_field
 from fem_reference.solve.upper_energy import CELLS_AT_A_TIME, lagrange, nodal_values
@@ -66,6 +66,6 @@ def _at_face(nodes: Array, values: Array, side: int) -> tuple[Array, Array]:
     derivatives = np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes)
     slopes = np.einsum("dpk,cjk->cpdj", lagrange().tabulate(1, points)[1:, :, :, 0], values)
     gradients = np.linalg.solve(derivatives.transpose(0, 1, 3, 2), slopes).transpose(0, 1, 3, 2)
-    corners = np.vstack([np.zeros(3), np.eye(3)])[list(FACES[side])]
+    corners = CORNERS[FACES[side]]
     first, second = (derivatives @ (corners[k] - corners[0]) for k in (1, 2))
     return gradients, np.cross(first, second)

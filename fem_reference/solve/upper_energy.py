@@ -131,20 +131,12 @@ def nodal_values(problem: FieldProblem, potentials: Array, cells: NDArray[np.int
 
 def _curved_energies(nodes: Array, values: Array, coefficient: Array, collapsed: frozenset[int]) -> Array:
     """Energies (cells, n, n) of potentials (cells, n, dofs) in any second-order cells (cells, 10, 3), by quadrature."""
-    points, weights = _rule(collapsed, CURVED_QUADRATURE_DEGREE)
+    points, weights = aligned_rule(collapsed, CURVED_QUADRATURE_DEGREE)
     derivatives = np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes)
     slopes = np.einsum("dpk,cjk->cpdj", lagrange().tabulate(1, points)[1:, :, :, 0], values)
     gradients = np.linalg.solve(derivatives.transpose(0, 1, 3, 2), slopes)
     volumes = coefficient[:, None] * weights * np.abs(np.linalg.det(derivatives))
     return np.asarray(np.einsum("cp,cpdi,cpdj->cij", volumes, gradients, gradients, optimize=True))
-
-
-def _rule(collapsed: frozenset[int], degree: int) -> tuple[Array, Array]:
-    """A quadrature on the reference tetrahedron for cells with these vertices on a plate's edge."""
-    if collapsed:
-        return aligned_rule(collapsed, degree)
-    points, weights = basix.make_quadrature(basix.CellType.tetrahedron, degree)
-    return np.asarray(points), np.asarray(weights)
 
 
 @cache
@@ -162,7 +154,7 @@ def _products(collapsed: frozenset[int]) -> Array:
     The derivatives are taken after the quarter-point map. In a cell that is an affine image of the reference tetrahedron the energy
     is the sum of these integrals weighted with the metric.
     """
-    points, weights = _rule(collapsed, 2 * DEGREE + 2)
+    points, weights = aligned_rule(collapsed, 2 * DEGREE + 2)
     derivatives = jacobian(collapsed, points)
     slopes = lagrange().tabulate(1, points)[1:, :, :, 0]
     gradients = np.linalg.solve(derivatives.transpose(0, 2, 1), slopes.transpose(1, 0, 2))

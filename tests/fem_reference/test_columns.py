@@ -44,7 +44,11 @@ def solved(*columns: str) -> Reference:
 def test_what_was_asked_for_is_a_part_of_the_whole() -> None:
     """The mesh is coarser around what was not asked for; the intervals of both meshes hold the truth."""
     whole, part = solved(), solved("grounded", "right")
-    assert part.names == ("right", "grounded") and part.grounded == ("left",) and whole.grounded == ()
+    assert (
+        part.names == ("right", "grounded")
+        and part.problem.grounded == ("left",)
+        and whole.problem.grounded == ()
+    )
     kept = np.ix_(*[[whole.names.index(name) for name in part.names]] * 2)
     assert np.all(part.lower <= whole.upper[kept]) and np.all(whole.lower[kept] <= part.upper)
 

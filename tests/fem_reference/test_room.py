@@ -107,8 +107,9 @@ def test_one_side_of_the_planes_of_a_room_gives_the_answer_of_the_whole(
     planes = mirror_planes(problem.bodies, problem.owner, problem.room)
     assert len(planes) == number
     side, whole = (solve_level(problem, 1.0, Sizing(), "estimate", used) for used in (planes, ()))
-    assert side.check is not None and whole.check is not None
-    assert np.all(side.check.lower <= whole.check.upper) and np.all(whole.check.lower <= side.check.upper)
+    assert side.bounds is not None and whole.bounds is not None
+    one, other = side.bounds.interval, whole.bounds.interval
+    assert np.all(one.lower <= other.upper) and np.all(other.lower <= one.upper)
     np.testing.assert_allclose(side.maxwell, whole.maxwell, rtol=5e-3)
 
 

@@ -72,8 +72,8 @@ def agree(found: Reference) -> None:
     """Both intervals contain the truth, and so overlap; the values differ by no more than the errors."""
     other = touching()
     assert found.names == other.names
-    bounds = found.enclosure or found.levels[0].check
-    assert bounds is not None
+    assert found.levels[0].bounds is not None
+    bounds = found.enclosure or found.levels[0].bounds.interval
     assert np.all(bounds.lower <= other.upper) and np.all(other.lower <= bounds.upper)
     difference = np.abs(found.maxwell.value - other.maxwell.value)
     assert np.all(difference <= found.maxwell.error + other.maxwell.error)
@@ -107,7 +107,7 @@ def test_a_clean_mesh_has_the_same_matrix(tmp_path: Path) -> None:
     found = checked(SENSOR + mesh(tmp_path, outline()))
     agree(found)
     np.testing.assert_allclose(found.levels[0].maxwell, touching().levels[0].maxwell, rtol=1e-3)
-    assert found.wraps == () and found.geometry is None
+    assert found.problem.wraps == () and found.geometry is None
 
 
 @pytest.mark.night
@@ -152,6 +152,6 @@ def test_a_wrapped_body_by_itself_has_its_capacitance(tmp_path: Path) -> None:
     cube = Cuboid((edge, edge, edge)).triangles()
     found = maxwell(loads(mesh(tmp_path, np.concatenate([cube, cube[:1]]), "electrode")), rtol=2e-2)
     truth = UNIT_CUBE * 4 * np.pi * epsilon_0 * edge
-    assert found.wraps[0].members == ("foot",)
+    assert found.problem.wraps[0].members == ("foot",)
     assert abs(found.maxwell.value[0, 0] - truth) <= found.maxwell.error[0, 0] <= 2e-2 * truth
     assert found.lower[0, 0] <= truth <= found.upper[0, 0]

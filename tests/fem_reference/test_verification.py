@@ -24,7 +24,7 @@ from analysis.topics.verification.truths import (
     strips,
 )
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle, rectangle
-from fem_reference.answer.convergence import estimate, shared_error
+from fem_reference.answer.convergence import SHARED_ERROR, estimate
 from fem_reference.answer.reference import Reference, solve_conductors
 from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.size_rules import Sizing
@@ -156,7 +156,8 @@ def test_the_error_falls_linearly_with_the_edge_size() -> None:
     assert 0.85 <= order <= 1.15
     assert all(error > 0 for error in errors), "a conforming potential has too much energy"
     found = estimate([level.maxwell for level in levels])
-    error = found.error[0, 0] + shared_error(0.25) * found.value[0, 0]
+    # What all levels share was measured at a growth of 0.4, and falls with its sixth power.
+    error = found.error[0, 0] + SHARED_ERROR * (0.25 / 0.4) ** 6 * found.value[0, 0]
     check("five levels", found.value[0, 0], error, truth, 1e-6 / 0.366788, 1e-4)
 
 

@@ -4,29 +4,33 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 import pytest
 
 from fem_reference.answer import reference
 from fem_reference.answer.convergence import Estimate
-from fem_reference.solve.level import Level, solve_level
+from fem_reference.solve.level import Level, LevelBounds, solve_level
 from fem_reference.answer.reference import ErrorKind, Reference, first_refinement
 from fem_reference.bodies.conductors import normalised
 from fem_reference.bodies.shapes import Rectangle
+from fem_reference.mesh.marks import Marks
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.output.documents import table
 from fem_reference.solve.enclosure import Enclosure
 
 
+ONE_PLATE = normalised(["plate"], 1, [Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))], [0])
+
+
 def answer(levels: int, error: float) -> Reference:
     """The answer for a single sensor, M = 1 F ± `error`, from this number of levels."""
     one = np.ones((1, 1))
-    level = Level(1e-3, 1000, 100, 1.0, one, one, np.zeros(1))
+    level = Level(1e-3, 1000, 100, one, one, np.zeros(1))
     matrix = Estimate(one, error * one, np.zeros((1, 1), dtype=bool))
     change = Estimate(np.zeros(1), np.zeros(1), np.zeros(1, dtype=bool))
-    return Reference(("sensor",), 1, matrix, change, (level,) * levels, rtol=1e-3, seconds=1.0)
+    return Reference(ONE_PLATE, matrix, change, (level,) * levels, rtol=1e-3, seconds=1.0)
 
 
 @pytest.mark.parametrize(
@@ -39,7 +43,9 @@ def test_reached_takes_a_small_error_and_three_levels(levels: int, error: float,
 
 def test_an_estimate_between_both_bounds_takes_one_level() -> None:
     found = answer(1, 9e-4)
-    between = replace(found.levels[0], estimated=(found.maxwell.value, found.maxwell.error))
+    likely = found.maxwell.value, found.maxwell.error
+    wide = Enclosure(found.lower - 1, found.upper + 1)
+    between = replace(found.levels[0], bounds=LevelBounds(wide, likely, None, cast(Marks, None)))
     assert not found.reached and replace(found, levels=(between,)).reached
 
 
@@ -71,8 +77,7 @@ def test_what_does_not_fit_in_memory_ends_with_the_answer_so_far(
         return step(*arguments)
 
     monkeypatch.setattr(reference, "solve_level", limited)
-    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
-    found = reference.solve_conductors(normalised(["plate"], 1, [plate], [0]), rtol=1e-5)
+    found = reference.solve_conductors(ONE_PLATE, rtol=1e-5)
     assert not found.reached and len(found.levels) == 1 and found.enclosure is not None
     assert found.stopped_by == "the next level took more memory than there is"
 
@@ -89,19 +94,16 @@ def test_bounds_of_meshes_that_exclude_each_other_never_pass_silently(
             problem, permittivity, _, *rest = arguments
             solved.append(solve_level(problem, permittivity, Sizing(growth=0.6), *rest))
             return solved[0]
-        moved = replace(solved[0], maxwell=1.1 * solved[0].maxwell)
-        for name in ("enclosure", "check"):
-            known = getattr(moved, name)
-            if known is not None:
-                moved = replace(moved, **{name: Enclosure(1.1 * known.lower, 1.1 * known.upper)})
-        if moved.estimated is not None:
-            moved = replace(moved, estimated=(1.1 * moved.estimated[0], 1.1 * moved.estimated[1]))
-        return moved
+        known = solved[0].bounds
+        assert known is not None
+        interval = Enclosure(1.1 * known.interval.lower, 1.1 * known.interval.upper)
+        likely = None if known.likely is None else (1.1 * known.likely[0], 1.1 * known.likely[1])
+        bounds = replace(known, interval=interval, likely=likely)
+        return replace(solved[0], maxwell=1.1 * solved[0].maxwell, bounds=bounds)
 
     monkeypatch.setattr(reference, "solve_level", shifted)
     monkeypatch.setattr(reference, "MOST_LEVELS", 2)
-    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
-    found = reference.solve_conductors(normalised(["plate"], 1, [plate], [0]), rtol=1e-5, error=error)
+    found = reference.solve_conductors(ONE_PLATE, rtol=1e-5, error=error)
     assert found.contradicted is not None and "bounds of two meshes exclude each other" in found.contradicted
     assert not found.reached and not replace(found, rtol=1.0).reached
     first, second = solved[0].maxwell[0, 0], 1.1 * solved[0].maxwell[0, 0]

@@ -139,10 +139,13 @@ def test_only_conductors_that_need_it_are_wrapped(tmp_path: Path) -> None:
     assert isinstance(wrap, Wrap) and wrap.members == ("link", "tool") and wrap.name == "link"
 
 
+CUBE = shapes.Cuboid((0.04, 0.04, 0.04)).triangles()
+UNCLEAN = np.concatenate([CUBE, CUBE[:1]])
+
+
 def links(folder: Path, gap: float) -> str:
     """Two links of an arm, unclean meshes with a gap between them."""
-    cube = shapes.Cuboid((0.04, 0.04, 0.04)).triangles()
-    dirty = mesh_scene(folder, np.concatenate([cube, cube[:1]]))
+    dirty = mesh_scene(folder, UNCLEAN)
     return SENSOR + body("upper", dirty, (0, 0, 0.05)) + body("lower", dirty, (0.04 + gap, 0, 0.05))
 
 
@@ -156,6 +159,16 @@ def test_links_that_nearly_touch_are_wrapped_together(tmp_path: Path) -> None:
         "upper",
         "lower",
     )
+
+
+def test_links_without_columns_are_wrapped_together_where_alpha_bridges_their_gap(tmp_path: Path) -> None:
+    """Three links, 2.5 mm apart, are grounded whatever is asked; each was a conductor of its own, wrapped as finely as its gap."""
+    text = links(tmp_path, 2.5e-3) + body("last", mesh_scene(tmp_path, UNCLEAN), (0.085, 0, 0.05))
+    text += body("hand", BALL, (0, 0.1, 0.05), "target = true")
+    found = conductors(loads(text), columns=["front"], geometry=Geometry(rtol=2e-2))
+    (wrap,) = found.wraps
+    assert found.names == ("front",) and found.grounded == ("upper", "hand")
+    assert wrap.members == ("upper", "lower", "last") and found.is_target == (False, False, True)
 
 
 def test_a_target_that_nearly_touches_the_machine_is_no_part_of_it(tmp_path: Path) -> None:

@@ -156,7 +156,11 @@ def test_the_distances_given_to_gmsh_of_ellipsoids_and_polygons() -> None:
     np.testing.assert_allclose(surface_distance(SHEET, (CENTRE + places @ TURNED).T), [0.7, 0.4, 0.2])
     edges = edge_distance(SHEET, far.T)
     assert edges is not None
-    np.testing.assert_allclose(edges, SHEET.edge_distance(far), rtol=1e-9)
+    nearest = np.full(len(far), np.inf)
+    for start, end in zip(SHEET.corners, np.roll(SHEET.corners, -1, axis=0)):
+        share = np.clip((far - start) @ (end - start) / ((end - start) @ (end - start)), 0, 1)
+        nearest = np.minimum(nearest, np.linalg.norm(far - start - share[:, None] * (end - start), axis=1))
+    np.testing.assert_allclose(edges, nearest, rtol=1e-9)
 
 
 def test_the_radius_of_curvature_of_an_ellipsoid_is_the_smaller_one_at_its_tips() -> None:

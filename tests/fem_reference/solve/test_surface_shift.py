@@ -12,7 +12,7 @@ from fem_reference.bodies.round_bodies import Arc, Ellipsoid, Sphere
 from fem_reference.bodies.shapes import Disc
 from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.body_distances import distance_from_surface
-from fem_reference.mesh.curved_faces import curved_faces, rim_errors
+from fem_reference.mesh.curved_surfaces import curved_faces, rim_errors
 from fem_reference.mesh.quarter_points import straighten
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.mesh.tagged_mesh import tagged_mesh
@@ -30,8 +30,8 @@ def test_the_interval_of_an_ellipsoid_holds_the_closed_form(semi_axes: tuple[flo
     planes = mirror_planes(problem.bodies, problem.owner, problem.room)
     found = solve_level(problem, 1.0, COARSE, "estimate", planes)
     truth = 4 * np.pi * epsilon_0 / elliprf(*np.square(semi_axes))
-    assert found.check is not None and found.estimated is not None
-    assert found.check.lower[0, 0] <= truth <= found.check.upper[0, 0]
+    assert found.bounds is not None and found.estimated is not None
+    assert found.bounds.interval.lower[0, 0] <= truth <= found.bounds.interval.upper[0, 0]
     value, error = (float(part[0, 0]) for part in found.estimated)
     assert abs(value - truth) <= error < 0.1 * truth
 

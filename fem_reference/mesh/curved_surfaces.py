@@ -1,4 +1,4 @@
-"""How far the faces of a mesh are from the curved surfaces of the bodies that they stand for, measured at points on the faces."""
+"""Curved surfaces: the second-order cells on them, of which those with inverted maps are mended, and how far faces are from the surfaces."""
 
 from __future__ import annotations
 
@@ -9,23 +9,64 @@ from functools import cache
 import basix
 import dolfinx
 import numpy as np
+from dolfinx.cpp.common import IndexMap
+from mpi4py import MPI
 from numpy.typing import NDArray
 
 from fem_reference.bodies.round_bodies import ROUND_BODIES
 from fem_reference.bodies.shapes import Body, Disc
 from fem_reference.mesh.body_distances import distance_from_surface, edge_distance
+from fem_reference.mesh.distributed import summed
 from fem_reference.mesh.edges import ALONG_EDGE
-from fem_reference.mesh.quarter_points import TETRAHEDRON_EDGES, second_order
+from fem_reference.mesh.quarter_points import CORNERS, FACES, TETRAHEDRON_EDGES, second_order, straighten
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int32]
 
+SECOND_ORDER_NODES = np.concatenate([CORNERS, CORNERS[TETRAHEDRON_EDGES].mean(axis=1)])
+"""The ten nodes of the reference tetrahedron."""
+
+MOST_STRAIGHTENINGS = 20
+"""Largest number of passes of `straighten_inverted`; two or three suffice."""
 FACE_DEGREE = 8
 """Degree of the quadrature on a face; its points are those at which distances are measured."""
 ON_SURFACE = 1e-6
 """Largest distance of a corner on a surface, over the size of the body."""
-FACES = ((1, 2, 3), (0, 2, 3), (0, 1, 3), (0, 1, 2))
-"""The vertices of the faces of a tetrahedron, each opposite to the vertex of its number."""
+
+
+def curved_cells(nodes: Array, cells: NDArray[np.int32], centre: Array, radius: float) -> NDArray[np.bool_]:
+    """Which cells (n,) have bent sides, except those at the outer sphere (centre, radius)."""
+    straight = nodes[cells[:, TETRAHEDRON_EDGES]].mean(axis=2)
+    bent = np.linalg.norm(nodes[cells[:, 4:]] - straight, axis=2).max(axis=1)
+    length = np.linalg.norm(nodes[cells[:, 1]] - nodes[cells[:, 0]], axis=1)
+    inside = np.linalg.norm(nodes[cells[:, 0]] - centre, axis=1) < 0.5 * radius
+    return np.asarray((bent > 1e-9 * length) & inside)
+
+
+def straighten_inverted(
+    nodes: Array, cells: NDArray[np.int32], shared: IndexMap, comm: MPI.Intracomm
+) -> None:
+    """Straighten the cells whose map is inverted (its determinant changes sign) at one of their ten nodes, in place.
+
+    Slivers on a curved surface sometimes have such maps. Straightening a cell moves nodes that its neighbours share, also on other processes
+    (`shared` maps the nodes), hence the repetition; a cell with only straight sides is not inverted. Raises RuntimeError when inverted cells remain.
+    """
+    gradients = second_order().tabulate(1, SECOND_ORDER_NODES)[1:, :, :, 0]
+    for _ in range(MOST_STRAIGHTENINGS):
+        volumes = np.linalg.det(np.einsum("dpn,cni->cpid", gradients, nodes[cells]))
+        straight = np.linalg.det(nodes[cells[:, 1:4]] - nodes[cells[:, :1]])
+        inverted = cells[(volumes * np.sign(straight)[:, None]).min(axis=1) <= 0]
+        remaining = comm.allreduce(len(inverted))
+        if not remaining:
+            return
+        straighten(nodes, inverted)
+        moved = np.zeros((len(nodes), 4))
+        moved[inverted[:, 4:]] = 1
+        moved[:, 1:] *= nodes
+        moved = summed(shared, moved)
+        anywhere = moved[:, 0] > 0
+        nodes[anywhere] = moved[anywhere, 1:] / moved[anywhere, :1]
+    raise RuntimeError(f"meshing failed: {remaining} tetrahedra on a curved surface are turned inside out")
 
 
 @dataclass(frozen=True)
@@ -47,8 +88,7 @@ def face_rule(side: int) -> tuple[Array, Array]:
     """Points (p, 3) on a face of the reference tetrahedron, and weights (p,) of the integral over a triangle of area 1/2."""
     points, weights = basix.make_quadrature(basix.CellType.triangle, FACE_DEGREE)
     barycentric = np.column_stack([1 - points.sum(axis=1), points])
-    corners = np.array(basix.geometry(basix.CellType.tetrahedron))[list(FACES[side])]
-    return np.asarray(barycentric @ corners), np.asarray(weights)
+    return np.asarray(barycentric @ CORNERS[FACES[side]]), np.asarray(weights)
 
 
 def curved_faces(
@@ -76,7 +116,7 @@ def curved_faces(
     faces, cells, others = faces[own], cells[own], others[own]
     sides = np.argmax(faces_of[cells] == faces[:, None], axis=1).astype(np.int32)
     nodes = mesh.geometry.x[mesh.geometry.dofmap.array.reshape(len(tag), -1)[cells]]
-    corners = nodes[np.arange(len(cells))[:, None], np.array(FACES)[sides]]
+    corners = nodes[np.arange(len(cells))[:, None], FACES[sides]]
     points = _points(nodes, sides)
     deviations = np.full(points.shape[:2], -1.0)
     for body in round_bodies:
