@@ -43,10 +43,6 @@ bool is_much_nearer(double nearness, double prepared) {
   return nearness > much_nearer * std::max(prepared, near_enough);
 }
 
-bool are_same_pose(const Isometry3d& a, const Isometry3d& b) {
-  return a.matrix() == b.matrix();
-}
-
 /// Returns some of the bodies, given by their numbers, with the conductors that these belong to.
 ChargedBodies part_of(const ChargedBodies& bodies, const std::vector<std::size_t>& members) {
   ChargedBodies part;
@@ -235,8 +231,8 @@ void ArticulatedModel::prepare_machine(std::span<const PoseOfMachine> poses, std
 
 void ArticulatedModel::prepare_targets(std::span<const PoseOfMachine> poses) {
   const auto are_same = [](const PoseOfMachine& a, const PoseOfMachine& b) {
-    return are_same_pose(a.target, b.target) &&
-           std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(), are_same_pose);
+    return keep_relative_pose(a.target, b.target) &&
+           std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(), keep_relative_pose);
   };
   if (target_ && std::equal(poses.begin(), poses.end(), approach_.begin(), approach_.end(), are_same))
     return;

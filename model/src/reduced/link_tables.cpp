@@ -142,17 +142,15 @@ void LinkTable::add_near_force(const Vector3d& place, std::size_t function, floa
   }
 }
 
-void LinkTable::add(const ChargeFunctions& others, const Isometry3d& pose) {
+bool LinkTable::add(const ChargeFunctions& others, const Isometry3d& pose) {
+  bool have_cells = true;
+  const auto add_point = [&](const Vector3d& at) { have_cells = table_.add(at) && have_cells; };
   for (std::size_t function = 0; function < others.count(); ++function)
-    table_.add(pose * others.centre(function));
+    add_point(pose * others.centre(function));
   visit_points_beside(
       others, pose, functions_, table_, 0,
-      [&](const Vector3d& at, std::size_t, const FunctionPoints&, std::size_t) { table_.add(at); });
-}
-
-void LinkTable::make_room() {
-  if (table_.is_full())
-    table_.clear();
+      [&](const Vector3d& at, std::size_t, const FunctionPoints&, std::size_t) { add_point(at); });
+  return have_cells;
 }
 
 void LinkTable::fill(std::size_t threads) {
@@ -230,21 +228,30 @@ LinkTables::LinkTables(const LinkedMachine& machine, const TargetAtRest& target)
 
 void LinkTables::extend(const LinkedMachine& machine, const TargetAtRest& target,
                         std::span<const PoseOfMachine> poses, std::size_t threads) {
-  for (std::size_t link = 0; link < tables_.size(); ++link) {
-    if (machine.links()[link].loads().empty())
-      continue;
-    tables_[link].make_room();
+  const auto add = [&](std::size_t link) {
+    bool have_cells = true;
     before_.assign(tables_.size(), std::nullopt);
     for (const PoseOfMachine& pose : poses) {
       const Isometry3d to_link = pose.links[link].inverse(Eigen::Isometry);
-      tables_[link].add(target.functions(), to_link * pose.target);
+      have_cells = tables_[link].add(target.functions(), to_link * pose.target) && have_cells;
       for (std::size_t other = 0; other < before_.size(); ++other) {
         const Isometry3d relative = to_link * pose.links[other];
         if (other == link || (before_[other] && keep_relative_pose(*before_[other], relative)))
           continue;
-        tables_[link].add(machine.links()[other].functions(), relative);
+        have_cells = tables_[link].add(machine.links()[other].functions(), relative) && have_cells;
         before_[other] = relative;
       }
+    }
+    return have_cells;
+  };
+  for (std::size_t link = 0; link < tables_.size(); ++link) {
+    if (machine.links()[link].loads().empty())
+      continue;
+    const bool is_first = tables_[link].is_empty();
+    if (!add(link) && !is_first) {
+      // Places of long ago make room.
+      tables_[link].clear();
+      add(link);
     }
     tables_[link].fill(threads);
   }

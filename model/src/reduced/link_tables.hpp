@@ -37,10 +37,12 @@ class LinkTable {
   LinkTable(const LinkTable&) = delete;
   LinkTable& operator=(const LinkTable&) = delete;
 
-  /// Forgets the places of long ago if no more cells are made.
-  void make_room();
-  /// Makes cells where other functions are in a pose, from their frame to that of the link.
-  void add(const ChargeFunctions& others, const Eigen::Isometry3d& pose);
+  /// Makes cells where other functions are in a pose, from their frame to that of the link. Returns false if
+  /// there are too many.
+  bool add(const ChargeFunctions& others, const Eigen::Isometry3d& pose);
+  /// Forgets all places.
+  void clear() { table_.clear(); }
+  bool is_empty() const { return table_.count() == 0; }
   /// Evaluates the potentials in new cells. The same bits for any number of threads.
   void fill(std::size_t threads);
   /// Writes the potentials of the given charges (columns) on other functions (rows) in a pose and, in the

@@ -115,7 +115,7 @@ std::uint64_t PotentialTable::key(const Vector3d& point, unsigned level, double 
   return result;
 }
 
-void PotentialTable::add(const Vector3d& point) {
+bool PotentialTable::add(const Vector3d& point) {
   double side = largest_;
   for (unsigned level = 0; level <= most_cell_levels && is_numbered(point, side); ++level, side /= 2) {
     const auto [entry, is_new] = places_.try_emplace(key(point, level, side), divided_cell);
@@ -125,17 +125,17 @@ void PotentialTable::add(const Vector3d& point) {
       if (clearance >= least_clearance * side && cells_.size() < most_cells) {
         entry->second = static_cast<std::int64_t>(cells_.size());
         cells_.push_back({centre, side / 2});
-      } else if (level == most_cell_levels || cells_.size() >= most_cells) {
+      } else if (cells_.size() >= most_cells) {
+        entry->second = no_cell;
+        return false;
+      } else if (level == most_cell_levels) {
         entry->second = no_cell;
       }
     }
     if (entry->second != divided_cell)
-      return;
+      return true;
   }
-}
-
-bool PotentialTable::is_full() const {
-  return cells_.size() >= most_cells;
+  return true;
 }
 
 void PotentialTable::clear() {

@@ -26,13 +26,12 @@ class PotentialTable {
   PotentialTable(const OutsidePotentials& potentials, double largest);
 
   /// Makes sure that there is a cell around a point, unless the point is too close to the machine or too far
-  /// from the origin, or there are too many cells. The cell is empty until fill() is called.
-  void add(const Eigen::Vector3d& point);
+  /// from the origin, or there are too many cells. The cell is empty until fill() is called. Returns false if
+  /// there are too many.
+  bool add(const Eigen::Vector3d& point);
   /// Returns the centres of all cells.
   std::vector<Eigen::Vector3d> centres() const;
   std::size_t count() const { return cells_.size(); }
-  /// Tells whether no more cells are made.
-  bool is_full() const;
   /// Removes all cells.
   void clear();
   /// Empties all cells.

@@ -72,12 +72,15 @@ TabulatedMachine::TabulatedMachine(const LinkedMachine& machine, const TargetAtR
 void TabulatedMachine::extend(const TargetAtRest& target, std::span<const Isometry3d> poses,
                               std::size_t threads) {
   const auto add = [&] {
+    bool have_cells = true;
     for (const Isometry3d& pose : poses)
-      visit_points(*this, target, pose, [&](const Vector3d& at, std::size_t, float) { table_.add(at); });
+      visit_points(*this, target, pose, [&](const Vector3d& at, std::size_t, float) {
+        have_cells = table_.add(at) && have_cells;
+      });
+    return have_cells;
   };
-  const std::size_t before = table_.count();
-  add();
-  if (table_.is_full() && before > 0) {
+  const bool is_first = table_.count() == 0;
+  if (!add() && !is_first) {
     // Places of long ago make room.
     table_.clear();
     places_ = 0;

@@ -92,6 +92,21 @@ TEST_F(TabulatedSolverTest, TablesKnowThePotentialsToAPartInThousand) {
   }
 }
 
+TEST_F(TabulatedSolverTest, ATableThatIsFullTellsOfNewPlacesAndKeepsThoseThatItHas) {
+  constexpr double side = 0.1;
+  PotentialTable table(potentials, side);
+  int added = 0;
+  const auto place = [&](int k) { return Vector3d(1 + 2 * side * k, 0.01, 0.01); };
+  while (table.add(place(added)))
+    ++added;
+  const std::size_t count = table.count();
+  EXPECT_EQ(count, static_cast<std::size_t>(added));
+  for (int k = 0; k <= added; ++k)
+    EXPECT_TRUE(table.add(place(k))) << "was asked for before: " << k;
+  EXPECT_FALSE(table.add(place(added + 1)));
+  EXPECT_EQ(table.count(), count);
+}
+
 TEST_F(TabulatedSolverTest, PointsTooCloseToTheMachineHaveNoCell) {
   PotentialTable table(potentials, 0.1);
   table.add({0, 0, 0.0001});
