@@ -322,9 +322,14 @@ void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool wi
       !knows_readings_ || has_insulators_ || asked.entries != Entries::of_readings)
     return;
   Evaluation before_machine;
-  read(scene, asked, false, with_sensors, before_machine);
-  if (stated_error(before_machine, scene, asked.entries) < error)
-    answer = std::move(before_machine);
+  EvaluationOptions reachable = asked;
+  reachable.rtol = std::max(rtol, least_read_rtol);
+  read(scene, reachable, false, with_sensors, before_machine);
+  const double other_error = stated_error(before_machine, scene, asked.entries);
+  if (other_error >= error)
+    return;
+  answer = std::move(before_machine);
+  answer.reached = other_error <= rtol;
 }
 
 void Methods::solve(const Scene& scene, const EvaluationOptions& asked, Evaluation& answer) {
