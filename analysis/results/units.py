@@ -18,6 +18,8 @@ _EXACT, _TIMES = 1e-12, 3.0
 """The relative error below which a value is called exact, and the ratio to the truth from which on it is told instead of per cent."""
 _LARGE, _LEAST, _MOST_PLACES = 100.0, 1e-8, 9
 """The error from which on values of its size are unknown, the error below which it is written with an exponent, and the most decimals."""
+_SMALL, _MANY_PLACES, _MOST_DIGITS = 1e-2, 7, 7
+"""A value below the first one whose error needs more decimals than the second is written with an exponent, and at most so many digits behind its first."""
 
 
 def percent(value: float) -> str:
@@ -76,6 +78,9 @@ def measured(value: float, error: float) -> str:
         return f"{value:.6g} ± 0"
     # The exponent after rounding to two digits: 0.0996 is 0.10.
     places = min(max(1 - int(f"{error:.1e}".partition("e")[2]), 0), _MOST_PLACES)
+    if places > _MANY_PLACES and 0 < abs(value) < _SMALL:
+        digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 1
+        return f"{value:.{min(max(digits, 0), _MOST_DIGITS)}e} ± {error:.1e}"
     shown = f"{error:.1e}" if error < _LEAST else f"{error:.{places}f}"
     return f"{value:.{places}f} ± {shown}"
 

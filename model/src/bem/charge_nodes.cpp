@@ -252,7 +252,7 @@ std::vector<bool> left_out(const std::vector<Element>& elements, const std::vect
                       0.0)
               .maxCoeff(),
           &element);
-  std::ranges::sort(close, {}, &std::pair<double, const Element*>::first);
+  std::sort(close.begin(), close.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<bool> result(panels.size());
   std::vector<double> parts(groups);
   for (const auto& [share, element] : close) {
