@@ -106,15 +106,6 @@ def test_help_and_version_are_printed_and_nothing_else(command: tuple[str, ...])
             assert re.search(sign, done.stdout)
 
 
-@pytest.mark.parametrize("command", ["collide", "info", "sense"])
-def test_json_in_the_place_of_a_table(tmp_path: Path, command: str) -> None:
-    (tmp_path / "scene.toml").write_text(SCENE)
-    table = run("fringe", command, tmp_path / "scene.toml")
-    document = run("fringe", command, tmp_path / "scene.toml", "--json")
-    assert table.returncode == document.returncode == 0
-    assert document.stdout.startswith("{") and not table.stdout.startswith("{")
-
-
 class Reached(Exception):
     """What was called stands for what it would do."""
 

@@ -59,13 +59,6 @@ def test_cone_closest_is_none_when_nothing_is_in_the_cone(method: str) -> None:
     assert fringe.cone_closest(np.empty((0, 3, 3)), ORIGIN, UP, np.pi, 10, method) is None
 
 
-def test_cone_closest_keywords_are_those_of_the_contract() -> None:
-    answer = fringe.cone_closest(
-        triangles=[ABOVE], apex=[0, 0, 0], direction=[0, 0, 1], full_angle=1, range=3, method="cone_equation"
-    )
-    assert answer is not None and answer[0] == 2
-
-
 @pytest.mark.parametrize(
     "wrong",
     [
@@ -128,8 +121,3 @@ def test_sense_follows_the_links_and_agrees_with_cone_closest(scene: fringe.Scen
         assert eye["object"] == nearest
         assert eye["distance"] == pytest.approx(seen[nearest][0], rel=1e-14)
     assert scene.sense()["distance_sensors"][0]["distance"] is None  # from 2 m all is out of range
-
-
-def test_sense_refuses_an_unknown_method(scene: fringe.Scene) -> None:
-    with pytest.raises(ValueError):
-        scene.sense("echo")

@@ -66,31 +66,6 @@ def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Comman
     assert fringe_command("sense", scene).stdout == "the scene has no distance sensors\n"
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "reason"),
-    [
-        ("full_angle_degrees", "181", "must be at most 180"),
-        ("full_angle_degrees", "0", "must be greater than zero"),
-        ("range", "-1", "must be greater than zero"),
-        ("range", "inf", "must be finite"),
-        ("direction", "[0, 0, 0]", "must not be zero"),
-        ("apex", "[0, 0]", "3"),
-    ],
-)
-def test_wrong_input_names_file_line_key_and_reason(
-    fringe_command: Command, scene: Path, key: str, value: str, reason: str
-) -> None:
-    lines = SCENE.splitlines()
-    line = next(number for number, text in enumerate(lines) if text.startswith(f"{key} ="))
-    lines[line] = f"{key} = {value}"
-    scene.write_text("\n".join(lines))
-    done = fringe_command("sense", scene, "--json")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert f"{scene}:{line + 1}: " in done.stderr
-    assert key in done.stderr
-    assert reason in done.stderr
-
-
 def test_unknown_method_and_missing_file(fringe_command: Command, scene: Path, tmp_path: Path) -> None:
     for arguments, reason in [
         ((scene, "--method", "echo"), 'unknown method "echo"'),
