@@ -32,21 +32,6 @@ COMMANDS = {
 }
 EACH = [(program, *command) for program, all_ in COMMANDS.items() for command in ((), *((c,) for c in all_))]
 every_command = pytest.mark.parametrize("command", EACH, ids=" ".join)
-SCENE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[distance_sensor]]
-name = "eye"
-apex = [0, 0, 0]
-direction = [0, 0, 1]
-full_angle_degrees = 40
-range = 0.8
-[[object]]
-name = "target"
-shape = { type = "cube", size = 0.1 }
-translation = [0, 0, 0.2]
-"""
 
 
 def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
