@@ -59,6 +59,8 @@ SHAPES = {
     "rounded": 'type = "box", size = [0.1, 0.2, 0.3], rounding = 0.02, segments = 13',
     "stadium": 'type = "cuboid", size = [0.1, 0.2, 0.3], rounding = 0.05, segments = 8',
     "not rounded": 'type = "cuboid", size = [0.1, 0.2, 0.3], rounding = 0',
+    "rounded to a capsule": 'type = "cuboid", size = [0.1, 0.2, 0.1], rounding = 0.05, segments = 8',
+    "rounded to a ball": 'type = "cuboid", size = [0.1, 0.1, 0.1], rounding = 0.05, segments = 8',
     "disc": 'type = "disc", radius = 0.03, segments = 9',
     "polygon": 'type = "polygon", vertices = [[0, 0], [0.2, 0], [0.2, 0.2], [0.1, 0.2], [0.1, 0.1], [0, 0.1]]',
     "clockwise": 'type = "polygon", vertices = [[0, 0.1], [0.1, 0.13], [0.1, 0.2], [0.2, 0.2], [0.2, 0], [0.1, 0]]',
@@ -69,6 +71,10 @@ SHAPES = {
     "stl": 'type = "mesh", file = "body.stl"',
     "ply": 'type = "mesh", file = "body.ply", scale = 2',
 }
+_TURNS = np.linspace(0, 2 * np.pi, 30, endpoint=False)
+_RADII = np.random.default_rng(1).uniform(0.02, 0.2, 30)
+_STAR = np.column_stack([_RADII * np.cos(_TURNS), _RADII * np.sin(_TURNS)]).tolist()
+SHAPES["star"] = f'type = "polygon", vertices = {_STAR}'
 POSES = {
     "as it is": "",
     "rotated": "translation = [0.1, -0.2, 0.3]\nrotation = { axis = [1, 1, 0], degrees = 17.2 }",
@@ -88,7 +94,8 @@ f 1 2 3 5 4
 f 1 2 6
 f 3 2 6
 """
-# In the planes of the axes and across them: an arrowhead, a comb, a square around a hole, a bow tie, and one that is bent.
+# In the planes of the axes and across them: an arrowhead, a comb, a square around a hole, a bow tie, one that is bent, one with corners
+# in the middle of sides, and one whose outline touches its first corner from within.
 POLYGONS = (
     [(2, 0, 0), (1, 0.25, 0), (1, 2, 0), (0, 0, 0)],
     [(0, 0, 0), (0, 4, 1), (0, 4, 4), (0, 0, 4), (0, 0, 3), (0, 3, 3), (0, 3, 1), (0, 0, 1)],
@@ -106,6 +113,8 @@ POLYGONS = (
     ],
     [(0, 0, 5), (1, 1, 6), (1, 0, 6), (0, 1, 5)],
     [(0, 0, 7), (0.3, 0.1, 7.2), (1, 0, 7.1), (0.1, 1, 7.3), (0, 0.7, 6)],
+    [(0, 0, 8), (1, 0, 8), (2, 0, 8), (2, 2, 8), (1, 2, 8), (0, 2, 8)],
+    [(0, 0, 9), (4, 0, 9), (4, 4, 9), (0, 4, 9), (0, 0, 9), (1, 2, 9), (2, 2, 9), (2, 1, 9)],
 )
 # Binary fractions: in a mesh file the model's reader keeps seven digits of a decimal number.
 TRIANGLES = [((0, 0, 0), (0.75, 0, 0), (0, 0.75, 0)), ((0, 0, 0.25), (0.75, 0, 0), (0, 0.5, 0.125))]
@@ -189,6 +198,8 @@ def test_squared_plates_have_the_same_bits(folder: Path) -> None:
         + "".join(
             f'[[object]]\nname = "{name}"\nshape = {{ type = "sphere", radius = 1 }}\n' for name in "abcde"
         ),
+        '[[object]]\nname = "ring"\nshape = { type = "arc", inner_radius = 0.05, outer_radius = 0.06, height = 0.1, degrees = 360 }\n'
+        '[[object]]\nname = "ball"\nshape = { type = "sphere", radius = 0.01 }\ntranslation = [0, 0, 0]\n',
     ],
 )
 def test_both_make_the_same_remarks(folder: Path, objects: str) -> None:

@@ -14,12 +14,8 @@ from fem_reference.solve.field_problem import without_floating
 from fem_reference.solve.readings import reading_bounds
 from fem_reference.solve.two_sided import FRACTION_OF_DISTANCE, two_sided, unit_voltages
 from geometries.scene.reader import loads
+from tests.scenes import SENSOR
 
-SQUARE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-"""
 OTHER_SQUARE = """
 [[object]]
 name = "target"
@@ -86,7 +82,7 @@ def test_errors_of_one_scene_only_are_stated() -> None:
 @pytest.mark.parametrize("gap", [0.02, 0.05, 0.2])
 def test_one_mesh_gives_the_change_within_its_error(gap: float) -> None:
     """Against an estimate to 1e-3; the error stated for one mesh is a fraction of its interval's width."""
-    scene = loads(SQUARE + OTHER_SQUARE.format(gap=gap))
+    scene = loads(SENSOR + OTHER_SQUARE.format(gap=gap))
     one = maxwell(scene, rtol=1e-2, max_unknowns=1)
     other = maxwell(scene, rtol=1e-3, error="estimate")
     assert len(one.levels) == 1 and other.reached and one.enclosure is not None

@@ -10,7 +10,7 @@ from geometries.common.errors import InputError
 from geometries.scene import reader, rectangles
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
 from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Reading, Room, Sensor
-from geometries.scene.shapes import Arc, Cone, Cuboid, Cylinder, PlateShape, Shape, Sphere
+from geometries.scene.shapes import Cuboid, PlateShape
 from geometries.scene.writer import canonical
 
 PLATE = "{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }"
@@ -102,33 +102,12 @@ def test_what_is_left_out_takes_the_defaults_of_the_format() -> None:
     assert scene.objects == (Object("o", PlateShape((1.0, 1.0))),)
 
 
-@pytest.mark.parametrize(
-    ("text", "shape"),
-    [
-        ('type = "cuboid", size = [1, 2, 3]', Cuboid((1, 2, 3))),
-        ('type = "box", size = [1, 2, 3]', Cuboid((1, 2, 3))),
-        ('type = "cylinder", radius = 1, height = 2', Cylinder(1, 2, 48)),
-        ('type = "cone", radius = 1, height = 2, segments = 7', Cone(1, 2, 7)),
-        (
-            'type = "arc", inner_radius = 1, outer_radius = 2, height = 3, degrees = 90',
-            Arc(1, 2, 3, 90, 48),
-        ),
-        ('type = "sphere", radius = 1, segments = 12', Sphere(1, 12)),
-    ],
-)
-def test_every_shape_is_read(text: str, shape: Shape) -> None:
-    assert reader.loads(object_with(f"shape = {{ {text} }}")).objects[0].shape == shape
-
-
 def shape(text: str) -> str:
     return object_with(f"shape = {{ {text} }}")
 
 
 def link(name: str, parent: str) -> str:
     return f'[[link]]\nname = "{name}"\nparent = "{parent}"\n'
-
-
-BODY = 'shape = { type = "plate", size = [1, 1] }\n'
 
 
 @pytest.mark.parametrize(
@@ -160,19 +139,6 @@ def test_what_the_format_does_not_allow_is_refused_by_key_and_reason(
         reader.loads(text, source="scene.toml")
     assert (caught.value.file, caught.value.key) == ("scene.toml", key)
     assert reason in caught.value.reason
-
-
-def test_objects_with_the_same_conductor_are_one_even_by_the_name_of_one_of_them() -> None:
-    scene = reader.loads(
-        object_with(BODY + 'conductor = "o"\npotential = "electrode"')
-        + object_with(BODY + 'conductor = "o"\npotential = "electrode"', name="p")
-        + object_with(BODY, name="q")
-    )
-    assert [(body.conductor, body.potential) for body in scene.objects] == [
-        ("o", "electrode"),
-        ("o", "electrode"),
-        (None, "grounded"),
-    ]
 
 
 def test_text_that_is_not_toml_is_refused_with_its_line() -> None:
@@ -283,18 +249,6 @@ def test_lengths_may_be_in_millimetres() -> None:
 
 def test_a_scene_in_millimetres_is_written_in_metres() -> None:
     assert canonical(reader.loads(IN_MILLIMETRES)) == canonical(reader.loads(IN_METRES))
-
-
-def test_a_mesh_is_in_the_units_of_the_scene_unless_it_has_a_scale(tmp_path: Path) -> None:
-    (tmp_path / "body.obj").write_text("v 0 0 0\nv 30 0 0\nv 0 30 0\nf 1 2 3\n")
-
-    def size(more: str) -> float:
-        mesh = f'[[object]]\nname = "o"\nshape = {{ type = "mesh", file = "body.obj"{more} }}\n'
-        scene = reader.loads('units = "mm"\n' + mesh, str(tmp_path / "scene.toml"))
-        return float(scene.objects[0].shape.triangles()[0, 1, 0])
-
-    assert size("") == 0.03
-    assert size(", scale = 0.5") == 15
 
 
 def test_a_plate_that_is_nearly_a_rectangle_is_squared_and_one_that_is_not_is_refused() -> None:
