@@ -19,7 +19,7 @@ _EXACT, _TIMES = 1e-12, 3.0
 _LARGE, _LEAST, _MOST_PLACES = 100.0, 1e-8, 9
 """The error from which on values of its size are unknown, the error below which it is written with an exponent, and the most decimals."""
 _SMALL, _MANY_PLACES, _MOST_DIGITS = 1e-2, 7, 7
-"""A value below the first one whose error needs more decimals than the second is written with an exponent, and at most so many digits behind its first."""
+"""An exponent is written for values below `_SMALL` whose error needs more than `_MANY_PLACES` decimals; most digits after the point then."""
 
 
 def percent(value: float) -> str:

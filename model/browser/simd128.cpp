@@ -18,6 +18,7 @@ template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::scalar
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::scalar>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::scalar>();
 template const NodeKernels& compiled_kernels<NodeKernels, InstructionSet::scalar>();
-template const ProductKernels& compiled_kernels<ProductKernels, InstructionSet::scalar>();
+template const ProductKernels<float>& compiled_kernels<ProductKernels<float>, InstructionSet::scalar>();
+template const ProductKernels<double>& compiled_kernels<ProductKernels<double>, InstructionSet::scalar>();
 
 }  // namespace fringe::detail

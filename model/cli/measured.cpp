@@ -27,7 +27,7 @@ std::string measured(double value, double error) {
   if (error == 0)
     return fmt::format("{:.6g} ± 0", value);
   const int places = decimals(error);
-  // Of a small number most decimals would be zeros.
+  // An exponent shortens a small number, which would begin with many zeros.
   constexpr double small = 1e-2;
   constexpr int many = 7;
   if (places > many && std::abs(value) < small && value != 0) {

@@ -27,7 +27,7 @@ target_size = [0.1, 0.1]
 gap = 0.05
 """
 WHOLE = HEAD + SWEEP
-# What is wrong, and what the message names; tests/geometries/studies has every key.
+# The faulty text of a study, and what the message has to name. tests/geometries/studies tests every key.
 STUDIES = {
     "nothing": ("", "reference"),
     "prose": ("this is a letter\n", ""),

@@ -118,7 +118,7 @@ def stopped(study: Study, chance: random.Random) -> None:
     """SIGTERM as from a system that shuts down, or Ctrl-C; now and then twice."""
     before, process = study.answers(), study.start()
     number = chance.choice((signal.SIGTERM, signal.SIGINT))
-    # What ends before then has done nothing.
+    # A signal before then would end a command that has written nothing yet.
     study.wait_until_at_work(process)
     time.sleep(chance.uniform(0, study.seconds))
     process.send_signal(number)

@@ -153,7 +153,7 @@ def test_the_error_falls_linearly_with_the_edge_size() -> None:
     assert 0.85 <= order <= 1.15
     assert all(error > 0 for error in errors), "a conforming potential has too much energy"
     found = estimate([level.maxwell for level in levels])
-    # What all levels share was measured at a growth of 0.4, and falls with its sixth power.
+    # The error that all levels share was measured at a growth of 0.4; it falls with the sixth power of the growth.
     error = found.error[0, 0] + SHARED_ERROR * (0.25 / 0.4) ** 6 * found.value[0, 0]
     check("five levels", found.value[0, 0], error, truth, 1e-6 / 0.366788, 1e-4)
 

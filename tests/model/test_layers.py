@@ -10,13 +10,13 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "model" / "src"
 HEADERS = ROOT / "model" / "include"
 
-# From the bottom to the top. Arithmetic and quadrature rules need nothing. Vector registers compute with numbers; shapes and poses are
-# made of both. Files, integrals over triangles and collisions know shapes, but not each other. Boundary elements integrate with the
+# From the bottom to the top. Vector registers need nothing; arithmetic, products of matrices and quadrature rules compute with them; shapes
+# and poses are made of both. Files, integrals over triangles and collisions know shapes, but not each other. Boundary elements integrate with the
 # quadratures of the integrals and measure gaps by collision; the pair formula needs no more; the reduced method compresses boundary elements. A sensing cone is a shape
 # that collision measures; a scene asks them all.
 LAYERS = (
-    {"numeric"},
     {"simd"},
+    {"numeric"},
     {"geometry"},
     {"io", "integral", "collision"},
     {"bem", "formula"},

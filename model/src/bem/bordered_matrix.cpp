@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "numeric/parallel.hpp"
+#include "numeric/products.hpp"
 
 namespace fringe::detail {
 
@@ -32,12 +33,13 @@ MatrixXd BorderedMatrix::apply(const MatrixXd& factors) const {
   if (count > 0) {
     parallel_parts(count, unknowns.threads(), [&](Index first, Index rows) {
       auto part = result.middleRows(first, rows);
-      part.noalias() = functions.middleRows(first, rows) * of_functions;
-      part.noalias() += coupling.middleRows(first, rows) * of_unknowns;
+      part.setZero();
+      add_product(functions.middleRows(first, rows), of_functions, part);
+      add_product(coupling.middleRows(first, rows), of_unknowns, part);
     });
     parallel_parts(unknowns.size(), unknowns.threads(), [&](Index first, Index rows) {
-      result.middleRows(count + first, rows).noalias() +=
-          coupling.middleCols(first, rows).transpose() * of_functions;
+      add_transposed_product(coupling.middleCols(first, rows), of_functions,
+                             result.middleRows(count + first, rows));
     });
   }
   if (present.size() > 0)

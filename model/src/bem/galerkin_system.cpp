@@ -172,11 +172,11 @@ GalerkinSystem::Solved GalerkinSystem::solve(std::span<const std::size_t> faces,
     solved.positive_definite = false;
     return solved;
   }
-  factor.lower().solveInPlace(charges);
+  charges = factor.solve_lower(std::move(charges));
   const auto coarse = charges.topRows(coarse_size);
   solved.matrix.coarse = coarse.transpose() * coarse;
   solved.matrix.fine = charges.transpose() * charges;
-  factor.upper().solveInPlace(charges);
+  charges = factor.solve_upper(std::move(charges));
   return solved;
 }
 

@@ -3,9 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "bem/product_kernels.hpp"
 #include "numeric/parallel.hpp"
-#include "simd/dispatch.hpp"
+#include "numeric/products.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -13,22 +12,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::MatrixXf;
-
-MatrixView columns_of(const MatrixXf& matrix, Index first, Index count) {
-  return {matrix.data() + first * matrix.rows(), matrix.rows(), count};
-}
-
-MatrixView view_of(const MatrixXf& matrix) {
-  return columns_of(matrix, 0, matrix.cols());
-}
-
-VectorsView<const double> rows_of(const MatrixXd& vectors, Index first) {
-  return {vectors.data() + first, vectors.rows()};
-}
-
-VectorsView<double> sums_in(MatrixXd& vectors) {
-  return {vectors.data(), vectors.rows()};
-}
 
 /// Adds the columns of `factor` to the targets' columns; the first target is column 0.
 MatrixXd restricted_columns(const MatrixXd& factor, ClusterRange range, const Restriction& restriction,
@@ -108,7 +91,6 @@ HierarchicalMatrix::HierarchicalMatrix(std::vector<ClusterRange> clusters, std::
 MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
   /// Number of low-rank blocks in one call.
   constexpr std::size_t together = 64;
-  const auto& kernels = best_kernels<ProductKernels>();
   struct Products {
     MatrixXd of_rows;
     MatrixXd of_columns;
@@ -120,10 +102,8 @@ MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
       const ClusterRange a = clusters_[block.a], b = clusters_[block.b];
       products[k] = {MatrixXd::Zero(block.rows.rows(), factors.cols()),
                      MatrixXd::Zero(block.rows.rows(), factors.cols())};
-      kernels.add_product(view_of(block.rows), rows_of(factors, a.first), sums_in(products[k].of_rows),
-                          factors.cols());
-      kernels.add_product(view_of(block.columns), rows_of(factors, b.first), sums_in(products[k].of_columns),
-                          factors.cols());
+      add_product(block.rows, factors.middleRows(a.first, a.count), products[k].of_rows);
+      add_product(block.columns, factors.middleRows(b.first, b.count), products[k].of_columns);
     }
   });
   MatrixXd result = MatrixXd::Zero(size_, factors.cols());
@@ -133,16 +113,18 @@ MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
     for (const Use& use : near_uses_[leaf]) {
       const DenseBlock& block = near_[use.block];
       const ClusterRange other = clusters_[use.as_rows ? block.b : block.a];
-      (use.as_rows ? kernels.add_product : kernels.add_transposed_product)(
-          view_of(block.values), rows_of(factors, other.first), sums_in(sum), factors.cols());
+      const auto of_other = factors.middleRows(other.first, other.count);
+      if (use.as_rows)
+        add_product(block.values, of_other, sum);
+      else
+        add_transposed_product(block.values, of_other, sum);
     }
     for (const Use& use : far_uses_[leaf]) {
       const LowRankBlock& block = far_[use.block];
       const MatrixXf& own = use.as_rows ? block.rows : block.columns;
       const Index offset = range.first - clusters_[use.as_rows ? block.a : block.b].first;
       const MatrixXd& product = use.as_rows ? products[use.block].of_columns : products[use.block].of_rows;
-      kernels.add_transposed_product(columns_of(own, offset, range.count), rows_of(product, 0), sums_in(sum),
-                                     factors.cols());
+      add_transposed_product(own.middleCols(offset, range.count), product, sum);
     }
     result.middleRows(range.first, range.count) = sum;
   });

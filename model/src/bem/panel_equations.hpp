@@ -39,7 +39,7 @@ struct PanelEquations {
   const PanelUnknowns& unknowns;
   const Eigen::MatrixXd& faces;     ///< single-layer matrix of the faces' functions
   const PanelOperator& panels;      ///< single-layer matrix of the panels
-  const Eigen::MatrixXd& coupling;  ///< single-layer blocks of the faces' functions (rows) with the panels
+  const Eigen::MatrixXf& coupling;  ///< single-layer blocks of the faces' functions (rows) with the panels
 };
 
 }  // namespace fringe::detail

@@ -6,6 +6,7 @@
 #include <limits>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "bem/error_indicators.hpp"
@@ -201,46 +202,58 @@ void PanelSystem::refine(const std::vector<FaceFunctions>& functions, double tol
     // Panels that coincide still do after a refinement.
     set_ridge(is_finer ? 0 : std::exchange(ridge_, 0));
   }
-  if (coupling_tolerance_ > tolerance || coupled_functions_ != functions) {
-    coupling_tolerance_ = tolerance;
-    refine_coupling(functions, {});
-  } else if (is_refined_) {
-    refine_coupling(functions, mesh_.places_before());
-  }
+  refine_coupling(functions, tolerance);
   is_refined_ = false;
 }
 
-/// Evaluates the columns of the panels that have no place before; none: of all.
-void PanelSystem::refine_coupling(const std::vector<FaceFunctions>& functions,
-                                  std::span<const Index> places_before) {
+/// Evaluates the elements of panels and functions that are new, or all for a finer tolerance.
+void PanelSystem::refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance) {
   /// Number of panels in one call.
   constexpr std::size_t together = 8;
+  const bool is_finer = coupling_tolerance_ > tolerance;
+  if (!is_finer && !is_refined_ && coupled_functions_ == functions)
+    return;
+  coupling_tolerance_ = std::min(coupling_tolerance_, tolerance);
   const std::vector<Panel>& panels = mesh_.panels();
-  const MatrixXd before = std::move(coupling_);
+  const Eigen::MatrixXf before = std::move(coupling_);
   Index rows = 0;
   for (const FaceFunctions& face : functions)
     rows += face.count();
   coupling_.resize(rows, index_of(panels.size()));
-  std::vector<Panel> missing;
-  std::vector<Index> columns;
+  std::vector<std::size_t> known, missing;
+  const auto place_before = [&](std::size_t k) {
+    return is_refined_ ? mesh_.places_before()[k] : index_of(k);
+  };
   for (std::size_t k = 0; k < panels.size(); ++k)
-    if (!places_before.empty() && places_before[k] != PanelMesh::no_place) {
-      coupling_.col(index_of(k)) = before.col(places_before[k]);
-    } else {
-      missing.push_back(panels[k]);
-      columns.push_back(index_of(k));
-    }
-  parallel_for((missing.size() + together - 1) / together, threads_, [&](std::size_t part) {
-    const std::size_t first = part * together, count = std::min(together, missing.size() - first);
-    Index row = 0;
-    for (std::size_t face = 0; face < functions.size(); ++face) {
-      const MatrixXd block = single_layer_block(
-          faces_.face(face), functions[face], std::span(missing).subspan(first, count), coupling_tolerance_);
-      for (std::size_t k = 0; k < count; ++k)
-        coupling_.col(columns[first + k]).segment(row, block.rows()) = block.col(index_of(k));
-      row += block.rows();
-    }
-  });
+    (is_finer || place_before(k) == PanelMesh::no_place ? missing : known).push_back(k);
+
+  const auto evaluate = [&](const std::vector<std::size_t>& places, bool are_known) {
+    parallel_for((places.size() + together - 1) / together, threads_, [&](std::size_t part) {
+      const auto here =
+          std::span(places).subspan(part * together, std::min(together, places.size() - part * together));
+      std::vector<Panel> targets;
+      for (const std::size_t k : here)
+        targets.push_back(panels[k]);
+      Index row = 0, row_before = 0;
+      for (std::size_t face = 0; face < functions.size(); ++face) {
+        const Index count = functions[face].count();
+        if (are_known && coupled_functions_[face] == functions[face]) {
+          for (const std::size_t k : here)
+            coupling_.col(index_of(k)).segment(row, count) =
+                before.col(place_before(k)).segment(row_before, count);
+        } else {
+          const MatrixXd block =
+              single_layer_block(faces_.face(face), functions[face], targets, coupling_tolerance_);
+          for (std::size_t k = 0; k < here.size(); ++k)
+            coupling_.col(index_of(here[k])).segment(row, count) = block.col(index_of(k)).cast<float>();
+        }
+        row += count;
+        row_before += are_known ? coupled_functions_[face].count() : 0;
+      }
+    });
+  };
+  evaluate(missing, false);
+  evaluate(known, true);
   coupled_functions_ = functions;
 }
 
@@ -290,7 +303,8 @@ MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const Mat
         coupling_.middleRows(unknowns.first[face], faces_.functions(face).count())
             .cwiseAbs()
             .colwise()
-            .maxCoeff();
+            .maxCoeff()
+            .cast<double>();
     felt += 2 * largest.transpose() * norms.row(index_of(face));
   }
   const MatrixXd effect = absolute.transpose() * felt;
@@ -399,14 +413,15 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
     const Index group = to_groups.target[static_cast<std::size_t>(k)];
     for (Index row = 0; row < coarse_functions; ++row)
       coupling(row, group) +=
-          to_groups.weights[k] * matrix.coupling(unknowns.coarse[static_cast<std::size_t>(row)], k);
+          to_groups.weights[k] *
+          static_cast<double>(matrix.coupling(unknowns.coarse[static_cast<std::size_t>(row)], k));
     net.row(coarse_functions + group) += to_groups.weights[k] * right_sides.row(functions + k);
     start.row(coarse_functions + group) += begun_by.row(functions + k);
     if (present.size() > 0)
       present[coarse_functions + group] = matrix.present[functions + k];
   }
-  const BorderedMatrix coarse_matrix{equations.faces(unknowns.coarse, unknowns.coarse), std::move(coupling),
-                                     spaces.groups, std::move(present)};
+  const BorderedMatrix coarse_matrix{equations.faces(unknowns.coarse, unknowns.coarse),
+                                     coupling.cast<float>(), spaces.groups, std::move(present)};
   result.coarse = solve(coarse_matrix, spaces.of_groups, net, std::move(start),
                         background != nullptr ? &background->coarse : nullptr);
   if (!result.positive_definite())

@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <memory>
-#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -97,8 +96,7 @@ class PanelSystem {
   Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges) const;
   /// Divides groups of panels that are too large to resolve another body close by.
   void refine_by_proximity(std::size_t most_panels);
-  void refine_coupling(const std::vector<FaceFunctions>& functions,
-                       std::span<const Eigen::Index> places_before);
+  void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
 
   const ChargedBodies& bodies_;
   std::size_t threads_;
@@ -106,7 +104,7 @@ class PanelSystem {
   GalerkinSystem faces_;
   PanelMesh mesh_;
   std::unique_ptr<PanelOperator> panels_;
-  Eigen::MatrixXd coupling_;  ///< of the faces' functions (rows), face after face, with the panels
+  Eigen::MatrixXf coupling_;  ///< of the faces' functions (rows), face after face, with the panels
   std::vector<FaceFunctions> coupled_functions_;
   /// The charges of all unknowns with the last solution, as far as they go over to the refined mesh, by which
   /// the next iteration begins; none before the first solution.

@@ -39,20 +39,20 @@ void leave_out_dependent(MatrixXd& matrix, double dependence) {
 
 /// Factorises a matrix, of which the lower triangle is read. Functions that depend on earlier ones are left
 /// out if the tolerance of the quadratures is so fine that these are not the reason.
-Cholesky factorised(MatrixXd matrix, double tolerance) {
+Cholesky factorised(MatrixXd matrix, double tolerance, std::size_t threads) {
   /// Tolerance of the quadratures above which a matrix that is not positive definite calls for better ones.
   constexpr double sufficient = 1e-5;
   /// Least energy that a function adds to earlier ones, relative to its own: of a panel between others it is
   /// about the ratio of the gap to the panel.
   constexpr double least_energy = 1e-6;
-  Cholesky factor(matrix);
+  Cholesky factor(matrix, threads);
   const auto is_regular = [&] {
     return factor.is_positive_definite() &&
            (factor.factor().diagonal().array().square() > least_energy * matrix.diagonal().array()).all();
   };
   if (!is_regular() && tolerance <= sufficient) {
     leave_out_dependent(matrix, std::max(least_energy, 10 * tolerance));
-    factor = Cholesky(std::move(matrix));
+    factor = Cholesky(std::move(matrix), threads);
   }
   return factor;
 }
@@ -80,7 +80,7 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const BorderedMatrix& matrix, con
   whole.bottomRightCorner(coarse_size, coarse_size) = coarse.matrix;
   for (Index k = 0; k < matrix.coupling.cols(); ++k)
     whole.row(functions + restriction_.target[static_cast<std::size_t>(k)]).head(functions) +=
-        restriction_.weights[k] * matrix.coupling.col(k).transpose();
+        restriction_.weights[k] * matrix.coupling.col(k).cast<double>().transpose();
   if (present.size() > 0) {
     VectorXd kept = VectorXd::Zero(functions + coarse_size);
     kept.head(functions) = present.head(functions);
@@ -89,13 +89,13 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const BorderedMatrix& matrix, con
         kept[functions + restriction_.target[static_cast<std::size_t>(k)]] = 1;
     leave_out(whole, kept);
   }
-  coarse_ = factorised(std::move(whole), tolerance);
+  coarse_ = factorised(std::move(whole), tolerance, threads);
   parallel_for(leaves_.size(), threads, [&](std::size_t leaf) {
     MatrixXd block = matrix.unknowns.diagonal_block(leaf);
     const ClusterRange range = matrix.unknowns.range(matrix.unknowns.leaves()[leaf]);
     if (present.size() > 0)
       leave_out(block, present.segment(functions + range.first, range.count));
-    leaves_[leaf] = factorised(std::move(block), tolerance);
+    leaves_[leaf] = factorised(std::move(block), tolerance, 1);
   });
   is_positive_definite_ = coarse_.is_positive_definite() &&
                           std::all_of(leaves_.begin(), leaves_.end(),

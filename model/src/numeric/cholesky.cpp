@@ -6,50 +6,114 @@
 #include <Eigen/Cholesky>
 
 #include "numeric/interruption.hpp"
+#include "numeric/parallel.hpp"
+#include "numeric/products.hpp"
 
 namespace fringe::detail {
 namespace {
 
 using Eigen::Index;
+using Eigen::MatrixXd;
 
-/// Returns the number of columns that are factorised together, as Eigen chooses it.
-Index columns_of_block(Index size) {
-  /// Matrices below this size are not divided.
-  constexpr Index undivided = 32;
-  if (size < undivided)
-    return size;
-  constexpr Index multiple = 16, least = 8, most = 128;
-  return std::clamp(size / 8 / multiple * multiple, least, most);
+/// Number of columns of the blocks on the diagonal that are factorised and solved by themselves: all else are
+/// products.
+constexpr Index undivided = 32;
+
+/// Calls task(first, count) for consecutive parts of some columns, on several threads if there are enough
+/// operations.
+template <class Task>
+void for_columns(Index columns, Index together, double operations, std::size_t threads, const Task& task) {
+  /// Number of operations that take longer than a thread needs to begin.
+  constexpr double enough = 2e6;
+  parallel_for(static_cast<std::size_t>((columns + together - 1) / together),
+               operations < enough ? 1 : threads, [&](std::size_t part) {
+                 const Index first = static_cast<Index>(part) * together;
+                 task(first, std::min(together, columns - first));
+               });
+}
+
+/// Calls task(columns) for parts of the right sides, on several threads.
+template <class Task>
+void for_right_sides(MatrixXd& right_sides, std::size_t threads, const Task& task) {
+  /// Number of columns that are solved for together.
+  constexpr Index together = 24;
+  const auto rows = static_cast<double>(right_sides.rows());
+  for_columns(right_sides.cols(), together, rows * rows * static_cast<double>(right_sides.cols()), threads,
+              [&](Index first, Index count) { task(right_sides.middleCols(first, count)); });
 }
 
 }  // namespace
 
-Cholesky::Cholesky(Eigen::MatrixXd matrix) : factor_(std::move(matrix)) {
-  const Index size = factor_.rows(), columns = columns_of_block(size);
-  for (Index first = 0; first < size; first += columns) {
-    check_interruption();
-    const Index count = std::min(columns, size - first), rest = size - first - count;
-    auto diagonal = factor_.block(first, first, count, count);
-    auto below = factor_.block(first + count, first, rest, count);
-    if (Eigen::internal::llt_inplace<double, Eigen::Lower>::unblocked(diagonal) >= 0)
-      return;
-    if (rest == 0)
-      break;
-    diagonal.adjoint().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(below);
-    factor_.bottomRightCorner(rest, rest).selfadjointView<Eigen::Lower>().rankUpdate(below, -1);
-  }
-  is_positive_definite_ = true;
+Cholesky::Cholesky(MatrixXd matrix, std::size_t threads) : factor_(std::move(matrix)), threads_(threads) {
+  is_positive_definite_ = factorise(0, factor_.rows());
 }
 
-Eigen::MatrixXd Cholesky::solve_lower(Eigen::MatrixXd right_side) const {
-  /// Number of columns that are solved for together.
-  constexpr Index columns = 64;
-  for (Index first = 0; first < right_side.cols(); first += columns) {
-    check_interruption();
-    auto here = right_side.middleCols(first, std::min(columns, right_side.cols() - first));
-    lower().solveInPlace(here);
+/// Factorises some columns, all rows of them, from which those before are subtracted already: the first half,
+/// and then the second without what the first gives to it.
+bool Cholesky::factorise(Index first, Index count) {
+  check_interruption();
+  if (count <= undivided) {
+    auto diagonal = factor_.block(first, first, count, count);
+    if (Eigen::internal::llt_inplace<double, Eigen::Lower>::unblocked(diagonal) >= 0)
+      return false;
+    auto below = factor_.block(first + count, first, factor_.rows() - first - count, count);
+    diagonal.adjoint().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(below);
+    return true;
   }
-  return right_side;
+  const Index half = count / 2;
+  if (!factorise(first, half))
+    return false;
+  subtract_products(first, half, count - half);
+  return factorise(first + half, count - half);
+}
+
+/// Subtracts the products of the rows of `count` columns from the columns that follow them.
+void Cholesky::subtract_products(Index first, Index count, Index columns) {
+  /// Number of columns that one thread takes. Above the diagonal it writes what nobody reads.
+  constexpr Index together = 48;
+  const Index end = first + count, rows = factor_.rows() - end;
+  for_columns(columns, together, static_cast<double>(rows) * static_cast<double>(count * columns), threads_,
+              [&](Index column, Index width) {
+                const Index row = end + column;
+                const MatrixXd factors = -factor_.block(row, first, width, count).transpose();
+                add_product(factor_.block(row, first, rows - column, count), factors,
+                            factor_.block(row, row, rows - column, width));
+              });
+}
+
+MatrixXd Cholesky::solve_lower(MatrixXd right_sides) const {
+  for_right_sides(right_sides, threads_, [&](auto&& solved) {
+    for (Index first = 0; first < factor_.rows(); first += undivided) {
+      check_interruption();
+      const Index count = std::min(undivided, factor_.rows() - first), rest = factor_.rows() - first - count;
+      auto here = solved.middleRows(first, count);
+      factor_.block(first, first, count, count).template triangularView<Eigen::Lower>().solveInPlace(here);
+      if (rest > 0)
+        add_product(factor_.block(first + count, first, rest, count), MatrixXd(-here),
+                    solved.bottomRows(rest));
+    }
+  });
+  return right_sides;
+}
+
+MatrixXd Cholesky::solve_upper(MatrixXd right_sides) const {
+  for_right_sides(right_sides, threads_, [&](auto&& solved) {
+    for (Index end = factor_.rows(); end > 0; end -= std::min(undivided, end)) {
+      check_interruption();
+      const Index first = end - std::min(undivided, end), count = end - first, rest = factor_.rows() - end;
+      auto here = solved.middleRows(first, count);
+      if (rest > 0) {
+        MatrixXd products = MatrixXd::Zero(count, solved.cols());
+        add_transposed_product(factor_.block(end, first, rest, count), solved.bottomRows(rest), products);
+        here -= products;
+      }
+      factor_.block(first, first, count, count)
+          .transpose()
+          .template triangularView<Eigen::Upper>()
+          .solveInPlace(here);
+    }
+  });
+  return right_sides;
 }
 
 }  // namespace fringe::detail

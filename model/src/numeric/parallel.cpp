@@ -5,7 +5,10 @@
 #include <chrono>
 #include <condition_variable>
 #include <exception>
+#include <memory>
 #include <mutex>
+#include <utility>
+#include <vector>
 
 #include <tbb/info.h>
 #include <tbb/task_arena.h>
@@ -102,6 +105,36 @@ class SharedLoop {
   std::exception_ptr failure_;
 };
 
+/// Arenas that no loop uses now. Each loop has an arena of its own, so that a thread that waits for its loop
+/// takes no calls of another one. They are used again: the library of threads looks for work through a list
+/// of all arenas, to which each new arena adds one while other threads work.
+class IdleArenas {
+ public:
+  std::unique_ptr<tbb::task_arena> borrow() {
+    const std::lock_guard lock(mutex_);
+    if (arenas_.empty())
+      return std::make_unique<tbb::task_arena>();
+    std::unique_ptr<tbb::task_arena> arena = std::move(arenas_.back());
+    arenas_.pop_back();
+    return arena;
+  }
+
+  void give_back(std::unique_ptr<tbb::task_arena> arena) {
+    const std::lock_guard lock(mutex_);
+    arenas_.push_back(std::move(arena));
+  }
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<tbb::task_arena>> arenas_;
+};
+
+/// Never destroyed: a thread may end its loop after the program has begun to end.
+IdleArenas& idle_arenas() {
+  static auto& arenas = *new IdleArenas;
+  return arenas;
+}
+
 }  // namespace
 
 void parallel_for(std::size_t count, std::size_t threads, const std::function<void(std::size_t)>& task) {
@@ -114,8 +147,8 @@ void parallel_for(std::size_t count, std::size_t threads, const std::function<vo
     return;
   }
   SharedLoop loop(count, task);
-  tbb::task_arena arena(static_cast<int>(together));
-  arena.execute([&] {
+  std::unique_ptr<tbb::task_arena> arena = idle_arenas().borrow();
+  arena->execute([&] {
     tbb::task_group helpers;
     for (std::size_t k = 1; k < together; ++k)
       helpers.run([&] { loop.help(); });
@@ -123,6 +156,7 @@ void parallel_for(std::size_t count, std::size_t threads, const std::function<vo
     // Those that have not begun find nothing left.
     helpers.wait();
   });
+  idle_arenas().give_back(std::move(arena));
   loop.rethrow();
 }
 

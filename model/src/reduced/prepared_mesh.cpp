@@ -52,7 +52,7 @@ struct Loads {
 /// Computes the loads to which the body's responses are orthonormal: first the constant, then the principal
 /// ones of the outside charges, by a principal component analysis in the energy.
 Loads principal_loads(const SingleBodySystem& panels, const MatrixXd& potentials, Index most) {
-  const VectorXd alone = panels.factor.lower().solve(VectorXd::Ones(potentials.rows()));
+  const VectorXd alone = panels.factor.solve_lower(VectorXd::Ones(potentials.rows()));
   const MatrixXd all = panels.factor.solve_lower(potentials);
   const RowVectorXd common = alone.transpose() * all / alone.squaredNorm();
   const MatrixXd others = all - alone * common;

@@ -27,8 +27,7 @@ constexpr double tolerance_per_accuracy = 0.2;
 /// Returns the energies of the charges in the coarse space, which has one density on each group.
 MatrixXd coarse_energies(const SingleBodySystem& panels, const VectorXd& shares, const MatrixXd& potentials) {
   const MatrixXd reached = Cholesky(group_matrix(panels.mesh, shares, panels.matrix))
-                               .lower()
-                               .solve(group_means(panels.mesh, shares, potentials));
+                               .solve_lower(group_means(panels.mesh, shares, potentials));
   return reached.transpose() * reached;
 }
 

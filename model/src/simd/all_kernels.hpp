@@ -3,11 +3,11 @@
 #include <type_traits>
 
 #include "bem/charge_kernels_template.hpp"
-#include "bem/product_kernels_template.hpp"
 #include "collision/gjk_filter_template.hpp"
 #include "integral/batch/kernels_template.hpp"
 #include "integral/derivative/kernels_template.hpp"
 #include "integral/tree/kernels_template.hpp"
+#include "numeric/product_kernels_template.hpp"
 #include "reduced/node_kernels_template.hpp"
 #include "simd/dispatch.hpp"
 
@@ -33,8 +33,10 @@ const Kernels& compiled_kernels() {
     return GjkFilterFor<Doubles>::kernels;
   else if constexpr (std::is_same_v<Kernels, ChargeKernels>)
     return ChargeKernelsFor<Doubles>::kernels;
-  else if constexpr (std::is_same_v<Kernels, ProductKernels>)
-    return ProductKernelsFor<Doubles>::kernels;
+  else if constexpr (std::is_same_v<Kernels, ProductKernels<float>>)
+    return ProductKernelsFor<float, Doubles>::kernels;
+  else if constexpr (std::is_same_v<Kernels, ProductKernels<double>>)
+    return ProductKernelsFor<double, Doubles>::kernels;
   else
     return NodeKernelsFor<typename Registers<set>::Floats>::kernels;
 }

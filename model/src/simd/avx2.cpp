@@ -16,6 +16,7 @@ template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::avx2>(
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::avx2>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::avx2>();
 template const NodeKernels& compiled_kernels<NodeKernels, InstructionSet::avx2>();
-template const ProductKernels& compiled_kernels<ProductKernels, InstructionSet::avx2>();
+template const ProductKernels<float>& compiled_kernels<ProductKernels<float>, InstructionSet::avx2>();
+template const ProductKernels<double>& compiled_kernels<ProductKernels<double>, InstructionSet::avx2>();
 
 }  // namespace fringe::detail

@@ -22,6 +22,7 @@ template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::avx512
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::avx512>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::avx512>();
 template const NodeKernels& compiled_kernels<NodeKernels, InstructionSet::avx512>();
-template const ProductKernels& compiled_kernels<ProductKernels, InstructionSet::avx512>();
+template const ProductKernels<float>& compiled_kernels<ProductKernels<float>, InstructionSet::avx512>();
+template const ProductKernels<double>& compiled_kernels<ProductKernels<double>, InstructionSet::avx512>();
 
 }  // namespace fringe::detail

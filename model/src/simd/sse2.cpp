@@ -16,6 +16,7 @@ template const TreeKernels& compiled_kernels<TreeKernels, InstructionSet::sse2>(
 template const GjkFilter& compiled_kernels<GjkFilter, InstructionSet::sse2>();
 template const ChargeKernels& compiled_kernels<ChargeKernels, InstructionSet::sse2>();
 template const NodeKernels& compiled_kernels<NodeKernels, InstructionSet::sse2>();
-template const ProductKernels& compiled_kernels<ProductKernels, InstructionSet::sse2>();
+template const ProductKernels<float>& compiled_kernels<ProductKernels<float>, InstructionSet::sse2>();
+template const ProductKernels<double>& compiled_kernels<ProductKernels<double>, InstructionSet::sse2>();
 
 }  // namespace fringe::detail

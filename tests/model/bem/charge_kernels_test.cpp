@@ -10,7 +10,6 @@
 #include <gtest/gtest.h>
 
 #include "bem/jacobi_basis.hpp"
-#include "bem/product_kernels.hpp"
 #include "geometry.hpp"
 #include "instruction_sets.hpp"
 #include "integral/kernel.hpp"
@@ -51,25 +50,6 @@ TEST_P(ChargeKernelsTest, SumTheInverseDistancesOverAFace) {
             v.weights.topRows(functions_v) * inverse * u.weights.topRows(functions_u).transpose();
         EXPECT_LT((result - wanted).norm(), 1e-13 * wanted.norm())
             << functions_u << " " << functions_v << " " << points;
-      }
-}
-
-TEST_P(ChargeKernelsTest, MultiplyAMatrixAndVectors) {
-  const auto& products = kernels<ProductKernels>(GetParam());
-  for (const Index rows : {1, 5, 8, 12, 37})
-    for (const Index columns : {1, 4, 9})
-      for (const Index count : {1, 3, 6, 8}) {
-        const Eigen::MatrixXf stored = Eigen::MatrixXf::Random(rows, columns);
-        const MatrixXd matrix = stored.cast<double>();
-        const MatrixXd x = MatrixXd::Random(columns + 2, count), y = MatrixXd::Random(rows + 3, count);
-        const MatrixXd before = MatrixXd::Random(rows, count), across = MatrixXd::Random(columns, count);
-        MatrixXd sums = before, transposed = across;
-        const MatrixView view{stored.data(), rows, columns};
-        products.add_product(view, {x.data() + 1, x.rows()}, {sums.data(), rows}, count);
-        products.add_transposed_product(view, {y.data() + 2, y.rows()}, {transposed.data(), columns}, count);
-        EXPECT_LT((sums - before - matrix * x.middleRows(1, columns)).norm(), 1e-14 * rows * columns);
-        EXPECT_LT((transposed - across - matrix.transpose() * y.middleRows(2, rows)).norm(),
-                  1e-14 * rows * columns);
       }
 }
 

@@ -138,12 +138,12 @@ TEST_F(PanelMatrix, ABorderIsMultipliedAsThatOfAWholeMatrix) {
   MatrixXd all = MatrixXd::Zero(size, size);
   const MatrixXd corner = numbers(functions, functions);
   all.topLeftCorner(functions, functions) = corner + corner.transpose();
-  all.topRightCorner(functions, matrix.size()) = numbers(functions, matrix.size());
+  const Eigen::MatrixXf coupling = numbers(functions, matrix.size()).cast<float>();
+  all.topRightCorner(functions, matrix.size()) = coupling.cast<double>();
   all.bottomLeftCorner(matrix.size(), functions) = all.topRightCorner(functions, matrix.size()).transpose();
   all.bottomRightCorner(matrix.size(), matrix.size()) = whole;
   VectorXd present = VectorXd::Ones(size);
-  const BorderedMatrix bordered{
-      all.topLeftCorner(functions, functions), all.topRightCorner(functions, matrix.size()), matrix, {}};
+  const BorderedMatrix bordered{all.topLeftCorner(functions, functions), coupling, matrix, {}};
   const MatrixXd factors = numbers(size, 2);
   EXPECT_EQ(bordered.size(), size);
   EXPECT_LT((bordered.apply(factors) - all * factors).norm(), 1e-12 * (all * factors).norm());
@@ -167,7 +167,7 @@ TEST_F(PanelMatrix, ThePreconditionerIsSymmetricAndBringsTheEigenvaluesTogether)
         mesh.panels()[static_cast<std::size_t>(tree.panels()[static_cast<std::size_t>(place)])].area;
   const CoarseSpace coarse = coarse_space(matrix, areas, bodies, 16);
   EXPECT_LT(coarse.matrix.rows(), matrix.size() / 8);
-  const BorderedMatrix bordered{{}, MatrixXd(0, matrix.size()), matrix, {}};
+  const BorderedMatrix bordered{{}, Eigen::MatrixXf(0, matrix.size()), matrix, {}};
   const TwoLevelPreconditioner preconditioner(bordered, coarse, 1e-6, 1);
   ASSERT_TRUE(preconditioner.is_positive_definite());
   const MatrixXd applied = preconditioner.apply(MatrixXd::Identity(matrix.size(), matrix.size()));

@@ -129,7 +129,8 @@ int iterations(int boxes, double gap) {
       bodies.push_back(group.body);
     }
   }
-  const detail::BorderedMatrix matrix{MatrixXd(0, 0), MatrixXd(0, areas.size()), panels.matrix(), VectorXd()};
+  const detail::BorderedMatrix matrix{MatrixXd(0, 0), Eigen::MatrixXf(0, areas.size()), panels.matrix(),
+                                      VectorXd()};
   // As many panels together as PanelSystem takes of up to 4,000.
   const detail::CoarseSpace coarse = detail::coarse_space(panels.matrix(), areas, bodies, 4);
   const detail::TwoLevelPreconditioner preconditioner(matrix, coarse, 1e-5, 2);

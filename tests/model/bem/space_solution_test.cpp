@@ -60,13 +60,13 @@ class SpaceSolutions : public ::testing::Test {
   SpaceSolution background(double accuracy) const {
     MatrixXd of_machine = net;
     of_machine.col(1).setZero();
-    const BorderedMatrix machine{{}, MatrixXd(0, matrix.size()), matrix, is_machine};
+    const BorderedMatrix machine{{}, Eigen::MatrixXf(0, matrix.size()), matrix, is_machine};
     return solve_space(machine, TwoLevelPreconditioner(machine, coarse, 1e-6, 1), of_machine,
                        VectorXd::Constant(2, accuracy), MatrixXd::Zero(matrix.size(), 2));
   }
 
   SpaceSolution with_targets(const SpaceSolution& before, double accuracy) const {
-    const BorderedMatrix bordered{{}, MatrixXd(0, matrix.size()), matrix, {}};
+    const BorderedMatrix bordered{{}, Eigen::MatrixXf(0, matrix.size()), matrix, {}};
     return solve_with_targets(bordered, TwoLevelPreconditioner(bordered, coarse, 1e-6, 1), net,
                               VectorXd::Constant(2, accuracy), MatrixXd::Zero(matrix.size(), 2), before,
                               is_machine);

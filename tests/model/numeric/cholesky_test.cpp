@@ -28,12 +28,18 @@ TEST(Cholesky, FactorisesAndSolves) {
     const MatrixXd matrix = lorentzian(size);
     const Cholesky found(matrix.triangularView<Eigen::Lower>());
     ASSERT_TRUE(found.is_positive_definite());
-    const MatrixXd lower = found.lower();
+    const MatrixXd lower = found.factor().triangularView<Eigen::Lower>();
     EXPECT_LT((lower * lower.transpose() - matrix).cwiseAbs().maxCoeff(), 1e-13);
     const MatrixXd solution = MatrixXd::Random(size, 3);
     EXPECT_LT((found.solve(matrix * solution) - solution).cwiseAbs().maxCoeff(), 1e-11);
     EXPECT_LT((found.solve_lower(lower * solution) - solution).cwiseAbs().maxCoeff(), 1e-11);
   }
+}
+
+TEST(Cholesky, GivesTheSameBitsOnAnyNumberOfThreads) {
+  const MatrixXd matrix = lorentzian(400), right_sides = MatrixXd::Random(400, 50);
+  const Cholesky one(matrix, 1), two(matrix, 2);
+  EXPECT_EQ(one.solve(right_sides), two.solve(right_sides));
 }
 
 TEST(Cholesky, TellsWhetherAMatrixIsPositiveDefinite) {

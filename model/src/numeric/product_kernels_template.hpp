@@ -1,29 +1,30 @@
 #pragma once
 
-#include "bem/product_kernels.hpp"
+#include "numeric/product_kernels.hpp"
 
 /// The product kernels for one instruction set, which `Lanes` stands for.
 namespace fringe::detail {
 
-template <class Lanes>
+template <class Number, class Lanes>
 class ProductKernelsFor {
   using Count = std::ptrdiff_t;
+  using Matrix = MatrixView<Number>;
   using Factors = VectorsView<const double>;
   using Sums = VectorsView<double>;
 
  public:
-  static void add_product(const MatrixView& matrix, const Factors& vectors, const Sums& sums, Count count) {
+  static void add_product(const Matrix& matrix, const Factors& vectors, const Sums& sums, Count count) {
     for (Count first = 0; first < count; first += most_together)
       multiply<most_together, false>(count - first, matrix, from(vectors, first), from(sums, first));
   }
 
-  static void add_transposed_product(const MatrixView& matrix, const Factors& vectors, const Sums& sums,
+  static void add_transposed_product(const Matrix& matrix, const Factors& vectors, const Sums& sums,
                                      Count count) {
     for (Count first = 0; first < count; first += most_together)
       multiply<most_together, true>(count - first, matrix, from(vectors, first), from(sums, first));
   }
 
-  static constexpr ProductKernels kernels{&add_product, &add_transposed_product};
+  static constexpr ProductKernels<Number> kernels{&add_product, &add_transposed_product};
 
  private:
   using Vector = typename Lanes::Vector;
@@ -32,14 +33,17 @@ class ProductKernelsFor {
   /// Number of vectors whose sums are held in registers.
   static constexpr Count most_together = 6;
 
-  template <class Number>
-  static VectorsView<Number> from(const VectorsView<Number>& vectors, Count first) {
+  static Vector load(const float* from) { return Lanes::load_singles(from); }
+  static Vector load(const double* from) { return Vector::load_unaligned(from); }
+
+  template <class Value>
+  static VectorsView<Value> from(const VectorsView<Value>& vectors, Count first) {
     return {vectors.values + first * vectors.stride, vectors.stride};
   }
 
   /// Runs the loops that are compiled for exactly `count` vectors, or for `most` if there are more.
   template <Count most, bool is_transposed>
-  static void multiply(Count count, const MatrixView& matrix, const Factors& vectors, const Sums& sums) {
+  static void multiply(Count count, const Matrix& matrix, const Factors& vectors, const Sums& sums) {
     if constexpr (most > 1) {
       if (count < most) {
         multiply<most - 1, is_transposed>(count, matrix, vectors, sums);
@@ -55,18 +59,18 @@ class ProductKernelsFor {
   }
 
   template <Count count, bool is_transposed>
-  static void multiply_singly(const MatrixView& matrix, const Factors& vectors, const Sums& sums) {
+  static void multiply_singly(const Matrix& matrix, const Factors& vectors, const Sums& sums) {
     for (Count k = 0; k < matrix.columns; ++k)
       for (Count n = 0; n < count; ++n)
         for (Count row = 0; row < matrix.rows; ++row) {
           const Count in = is_transposed ? row : k, out = is_transposed ? k : row;
-          sums.values[n * sums.stride + out] += static_cast<double>(matrix.values[k * matrix.rows + row]) *
+          sums.values[n * sums.stride + out] += static_cast<double>(matrix.values[k * matrix.stride + row]) *
                                                 vectors.values[n * vectors.stride + in];
         }
   }
 
   template <Count count>
-  static void multiply_rows(const MatrixView& matrix, const Factors& vectors, const Sums& sums) {
+  static void multiply_rows(const Matrix& matrix, const Factors& vectors, const Sums& sums) {
     Count row = 0;
     for (; row + width <= matrix.rows; row += width) {
       Vector found[count];
@@ -93,16 +97,16 @@ class ProductKernelsFor {
   }
 
   template <Count count>
-  static void add_rows(const MatrixView& matrix, Count row, const Factors& vectors, Vector (&found)[count]) {
+  static void add_rows(const Matrix& matrix, Count row, const Factors& vectors, Vector (&found)[count]) {
     for (Count k = 0; k < matrix.columns; ++k) {
-      const Vector column = Lanes::load_singles(matrix.values + k * matrix.rows + row);
+      const Vector column = load(matrix.values + k * matrix.stride + row);
       for (Count n = 0; n < count; ++n)
         found[n] = fma(Vector(vectors.values[n * vectors.stride + k]), column, found[n]);
     }
   }
 
   template <Count count>
-  static void multiply_columns(const MatrixView& matrix, const Factors& vectors, const Sums& sums) {
+  static void multiply_columns(const Matrix& matrix, const Factors& vectors, const Sums& sums) {
     const Count whole = matrix.rows / width * width, first = matrix.rows - width;
     // The last registers overlap rows that are done, which count as zero there.
     Vector last[count];
@@ -113,13 +117,13 @@ class ProductKernelsFor {
       last[n] = Vector::load_unaligned(values);
     }
     for (Count k = 0; k < matrix.columns; ++k) {
-      const float* const column = matrix.values + k * matrix.rows;
-      const Vector rest = Lanes::load_singles(column + first);
+      const Number* const column = matrix.values + k * matrix.stride;
+      const Vector rest = load(column + first);
       Vector found[count];
       for (Count n = 0; n < count; ++n)
         found[n] = rest * last[n];
       for (Count row = 0; row < whole; row += width) {
-        const Vector values = Lanes::load_singles(column + row);
+        const Vector values = load(column + row);
         for (Count n = 0; n < count; ++n)
           found[n] = fma(values, Vector::load_unaligned(vectors.values + n * vectors.stride + row), found[n]);
       }
