@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.coverage import tables
 from analysis.coverage.distances import Curves
 from analysis.coverage.survey import Survey, over_thresholds
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -6,13 +6,9 @@ import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from tests.scenes import SENSOR
 
 SCENE = "scene.toml"
-SENSOR = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-"""
 CUBE = 'type = "cube", size = 0.05'
 
 

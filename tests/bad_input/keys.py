@@ -37,6 +37,7 @@ def cases() -> list[Case]:
         *_unknown(),
         *_wrong(),
         *_by_hand(),
+        *related(),
     ]
     asked = {0: ("collide",), 4: ("sense",)}
     return [replace(case, commands=asked.get(at % 8, ())) for at, case in enumerate(made)]
@@ -143,24 +144,44 @@ def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 
 def _by_hand() -> list[Case]:
-    """What is wrong of two keys together."""
+    """What is wrong of two keys together, or of one in a way of its own."""
+    two: dict[str, tuple[Path, Any, str | None]] = {
+        "a joint's position and what it mimics": (("link", 2, "joint", "position"), 1.0, "position"),
+        "a joint beyond its limits": (("link", 1, "joint", "position"), 3.0, None),
+        "rotation and quaternion": (("link", 0, "quaternion"), [1, 0, 0, 0], "quaternion"),
+        "axis and quaternion": (("link", 0, "rotation", "quaternion"), [1, 0, 0, 0], "axis"),
+        "material and potential": (("object", 1, "potential"), "grounded", "material"),
+        "material and conductor": (("object", 1, "conductor"), "mast", "material"),
+        "an empty name of a conductor": (("object", 2, "conductor"), "", "conductor"),
+        "a conductor with the name of one of its objects": (("object", 2, "conductor"), "post", None),
+        "a part of a grounded conductor as a target": (("object", 2, "target"), True, None),
+        "a dielectric target": (("object", 1, "target"), True, None),
+        "an electrode as a target": (("object", 7, "target"), True, "target"),
+        "a capacitance to ground of a grounded object": (("object", 4, "to_ground"), 1e-10, "to_ground"),
+        "a capacitance to ground of an electrode": (("object", 7, "to_ground"), 1e-10, "to_ground"),
+        "material and a capacitance to ground": (("object", 1, "to_ground"), 1e-10, "material"),
+        "an electrode": (("object", 4, "potential"), "electrode", None),
+        "no plates": (("sensor", 0, "plates"), [], "plates"),
+        "a cone of 181 degrees": (("distance_sensor", 0, "full_angle_degrees"), 181, "full_angle_degrees"),
+        "a ring of 361 degrees": (("object", 1, "shape", "degrees"), 361, "degrees"),
+        "two segments": (("object", 0, "shape", "segments"), 2, "segments"),
+        "segments of a plate": (("object", 4, "shape", "segments"), 8, "segments"),
+    }
+    return _spoiled(two)
+
+
+def related() -> list[Case]:
+    """What is wrong of two tables or of two numbers together, which no schema can say."""
     two: dict[str, tuple[Path, Any, str | None]] = {
         "a link that is its own parent": (("link", 0, "parent"), "base", "parent"),
         "two links that are each other's parent": (("link", 0, "parent"), "arm", "parent"),
         "two links of one name": (("link", 1, "name"), "base", "name"),
         "two joints of one name": (("link", 2, "joint", "name"), "elbow", "name"),
         "a joint that mimics itself": (("link", 2, "joint", "mimic", "joint"), "knuckle", "joint"),
-        "a joint's position and what it mimics": (("link", 2, "joint", "position"), 1.0, "position"),
         "a joint's limits the wrong way round": (("link", 1, "joint", "upper"), -3.0, "upper"),
-        "a joint beyond its limits": (("link", 1, "joint", "position"), 3.0, None),
         "a sensor and an object of one name": (("object", 0, "name"), "front", "name"),
         "a distance sensor and an object of one name": (("object", 0, "name"), "eye", "name"),
-        "rotation and quaternion": (("link", 0, "quaternion"), [1, 0, 0, 0], "quaternion"),
-        "axis and quaternion": (("link", 0, "rotation", "quaternion"), [1, 0, 0, 0], "axis"),
-        "material and potential": (("object", 1, "potential"), "grounded", "material"),
-        "material and conductor": (("object", 1, "conductor"), "mast", "material"),
         "a conductor at two potentials": (("object", 3, "potential"), "floating", "conductor"),
-        "an empty name of a conductor": (("object", 2, "conductor"), "", "conductor"),
         "a conductor with the name of a sensor": (("object", 2, "conductor"), "front", "conductor"),
         "a conductor with the name of a distance sensor": (("object", 2, "conductor"), "eye", "conductor"),
         "a conductor with the name of an object outside it": (
@@ -168,14 +189,7 @@ def _by_hand() -> list[Case]:
             "ball",
             "conductor",
         ),
-        "a conductor with the name of one of its objects": (("object", 2, "conductor"), "post", None),
-        "a part of a grounded conductor as a target": (("object", 2, "target"), True, None),
-        "a dielectric target": (("object", 1, "target"), True, None),
-        "an electrode as a target": (("object", 7, "target"), True, "target"),
         "a target that carries a sensor": (("object", 0, "link"), "arm", "target"),
-        "a capacitance to ground of a grounded object": (("object", 4, "to_ground"), 1e-10, "to_ground"),
-        "a capacitance to ground of an electrode": (("object", 7, "to_ground"), 1e-10, "to_ground"),
-        "material and a capacitance to ground": (("object", 1, "to_ground"), 1e-10, "material"),
         "a reading of a floating object": (("reading", 0, "sense"), "ball", "sense"),
         "a reading of an electrode that is a part of a conductor": (
             ("reading", 0, "sense"),
@@ -184,13 +198,11 @@ def _by_hand() -> list[Case]:
         ),
         "a reading of a distance sensor": (("reading", 0, "sense"), "eye", "sense"),
         "two readings of one name": (("reading",), 2 * WHOLE["reading"], "name"),
-        "an electrode": (("object", 4, "potential"), "electrode", None),
         "a plate that is no rectangle": (("sensor", 0, "plates", 0, "edge_v"), [0.01, 0.1, 0], "edge_v"),
-        "no plates": (("sensor", 0, "plates"), [], "plates"),
-        "a cone of 181 degrees": (("distance_sensor", 0, "full_angle_degrees"), 181, "full_angle_degrees"),
-        "a ring of 361 degrees": (("object", 1, "shape", "degrees"), 361, "degrees"),
         "a ring of equal radii": (("object", 1, "shape", "outer_radius"), 0.1, "outer_radius"),
-        "two segments": (("object", 0, "shape", "segments"), 2, "segments"),
-        "segments of a plate": (("object", 4, "shape", "segments"), 8, "segments"),
     }
-    return [from_text(name, _changed(path, value), place) for name, (path, value, place) in two.items()]
+    return _spoiled(two)
+
+
+def _spoiled(values: dict[str, tuple[Path, Any, str | None]]) -> list[Case]:
+    return [from_text(name, _changed(path, value), place) for name, (path, value, place) in values.items()]

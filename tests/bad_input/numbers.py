@@ -7,8 +7,6 @@ import sys
 from tests.bad_input.case import SENSOR, Case, body, from_text
 
 DENORMAL, SMALLEST, LARGEST = "5e-324", repr(sys.float_info.min), repr(sys.float_info.max)
-# What the field reference says of sizes that no mesh can bridge.
-TOO_FAR = "body"
 
 
 def cases() -> list[Case]:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import os
 import subprocess
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from analysis.pipeline import model_stage
@@ -52,3 +54,20 @@ def assert_refused(source: Path, told: str, *options: str | Path) -> None:
     assert told in done.stderr and source.name in done.stderr, done.stderr
     assert len(done.stderr.splitlines()) == 1 and "unfinished" not in done.stderr
     assert set(source.parent.rglob("*")) == before
+
+
+def about(axis: int, angle: float) -> np.ndarray:
+    """The matrix of a rotation about a coordinate axis."""
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    matrix = np.eye(3)
+    matrix[first, first] = matrix[second, second] = math.cos(angle)
+    matrix[second, first] = math.sin(angle)
+    matrix[first, second] = -math.sin(angle)
+    return matrix
+
+
+def affine(translation: list[float], linear: np.ndarray) -> np.ndarray:
+    """The matrix (4, 4) of a linear map that a translation follows."""
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = linear, translation
+    return matrix

@@ -48,7 +48,6 @@ SMALL = {
 }  # fmt: skip
 # Of minutes, also when they are asked for little.
 MINUTES = {
-    "python3 -m tests.fem_reference.random_set_ups": "python3 -m tests.fem_reference.random_set_ups --count 2",
     "python3 -m tests.fem_reference.invariances": "python3 -m tests.fem_reference.invariances --first 31 --count 1",
     "build/bin/boundary_elements_benchmark": "build/bin/boundary_elements_benchmark",
     "build/bin/boundary_element_scenes_benchmark": "build/bin/boundary_element_scenes_benchmark",

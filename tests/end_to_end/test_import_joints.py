@@ -10,7 +10,7 @@ import pytest
 
 from analysis.pipeline import model_stage
 from geometries.scene import motion, reader
-from tests.end_to_end.importing import assert_refused, fringe_import, imported
+from tests.end_to_end.importing import about, affine, assert_refused, fringe_import, imported
 
 ROBOT = """<robot name="arm">
   <link name="base"><collision><geometry><box size="0.4 0.3 0.2"/></geometry></collision></link>
@@ -37,24 +37,15 @@ def robot(tmp_path: Path) -> Path:
     return path
 
 
-def turned(axis: int, angle: float) -> np.ndarray:
-    """The matrix of a rotation about a coordinate axis."""
-    matrix = np.eye(4)
-    first, second = (axis + 1) % 3, (axis + 2) % 3
-    matrix[first, first] = matrix[second, second] = math.cos(angle)
-    matrix[second, first] = math.sin(angle)
-    matrix[first, second] = -math.sin(angle)
-    return matrix
-
-
-def shifted(x: float, y: float, z: float) -> np.ndarray:
-    matrix = np.eye(4)
-    matrix[:3, 3] = x, y, z
-    return matrix
-
-
 def poses(shoulder: float, lift: float) -> dict[str, np.ndarray]:
     """Where the links are, by the definition of URDF."""
+
+    def turned(axis: int, angle: float) -> np.ndarray:
+        return affine([0, 0, 0], about(axis, angle))
+
+    def shifted(x: float, y: float, z: float) -> np.ndarray:
+        return affine([x, y, z], np.eye(3))
+
     arm = shifted(0, 0, 0.1) @ turned(2, 0.3) @ turned(1, -0.2) @ turned(0, 0.1) @ turned(1, shoulder)
     hand = arm @ shifted(0, 0, 0.6) @ turned(2, 1) @ shifted(lift, 0, 0)
     grip = 0.1 - 2 * shoulder
@@ -158,7 +149,7 @@ def test_a_joint_that_mimics_nothing_is_told_and_can_be_set(robot: Path) -> None
     told = 'joint "grip": mimics "hip", which does not exist; it stays at its offset'
     scene = imported(robot, warnings=told)
     assert scene.transform_of_link("thumb").rotation == pytest.approx(
-        (poses(0, 0)["hand"] @ turned(2, 0.1))[:3, :3], abs=1e-12
+        poses(0, 0)["hand"][:3, :3] @ about(2, 0.1), abs=1e-12
     )
     imported(robot, "--joints", "grip=0.5", warnings=told)
 

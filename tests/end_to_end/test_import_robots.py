@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geometries.scene.shapes import Cuboid, Disc, PlateShape
-from tests.end_to_end.importing import fringe_import, imported
+from tests.end_to_end.importing import assert_refused, fringe_import, imported
 
 BOX = '<geometry><box size="0.1 0.1 0.1"/></geometry>'
 LINKS = "".join(f'<link name="{name}"><collision>{BOX}</collision></link>' for name in "ab")
@@ -148,17 +148,6 @@ def test_a_robot_of_which_nothing_is_left_is_refused(tmp_path: Path) -> None:
     assert_refused(path, "no link has a collision geometry", "--missing", "leave-out")
 
 
-def test_missing_is_an_option_of_robots(tmp_path: Path) -> None:
-    path = robot(tmp_path, LINKS + joint(""))
-    assert_refused(path, "--missing: must be refuse or leave-out, not maybe", "--missing", "maybe")
-
-
-def assert_refused(path: Path, told: str, *options: str) -> None:
-    done = fringe_import(path, path.with_name("wrong.toml"), *options)
-    assert done.returncode == 2 and told in done.stderr and len(done.stderr.splitlines()) == 1, done.stderr
-    assert not path.with_name("wrong.toml").exists()
-
-
 @pytest.mark.parametrize("suffix", [".urdf", ".dae", ".obj", ".3mf", ".glb", ".gltf", ".step", ".lst"])
 def test_files_without_their_content_are_told(tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"model{suffix}"
@@ -210,4 +199,9 @@ def test_links_that_are_no_tree_are_named(tmp_path: Path) -> None:
     assert_refused(
         robot(tmp_path, links + joints("ab", "bc", "ca")),
         'the links "a", "c", "b" are each other\'s parents, in a circle',
+    )
+    beside = f'<link name="x"><collision>{BOX}</collision></link><link name="y"/>'
+    assert_refused(
+        robot(tmp_path, LINKS + beside + joints("ab", "xy", "yx")),
+        'the links "x", "y" are each other\'s parents, in a circle',
     )

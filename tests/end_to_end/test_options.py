@@ -32,21 +32,6 @@ COMMANDS = {
 }
 EACH = [(program, *command) for program, all_ in COMMANDS.items() for command in ((), *((c,) for c in all_))]
 every_command = pytest.mark.parametrize("command", EACH, ids=" ".join)
-SCENE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[distance_sensor]]
-name = "eye"
-apex = [0, 0, 0]
-direction = [0, 0, 1]
-full_angle_degrees = 40
-range = 0.8
-[[object]]
-name = "target"
-shape = { type = "cube", size = 0.1 }
-translation = [0, 0, 0.2]
-"""
 
 
 def run(*words: str | Path) -> subprocess.CompletedProcess[str]:
@@ -104,15 +89,6 @@ def test_help_and_version_are_printed_and_nothing_else(command: tuple[str, ...])
             done = run(*command, option)
             assert done.returncode == 0 and done.stderr == ""
             assert re.search(sign, done.stdout)
-
-
-@pytest.mark.parametrize("command", ["collide", "info", "sense"])
-def test_json_in_the_place_of_a_table(tmp_path: Path, command: str) -> None:
-    (tmp_path / "scene.toml").write_text(SCENE)
-    table = run("fringe", command, tmp_path / "scene.toml")
-    document = run("fringe", command, tmp_path / "scene.toml", "--json")
-    assert table.returncode == document.returncode == 0
-    assert document.stdout.startswith("{") and not table.stdout.startswith("{")
 
 
 class Reached(Exception):

@@ -9,7 +9,6 @@ from pathlib import Path
 from typing import Any
 
 import meshio
-import numpy as np
 import pytest
 
 from analysis.pipeline.model_stage import model_module
@@ -107,15 +106,6 @@ def test_the_guide_tells_every_option_of_the_command_and_its_keyword() -> None:
     for option, keywords in told.items():
         name = option.removeprefix("--").replace("-", "_")
         assert (f"`{name}`" in keywords) == (f" {name}:" in signature), option
-
-
-def test_the_reduced_method_reaches_the_accuracy_that_it_is_asked_for(tmp_path: Path) -> None:
-    scene = model_module().Scene.load(str(example(tmp_path)))
-    best = scene.maxwell(rtol=1e-5)["maxwell"]
-    for rtol in (1e-2, 1e-3, 3e-4):
-        found = scene.maxwell(method="reduced", rtol=rtol)
-        assert found["reached"] and found["rtol"] == rtol
-        assert np.abs(found["maxwell"] / best - 1).max() <= rtol
 
 
 @pytest.mark.parametrize("file", ["analysis/GUIDE.md", "analysis/documentation/algorithms/capacitances.md"])

@@ -10,7 +10,6 @@ import pytest
 from fem_reference import maxwell
 from fem_reference.output.documents import table
 from fem_reference.answer.reference import Reference
-from geometries.common.errors import InputError
 from geometries.scene.reader import loads
 
 SCENE = """
@@ -76,9 +75,3 @@ def test_the_table_names_what_has_no_row_and_why() -> None:
 def test_an_object_alone_has_no_change_of_a_sensor() -> None:
     found = maxwell(loads(SCENE), max_seconds=1e-3, columns=["grounded"], error="estimate")
     assert found.names == ("grounded",) and found.delta_self.value.shape == (0,) and 0 < found.worst < 0.1
-
-
-@pytest.mark.parametrize("name", ["nobody", "floating"])
-def test_an_unknown_column_is_refused_by_name(name: str) -> None:
-    with pytest.raises(InputError, match=f'columns: "{name}" is not a conductor with a column'):
-        maxwell(loads(SCENE), columns=["left", name])

@@ -66,25 +66,18 @@ def test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used(scene: Pat
     np.testing.assert_allclose(half["maxwell"], whole["maxwell"], rtol=5e-3)
 
 
-def test_an_estimate_is_between_the_bounds_of_its_mesh(scene: Path) -> None:
+def test_an_estimate_of_one_mesh_is_between_its_bounds_and_not_accurate_enough(scene: Path) -> None:
     done = command(scene, "--json", "--error", "estimate", "--max-unknowns", "1000")
+    assert done.returncode == 3 and "asked 0.001, reached" in done.stderr
     found = json.loads(done.stdout)
-    first = found["levels"][0]
-    assert found["contradicted"] is None
+    (first,) = found["levels"]
+    assert found["contradicted"] is None and not found["reached"]
     lower, upper, value, error = (
         np.array(matrix)
         for matrix in (first["check"]["lower"], first["check"]["upper"], found["maxwell"], found["error"])
     )
     assert np.all(lower <= value) and np.all(value <= upper)
     assert np.all(error < (upper - lower) / 2)
-
-
-def test_one_level_that_is_not_accurate_enough_has_the_status_3(scene: Path) -> None:
-    done = command(scene, "--json", "--error", "estimate", "--max-unknowns", "1000")
-    assert done.returncode == 3
-    found = json.loads(done.stdout)
-    assert not found["reached"] and len(found["levels"]) == 1
-    assert "asked 0.001, reached" in done.stderr
 
 
 def test_only_readings_may_be_asked_for(scene: Path) -> None:
@@ -163,11 +156,7 @@ def test_people_get_a_table_with_errors_and_a_line_per_level(scene: Path) -> Non
     "change, words",
     [
         (("size = [0.06, 0.06]", "size = [0.06, 0]"), "shape.size"),
-        (("size = [0.06, 0.06]", "size = [0.06, nan]"), "shape.size"),
-        (("size = [0.06, 0.06]", "sizes = [0.06, 0.06]"), "sizes"),
-        (('type = "plate"', 'type = "blob"'), "blob"),
         (("translation = [0.01, 0, 0.03]", "translation = [0.01, 0, 0]"), "touch or cross"),
-        (("translation", "translatoin"), "translatoin"),
     ],
 )
 def test_wrong_input_is_named_and_leaves_nothing(scene: Path, change: tuple[str, str], words: str) -> None:
@@ -177,11 +166,6 @@ def test_wrong_input_is_named_and_leaves_nothing(scene: Path, change: tuple[str,
     assert str(scene) in done.stderr and words in done.stderr
     assert "Traceback" not in done.stderr
     assert list(scene.parent.iterdir()) == [scene]
-
-
-def test_a_missing_file_is_named(tmp_path: Path) -> None:
-    done = command(tmp_path / "nowhere.toml")
-    assert done.returncode == 2 and "nowhere.toml" in done.stderr and done.stdout == ""
 
 
 @pytest.mark.parametrize(

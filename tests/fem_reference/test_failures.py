@@ -17,12 +17,7 @@ from fem_reference.bodies.shapes import Rectangle
 from fem_reference.mesh.tagged_mesh import tagged_mesh
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.common.stages import stage
-
-SCENE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-"""
+from tests.scenes import SENSOR
 
 
 def fail(*_: Any) -> NoReturn:
@@ -54,7 +49,7 @@ def test_a_failure_names_its_stage_and_leaves_nothing(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     scene = tmp_path / "a scene.toml"
-    scene.write_text(SCENE)
+    scene.write_text(SENSOR)
     monkeypatch.setattr(place, name, instead)
     assert main([str(scene), "--json", "--output", str(tmp_path / "field.vtu")]) == 1
     said = capsys.readouterr()

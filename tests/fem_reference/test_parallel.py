@@ -13,14 +13,10 @@ import numpy as np
 import pytest
 
 from tests.by_night import all_but
+from tests.scenes import SENSOR
 
 ROOT = Path(__file__).resolve().parents[2]
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n"]
-PLATE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-"""
 IN_A_ROOM = """
 [room]
 size = [3, 3, 3]
@@ -47,7 +43,7 @@ potential = "floating"
 @pytest.fixture
 def scene(tmp_path: Path) -> Path:
     path = tmp_path / "scene.toml"
-    path.write_text(IN_A_ROOM + PLATE)
+    path.write_text(IN_A_ROOM + SENSOR)
     return path
 
 
@@ -89,7 +85,7 @@ def test_several_processes_enclose_as_one_does_on_the_same_mesh(scene: Path, pro
 
 def test_two_processes_adapt_the_mesh_and_enclose_what_one_does(scene: Path) -> None:
     """The mesh is divided between them in another way in every run, and with it the adapted one and the number of its levels differ."""
-    scene.write_text(PLATE)
+    scene.write_text(SENSOR)
     alone, together = answers(scene, "5e-4", 2)
     assert together["reached"] and len(together["levels"]) >= 2
     ((lower,),), ((upper,),) = together["lower"], together["upper"]

@@ -12,17 +12,12 @@ from scipy.constants import epsilon_0
 
 from fem_reference import maxwell
 from fem_reference.answer.reference import Reference
-from fem_reference.bodies.polyhedron import polyhedron
 from fem_reference.bodies.wrapping import Geometry
 from fem_reference.output.documents import document, table
 from geometries.scene.reader import loads
 from geometries.scene.shapes import Cuboid
+from tests.scenes import SENSOR
 
-SENSOR = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-"""
 
 UNIT_CUBE = 0.66067815409957
 """Capacitance of the unit cube over 4πε (Helsing & Perfekt 2013)."""
@@ -137,13 +132,6 @@ def test_an_unclean_mesh_has_the_same_matrix(tmp_path: Path) -> None:
     assert found.lower[0, 1] == found.levels[0].enclosure.lower[0, 1]
     assert np.all(np.diag(found.upper) >= np.diag(touching().lower))
     assert "wrapped: foot" in table(found) and "largest relative error due to the wraps" in table(found)
-
-
-def test_the_outline_is_clean() -> None:
-    triangles = outline()
-    polyhedron("L", triangles)
-    volume = np.einsum("ij,ij->", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])) / 6
-    assert volume == pytest.approx(0.1 * 0.04 * 0.04 + 0.04 * 0.04 * 0.06)
 
 
 def test_a_wrapped_body_by_itself_has_its_capacitance(tmp_path: Path) -> None:

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from analysis.topics.verification import truths
@@ -30,8 +29,6 @@ from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.solve.level import solve_level
 from fem_reference.bodies.conductors import normalised
-
-Array = NDArray[np.float64]
 
 
 def solve(bodies: list[Body], rtol: float = 1e-3) -> Reference:

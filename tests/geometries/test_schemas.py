@@ -16,8 +16,10 @@ from geometries.common.errors import InputError
 from geometries.common.tables import Table
 from geometries.scene import motion, reader
 from geometries.studies import families, scene_sweep, schema as study_schema, study
+from tests.bad_input import keys
+from tests.bad_input.case import Case
 from tests.geometries import schemas
-from tests.geometries.schemas import MOTION, OBJ, OUT_OF_RANGE, SCENE, Document
+from tests.geometries.schemas import MOTION, NAMED, OBJ, SCENE, Document
 
 HERE = Path(geometries.__file__).parent
 STUDIES = sorted((HERE / "studies").glob("*.toml"))
@@ -52,6 +54,17 @@ STUDY: Document = {
         },
     ],
 }
+# What the corpus of wrong input, whose scenes have no file, cannot spoil.
+WRONG_SCENES: list[tuple[schemas.Place, Any]] = [
+    (("format",), 2),
+    (("format",), 0),
+    (("sensor", 0, "cover", "relative_permittivity"), 0.5),
+    (("object", 14, "shape", "vertices"), [[0, 0], [1, 0]]),
+    (("object", 14, "shape", "vertices"), [[0, 0], [1, 0], [0, 0]]),
+    (("object", 14, "shape", "vertices"), [[0, 0], [1, 0], [0, 1, 1]]),
+    (("object", 15, "shape", "scale"), 0),
+    (("object", 15, "shape", "file"), "body.dae"),
+]
 WRONG_STUDIES: list[tuple[schemas.Place, Any]] = [
     (("name",), "a/b"),
     (("name",), ".."),
@@ -193,13 +206,34 @@ def test_schema_and_reader_agree_on_what_may_be_absent(name: str, source: str) -
     assert verdicts == {True, False}
 
 
-@pytest.mark.parametrize(("place", "value"), OUT_OF_RANGE, ids=str)
+@pytest.mark.parametrize(("place", "value"), WRONG_SCENES, ids=str)
 def test_scenes_with_values_out_of_range_are_refused_by_schema_and_reader(
     place: schemas.Place, value: Any, source: str
 ) -> None:
     wrong = schemas.changed(SCENE, place, value)
     assert not schemas.validator("scene").is_valid(wrong)
     assert not reads_scene(wrong, source)
+
+
+APART = {case.name for case in keys.related()} | {f"without {'.'.join(map(str, place))}" for place in NAMED}
+
+
+def is_for_a_schema(case: Case) -> bool:
+    """Whether a schema can say it: it knows no numbers that JSON lacks, and not what one table says of another."""
+    place, _, wrong = case.name.partition(": ")
+    if wrong.endswith("nothing bears"):
+        return place.rpartition(".")[2] not in ("parent", "link", "joint", "sense", "drive")
+    return not wrong.endswith(("nan", "inf", "64 bits")) and case.name not in APART
+
+
+def test_the_schema_of_scenes_refuses_every_key_that_the_readers_refuse(tmp_path: Path) -> None:
+    """tests/bad_input shows that both readers refuse what has a place, and read the rest."""
+    validator = schemas.validator("scene")
+    judged = [case for case in keys.cases() if is_for_a_schema(case)]
+    assert len(judged) > 1000
+    for case in judged:
+        text = case.make(tmp_path).read_text(encoding="utf-8")
+        assert validator.is_valid(tomllib.loads(text)) == (case.place is None), case.name
 
 
 @pytest.mark.parametrize(("place", "value"), WRONG_STUDIES, ids=str)

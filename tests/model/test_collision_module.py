@@ -20,12 +20,6 @@ def test_gjk_intersects_counts_touching() -> None:
     assert fringe.gjk_intersects(CUBE.tolist(), [[0, 0, 0]]) is True
 
 
-def test_gjk_intersects_by_the_thesis_misses_contacts() -> None:
-    assert fringe.gjk_intersects(CUBE, CUBE + 0.25, method="thesis") is True
-    assert fringe.gjk_intersects(CUBE, CUBE + 2, method="thesis") is False
-    assert fringe.gjk_intersects(CUBE, CUBE + STEP, method="thesis") is False
-
-
 def test_gjk_distance_has_witnesses() -> None:
     distance, on_a, on_b = fringe.gjk_distance(CUBE, [[4.0, 0.25, 5.0]])
     assert distance == 5

@@ -6,10 +6,15 @@ import subprocess
 from collections.abc import Callable
 from pathlib import Path
 
+import fringe
+import numpy as np
 import pytest
+
+from geometries.scene.shapes import Cuboid
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
+STATING = ("reduced", "boundary-elements", "auto")
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 
 PLATES = """
@@ -89,14 +94,6 @@ def test_capacitance_as_table(fringe_command: Command, scene: Path) -> None:
     assert "method exact, tolerance 0, 2 triangles evaluated" in done.stdout
 
 
-@pytest.mark.parametrize("method", ["exact", "split:0", "split:4", "gauss:8"])
-def test_method(fringe_command: Command, scene: Path, method: str) -> None:
-    answer = json.loads(fringe_command("capacitance", "--method", method, scene, "--json").stdout)
-    assert answer["options"]["method"] == method
-    # A parallel plate in front of the sensor has the same distance everywhere: every method is exact.
-    assert answer["sensors"][0]["total"] == pytest.approx(VACUUM_PERMITTIVITY * 0.5, rel=1e-14)
-
-
 def test_contact_is_an_infinite_number_in_json(fringe_command: Command, touching: Path) -> None:
     done = fringe_command("capacitance", touching, "--json")
     assert done.returncode == 0
@@ -127,45 +124,6 @@ translation = [-0.02, 0.01, 0.06]
 """
     )
     return path
-
-
-def test_plates_count_every_point_or_the_nearest_ones(fringe_command: Command, two_plates: Path) -> None:
-    def answer(*options: str) -> tuple[dict[str, object], float]:
-        document = json.loads(fringe_command("capacitance", two_plates, "--json", *options).stdout)
-        return document["options"], document["sensors"][0]["total"]
-
-    options, nearest = answer("--method", "exact+nearest")
-    assert options == {"method": "exact+nearest", "tolerance": 0}
-    _, total = answer("--method", "exact")
-    assert 0.5 * total < nearest < 0.9 * total
-    _, by_centroids = answer("--method", "split:6+nearest")
-    assert by_centroids == pytest.approx(nearest, rel=1e-4)
-
-
-def test_faces(fringe_command: Command, two_plates: Path) -> None:
-    command = ("capacitance", two_plates, "--json", "--method", "exact+facing")
-    every = json.loads(fringe_command("capacitance", two_plates, "--json").stdout)["sensors"][0]["total"]
-    assert (
-        json.loads(fringe_command(*command).stdout)["sensors"][0]["total"] == every > 0
-    ), "a plate has two sides"
-    two_plates.with_name("sheet.obj").write_text("v 0 0 0\nv 0.1 0 0\nv 0.1 0.1 0\nv 0 0.1 0\nf 1 2 3 4\n")
-    two_plates.write_text(
-        two_plates.read_text().replace(
-            'type = "plate", size = [0.1, 0.1]', 'type = "mesh", file = "sheet.obj"'
-        )
-    )
-    ran = fringe_command(*command)
-    done = json.loads(ran.stdout)
-    assert done["options"]["method"] == "exact+facing"
-    assert done["sensors"][0]["total"] == 0
-    assert done["counts"]["triangles_evaluated"] == 0
-    (remark,) = done["remarks"]
-    assert ran.stderr == f"fringe: remark: {remark}\n"
-    assert remark.startswith('sensor "front" sees only backs of the triangles of "sheet"')
-    two_plates.write_text(two_plates.read_text() + "rotation = { axis = [1, 0, 0], degrees = 180 }\n")
-    turned = json.loads(fringe_command(*command).stdout)["sensors"][0]["total"]
-    every = json.loads(fringe_command("capacitance", two_plates, "--json").stdout)["sensors"][0]["total"]
-    assert turned == every > 0
 
 
 def test_tolerance_is_kept_and_said(fringe_command: Command, two_plates: Path) -> None:
@@ -199,6 +157,27 @@ def test_wrong_options(fringe_command: Command, scene: Path, options: tuple[str,
     done = fringe_command("capacitance", scene, "--json", *options)
     assert (done.returncode, done.stdout) == (2, "")
     assert reason in done.stderr
+
+
+def test_auto_is_asked_where_an_accuracy_is_and_else_the_model(fringe_command: Command, scene: Path) -> None:
+    for options, method in (((), "exact"), (("--rtol", "0.05"), "auto")):
+        document = json.loads(fringe_command("capacitance", scene, "--json", *options).stdout)
+        assert document["options"]["method"] == method
+    loaded = fringe.Scene.load(scene)
+    assert loaded.capacitance()["options"]["method"] == "exact"
+    assert loaded.capacitance(rtol=0.05)["options"] == {"method": "auto", "rtol": 0.05}
+    (reading,) = loaded.readings().values()
+    assert reading.answered_by in STATING and reading.error["change"] <= 1e-2 * reading.change
+
+
+def test_an_unknown_method_is_refused_with_the_choices(fringe_command: Command, scene: Path) -> None:
+    answer = fringe_command("capacitance", scene, "--method", "magic")
+    assert answer.returncode == 2 and answer.stdout == ""
+    assert all(name in answer.stderr for name in ("split:N", "gauss:K", "formula", *STATING))
+    with pytest.raises(fringe.InputError, match="formula"):
+        fringe.Scene.load(scene).capacitance("magic")
+    with pytest.raises(TypeError, match='no keyword "magic"'):
+        fringe.Scene.load(scene).capacitance(magic=1)
 
 
 def test_info(fringe_command: Command, tmp_path: Path) -> None:
@@ -238,8 +217,47 @@ def test_info_counts_the_defects_of_a_mesh(fringe_command: Command, tmp_path: Pa
     assert "1 duplicate triangles: each triangle counts once" in fringe_command("info", path).stdout
 
 
-def test_info_knows_no_volume_of_an_open_surface(fringe_command: Command, scene: Path) -> None:
-    assert json.loads(fringe_command("info", scene, "--json").stdout)["objects"][0]["volume"] is None
+HAND = np.array(Cuboid((0.08, 0.1, 0.02)).triangles())
+
+
+def with_hand(scene: Path, triangles: np.ndarray) -> Path:
+    """A scene of the sensor and a mesh of these triangles before it."""
+    vertices = "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in triangles.reshape(-1, 3))
+    faces = "".join(f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}\n" for k in range(len(triangles)))
+    scene.with_name("hand.obj").write_text(vertices + faces)
+    shape = 'type = "mesh", file = "hand.obj"'
+    path = scene.with_name("hand.toml")
+    path.write_text(
+        scene.read_text().replace('type = "plate", size = [0.1, 0.1]', shape).replace("0.02]", "0.06]")
+    )
+    return path
+
+
+def test_info_tells_what_a_mesh_is_not(fringe_command: Command, scene: Path) -> None:
+    told = fringe_command("info", with_hand(scene, np.concatenate([HAND, HAND + (0.04, 0.05, 0.01)]))).stdout
+    assert "pairs of triangles that cross or touch" in told
+    assert "2 separate parts: they are one conductor" in told
+    told = fringe_command("info", with_hand(scene, HAND[:-1])).stdout
+    assert "volume     none: open surface" in told and "3 open edges" in told
+
+
+@pytest.mark.parametrize(
+    ("needless", "remark"),
+    [(HAND[0], "triangles that repeat others: 1"), (HAND[0][[0, 0, 1]], "triangles without area: 1")],
+    ids=["a_triangle_twice", "a_triangle_without_area"],
+)
+def test_needless_triangles_are_left_out(
+    fringe_command: Command, scene: Path, needless: np.ndarray, remark: str
+) -> None:
+    options = ("--method", "boundary-elements", "--rtol", "1e-2", "--json")
+    clean = json.loads(fringe_command("capacitance", with_hand(scene, HAND), *options).stdout)
+    answer = json.loads(
+        fringe_command(
+            "capacitance", with_hand(scene, np.concatenate([HAND, needless[None]])), *options
+        ).stdout
+    )
+    assert remark in answer["remarks"][0]
+    assert answer["maxwell"] == pytest.approx(np.array(clean["maxwell"]), rel=1e-12)
 
 
 BODIES = """
@@ -340,13 +358,28 @@ def test_wrong_input_names_file_line_key_and_reason(fringe_command: Command, tmp
         assert done.stderr == f'fringe: {path}:3: object "o": shape.size: must be finite\n'
 
 
-@pytest.mark.parametrize("role", ['potential = "floating"', "material = { relative_permittivity = 50 }"])
-def test_objects_that_are_not_grounded_are_refused(fringe_command: Command, scene: Path, role: str) -> None:
-    scene.write_text(scene.read_text() + role + "\n")
-    done = fringe_command("capacitance", scene, "--json")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert '"target"' in done.stderr
-    assert fringe_command("info", scene).returncode == 0
+@pytest.mark.parametrize("ending", [".dae", ".step", ".3mf"])
+def test_meshes_of_other_programs_are_refused_with_what_to_use(
+    fringe_command: Command, scene: Path, ending: str
+) -> None:
+    path = with_hand(scene, HAND)
+    path.write_text(path.read_text().replace("hand.obj", f"hand{ending}"))
+    told = fringe_command("capacitance", path).stderr
+    assert "must be .stl, .obj or .ply" in told and "fringe import" in told
+
+
+def test_names_in_any_language_stay_apart_in_tables(fringe_command: Command, scene: Path) -> None:
+    scene.write_text(scene.read_text().replace('"target"', "'Hand \"links\", 左手'"))
+    table = fringe_command("capacitance", scene, "--method", "boundary-elements", "--rtol", "1e-2").stdout
+    (head,) = [line for line in table.splitlines() if "左手" in line and "±" not in line]
+    assert head.split()[0] == "front" and "front " in head
+
+
+def test_a_closed_pipe_ends_the_command_silently(scene: Path) -> None:
+    program = Path(__file__).resolve().parents[2] / "build" / "bin" / "fringe"
+    script = f'"{program}" capacitance "{scene}" --json | true; echo "${{PIPESTATUS[0]}}"'
+    ended = subprocess.run(["bash", "-c", script], capture_output=True, text=True, check=True)
+    assert ended.stderr == "" and ended.stdout.strip() in ("0", "141")
 
 
 def test_an_answer_that_cannot_be_written_is_a_failure(scene: Path) -> None:

@@ -202,23 +202,6 @@ def test_after_ctrl_c_the_command_prints_the_best_matrix(tmp_path: Path) -> None
     assert errors == f"fringe: {path}: interrupted: an error of 0.001 was not reached\n"
 
 
-def test_without_a_matrix_so_far_the_command_says_so(fringe_command: Command, tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(LONG)
-    done = fringe_command(
-        "capacitance", path, "--method", "reduced", "--rtol", "3e-4", "--entries", "--max-seconds", "0.1"
-    )
-    assert (done.returncode, done.stdout) == (3, "")
-    assert done.stderr == f"fringe: {path}: stopped after 0.1 s before there was an answer\n"
-
-
-def test_the_integral_has_no_limit_of_time(fringe_command: Command, tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(SHORT)
-    done = fringe_command("capacitance", path, "--max-seconds", "1")
-    assert done.returncode == 2 and "max_seconds is no option of exact" in done.stderr
-
-
 def test_an_interrupted_sweep_keeps_the_frames_that_are_finished(tmp_path: Path) -> None:
     path, frames = tmp_path / "scene.toml", 400
     path.write_text(SHORT)

@@ -97,16 +97,6 @@ def test_conductors_are_in_the_world_frame_and_the_sensors_come_first(scene: fri
     )
 
 
-def test_capacitance_takes_the_options_of_the_command_line(scene: fringe.Scene) -> None:
-    scene.set_pose("arm", [0, 0, 0.02], np.eye(3))
-    answer = scene.capacitance("exact+nearest+facing", tolerance=1e-6)
-    assert answer["options"] == {"method": "exact+nearest+facing", "tolerance": 1e-6}
-    for rotation in (np.eye(3), np.diag([1.0, -1, -1])):
-        scene.set_pose("arm", [0, 0, 0.02], rotation)
-        total = scene.capacitance("exact+nearest+facing")["sensors"][0]["total"]
-        assert total == pytest.approx(8.8541878128e-12 * 0.5, rel=1e-14), "one of its sides faces"
-
-
 def test_remarks_are_in_the_answers_and_those_on_the_present_poses_at_hand(tmp_path: Path) -> None:
     text = """
 [[link]]
@@ -136,21 +126,6 @@ shape = { type = "sphere", radius = 0.1, segments = 8 }
     assert len(scene.capacitance()["remarks"]) == 2, "the box is in between, too"
     scene.set_pose("arm", [0, 0, 2])
     assert scene.remarks == []
-
-
-@pytest.mark.parametrize(
-    ("options", "reason"),
-    [
-        ({"method": "exact+both"}, "exact.both"),
-        ({"method": "exact+facing+far"}, "exact.facing.far"),
-        ({"tolerance": -1.0}, "tolerance"),
-        ({"tolerance": math.nan}, "tolerance"),
-        ({"tolerance": 1e-6, "method": "split:4"}, "needs the method exact"),
-    ],
-)
-def test_capacitance_refuses(scene: fringe.Scene, options: dict[str, object], reason: str) -> None:
-    with pytest.raises(fringe.InputError, match=reason):
-        scene.capacitance(**options)
 
 
 def test_set_pose_takes_a_matrix_or_a_quaternion(scene: fringe.Scene) -> None:
@@ -246,36 +221,3 @@ def test_other_threads_run_while_the_integral_is_computed() -> None:
     finally:
         stop.set()
         counter.join()
-
-
-def test_everything_is_documented() -> None:
-    assert fringe.__version__ == "0.1.0"
-    for thing in (fringe, fringe.plate_integral, fringe.InputError, fringe.Scene):
-        assert thing.__doc__
-    for method in ("load", "capacitance", "conductors", "set_pose", "info"):
-        assert getattr(fringe.Scene, method).__doc__
-
-
-def test_asked_again_evaluates_only_what_moved(tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(
-        SCENE
-        + """
-[[object]]
-name = "fixed"
-shape = { type = "cube", size = 0.1 }
-translation = [0, 0, 0.5]
-"""
-    )
-    scene = fringe.Scene.load(path)
-    scene.set_pose("arm", [0, 0, 0.02], [1, 0, 0, 0])
-    first, again = scene.capacitance(), scene.capacitance()
-    assert again["sensors"] == first["sensors"]
-    assert (first["counts"]["objects_evaluated"], again["counts"]["objects_reused"]) == (2, 2)
-
-    scene.set_pose("arm", [0, 0, 0.03], [1, 0, 0, 0])
-    moved = scene.capacitance()
-    assert moved["counts"]["objects_evaluated"] == 1
-    fresh = fringe.Scene.load(path)
-    fresh.set_pose("arm", [0, 0, 0.03], [1, 0, 0, 0])
-    assert moved["sensors"] == fresh.capacitance()["sensors"]

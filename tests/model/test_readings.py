@@ -38,12 +38,6 @@ def test_the_change_is_the_value_less_the_background(readings: Any) -> None:
         assert reading.answered_by == "boundary-elements"
 
 
-def test_the_error_of_the_change_is_less_than_those_of_its_parts(readings: Any) -> None:
-    for reading in readings.values():
-        assert set(reading.error) == set(PARTS)
-        assert reading.error["change"] < reading.error["value"] + reading.error["background"]
-
-
 def test_the_command_prints_the_same_readings(readings: Any) -> None:
     document = json.loads(printed("--method", "boundary-elements", "--rtol", "0.01", "--json"))
     for described in document["readings"]:
@@ -91,24 +85,6 @@ def test_info_lists_the_readings_and_what_objects_are_to_them() -> None:
     table = subprocess.run([COMMAND, "info", SCENE], capture_output=True, text=True, check=True).stdout
     assert "reading guarded: senses front, drives front and guard, noise 1 fF, threshold 5 fF" in table
     assert "object guard, electrode" in table and "object hand, target, 100 pF to ground" in table
-
-
-def test_the_model_knows_no_change_of_a_floating_target() -> None:
-    for reading in model_stage.model_module().Scene.load(SCENE).readings("exact").values():
-        assert reading.change is None
-
-
-def test_without_readings_and_targets_the_model_has_the_total_as_the_change(tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(
-        '[[sensor]]\nname = "front"\n'
-        "plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]\n"
-        '[[object]]\nname = "plate"\nshape = { type = "plate", size = [0.1, 0.1] }\ntranslation = [0.05, 0.05, 0.03]\n'
-    )
-    scene = model_stage.model_module().Scene.load(path)
-    reading = scene.readings("exact")["front"]
-    assert reading.change == scene.capacitance()["sensors"][0]["total"]
-    assert reading.value is None and reading.background is None and reading.error["change"] is None
 
 
 def test_an_error_that_a_method_cannot_tell_is_null(tmp_path: Path) -> None:

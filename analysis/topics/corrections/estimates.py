@@ -86,11 +86,10 @@ def _truth(truths: dict[str, Truth], set_up: SetUp) -> Truth:
 
 @dataclass(frozen=True)
 class Evaluation:
-    """One method. `open_`: two thirds of the set-ups, on which constants were fitted; `sealed`: the others."""
+    """One method. `sealed`: over the third of the set-ups on which no constant was fitted."""
 
     name: str
     all: Errors
-    open_: Errors
     sealed: Errors
     families: dict[str, Errors]
 
@@ -105,7 +104,6 @@ def _evaluation(found: Estimates, name: str) -> Evaluation:
     return Evaluation(
         name,
         Errors.of(errors),
-        Errors.of(errors[~found.sealed]),
         Errors.of(errors[found.sealed]),
         {family: Errors.of(errors[families == family]) for family in dict.fromkeys(found.families)},
     )

@@ -24,7 +24,6 @@ class Entry:
     set_up: SetUp
     true: Truths
     changes: dict[str, Estimate]
-    pairs: dict[str, float]
 
     @property
     def factor(self) -> float:
@@ -73,7 +72,7 @@ def entry(set_up: SetUp, answer: Document) -> Entry:
         for name in (REDUCED, IGNORING)
         if "refused" not in answer["changes"][name]
     }
-    return Entry(set_up, read(answer["truths"]), changes, answer["pairs"])
+    return Entry(set_up, read(answer["truths"]), changes)
 
 
 TITLE = "Insulators: Experiment VIII"

@@ -44,7 +44,6 @@ class SetUp(OfScene):
     thickness: float
     gap: float
     size: float
-    has_housing: bool
     without: Scene
 
     @property
@@ -94,7 +93,6 @@ def _of_family(family: str) -> Iterator[SetUp]:
             thickness=parts.thickness,
             gap=parts.gap,
             size=round(math.sqrt(width * depth), 6),
-            has_housing=bool(behind),
             scene=replace(scene, objects=tuple(objects)),
             without=replace(scene, objects=(*behind, *parts.without)),
         )

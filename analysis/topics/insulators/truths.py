@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -101,8 +101,9 @@ STORED = Stored[SetUp](
 )
 
 
-EXACT, REDUCED, IGNORING = "exact", "reduced", "reduced without the layer"
-_FORMULA = "formula"
+REDUCED, IGNORING = "reduced", "reduced without the layer"
+
+
 _RTOL = 0.1
 """Relative error asked of the reduced method, which then prepares a set-up in less than a second."""
 _SECONDS = 0.3
@@ -116,9 +117,7 @@ def answer(set_up: SetUp, _: Path) -> Document:
     # A dielectric body of the machine takes the reduced method longer to prepare than boundary elements take.
     is_slow = set_up.family == MATTRESS
     changes[REDUCED] = {"refused": "left to boundary elements"} if is_slow else _change(model, set_up.scene)
-    layered = set_up.family in (COVER, FILM)
-    pairs = _pairs(model, set_up) if layered else {}
-    return {"truths": asdict(true), "changes": changes, "pairs": pairs}
+    return {"truths": asdict(true), "changes": changes}
 
 
 def _change(model: Any, scene: Scene) -> Document:
@@ -129,14 +128,6 @@ def _change(model: Any, scene: Scene) -> Document:
     if reading.error["change"] is None:
         return {"refused": "its error is not known"}
     return {"value": float(reading.change), "error": float(reading.error["change"])}
-
-
-def _pairs(model: Any, set_up: SetUp) -> dict[str, float]:
-    """Returns the capacitance (F) of the hand and the sensor by themselves, with the layer, by the integral and by the formula."""
-    kept = tuple(body for body in set_up.scene.objects if body.name == HAND or body.conductor == SENSOR)
-    loaded = model.Scene.loads(canonical(replace(set_up.scene, objects=kept)))
-    answers = {method: loaded.capacitance(**model_stage.options(method)) for method in (EXACT, _FORMULA)}
-    return {name: float(each["sensors"][0]["objects"][0]["capacitance"]) for name, each in answers.items()}
 
 
 STAGES = SetUpStages[SetUp](

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
 
@@ -80,11 +80,6 @@ class _Parts:
 def all_set_ups() -> tuple[SetUp, ...]:
     """Returns every set-up, family by family."""
     return tuple(each for family in FAMILIES for each in _of_family(family))
-
-
-def sealed(found: Iterable[SetUp]) -> list[SetUp]:
-    """Returns those that are sealed."""
-    return [each for each in found if each.sealed]
 
 
 def _of_family(family: str) -> Iterator[SetUp]:

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
-from numpy.typing import NDArray
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
@@ -17,7 +16,6 @@ from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import duration, percent
 from analysis.topics.trade_off import stage
 
-Array = NDArray[np.float64]
 
 MESH = "field solver, one mesh"
 ANSWER = "field solver, whole answer"

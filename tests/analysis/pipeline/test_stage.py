@@ -12,7 +12,7 @@ import pytest
 from analysis.pipeline import keys
 from analysis.pipeline.processes import Finished, Processes
 from analysis.pipeline.set_up_stages import SetUpStages
-from analysis.pipeline.stage import NoAnswer, Stage, outdated, parsed, unfinished_file
+from analysis.pipeline.stage import NoAnswer, Stage, outdated, parsed
 from analysis.results import store
 from analysis.results.study_results import SCENE, case_folder
 from geometries.common.installation import ROOT
@@ -63,14 +63,6 @@ def test_what_is_no_json_document_is_no_answer(text: str) -> None:
         parsed(text)
 
 
-def test_an_unfinished_file_is_removed_whatever_happens(tmp_path: Path) -> None:
-    with pytest.raises(NoAnswer):
-        with unfinished_file(tmp_path / "new" / "answer.json") as unfinished:
-            unfinished.write_text("half")
-            raise NoAnswer
-    assert not list((tmp_path / "new").iterdir())
-
-
 @pytest.mark.parametrize(
     ("errors", "reason"),
     [
@@ -86,27 +78,6 @@ def test_the_reason_is_the_last_line_that_a_command_wrote(errors: str, reason: s
 
 STUDY = study.Study("n", "t", 1e-3, 60.0, "estimate", ("exact",), ())
 TWO_PLATES = writer.identity(families.parallel((0.1, 0.1), (0.1, 0.1), 0.02))
-
-
-def test_a_document_is_read_as_it_was_written(tmp_path: Path) -> None:
-    store.write_json(tmp_path / "deep" / "a.json", {"key": "k", "value": 0.1})
-    assert store.read_json(tmp_path / "deep" / "a.json") == {"key": "k", "value": 0.1}
-
-
-def test_a_failed_write_leaves_the_old_file_and_no_other(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    path = tmp_path / "a.json"
-    store.write_json(path, {"value": 1})
-
-    def fail(*_: object) -> None:
-        raise OSError("disk full")
-
-    monkeypatch.setattr("os.replace", fail)
-    with pytest.raises(OSError):
-        store.write_json(path, {"value": 2})
-    assert json.loads(path.read_text()) == {"value": 1}
-    assert [file.name for file in tmp_path.iterdir()] == ["a.json"]
 
 
 @pytest.mark.parametrize("content", ["", "{", "[1, 2]"])

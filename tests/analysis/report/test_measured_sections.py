@@ -124,14 +124,6 @@ def test_the_finding_on_run_times_computed_by_hand() -> None:
     assert text.endswith("are exact, split:0.")
 
 
-def test_front_entries_are_bold_in_the_table() -> None:
-    text = run_times_section.section(run_times(TIMES))
-    bold = re.findall(r"<strong>([\d.,]+)<br>", text)
-    assert sorted(bold) == ["200", "30", "50"]
-    for told in ("800<br>3e-07", "a compiler", "a processor", "build/bin/it"):
-        assert told in text
-
-
 def test_the_finding_on_stability_computed_by_hand() -> None:
     text = stability_section.finding(stability(stability_document()))
     assert "exact keeps the limit of 16 in all 2 classes" in text

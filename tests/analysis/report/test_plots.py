@@ -50,14 +50,6 @@ def test_the_change_is_drawn_by_machine_with_mutual_and_delta_self_beside_it(fol
     assert set(points(delta_self)) == {"no machine"}
 
 
-def test_machines_differ_in_colour_and_symbol(folder: Path) -> None:
-    change, mutual, _ = plot(folder).panels
-    markers = {trace.name: (trace.marker.color, trace.marker.symbol) for trace in mutual.figure.data}
-    colours, symbols = zip(*markers.values())
-    assert len(set(colours)) == len(set(symbols)) == 3
-    assert all(markers[trace.name][0] == trace.marker.color for trace in change.figure.data)
-
-
 def test_the_finding_tells_the_error_by_machine_and_how_many_are_left_out(folder: Path) -> None:
     finding = plot(folder).finding
     assert finding.startswith(
@@ -213,16 +205,6 @@ def test_pieces_cover_their_triangles() -> None:
     areas = np.linalg.norm(np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0]), axis=1) / 2
     assert edges.max() <= 0.11
     assert areas.sum() == pytest.approx(0.15, rel=1e-12)
-
-
-def test_colours_of_targets_and_machines_differ() -> None:
-    text = drawing.of_scene(families.parallel(SQUARE, SQUARE, 0.02, machine="housing"), "a machine")
-    greys = [
-        colour
-        for _, colour in polygons(families.parallel(SQUARE, SQUARE, 0.02, machine="housing"))
-        if max(colour) - min(colour) < 40
-    ]
-    assert greys and 'aria-label="a machine"' in text
 
 
 def test_a_thumbnail_places_points_on_the_scales_of_their_axes() -> None:

@@ -162,12 +162,6 @@ def summaries(tmp_path: Path) -> dict[tuple[str, str], statistics.Summary]:
     return {(summary.family, summary.quantity): summary for summary in found}
 
 
-def test_every_family_and_all_together_are_summed_up_in_both_quantities(
-    summaries: dict[tuple[str, str], statistics.Summary]
-) -> None:
-    assert set(summaries) == {(f, q) for f in ("all", "parallel", "edge") for q in ("mutual", "delta_self")}
-
-
 def test_the_numbers_of_one_family(summaries: dict[tuple[str, str], statistics.Summary]) -> None:
     parallel = summaries["parallel", "mutual"]
     assert parallel.count == 3

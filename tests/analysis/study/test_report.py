@@ -150,14 +150,6 @@ def test_points_of_the_published_table_open_its_set_ups_on_one_page(folder: Path
     assert len(points) == 530 and all(f'"name":"{point}"' in opened for point in points)
 
 
-def test_a_page_of_set_ups_that_is_gone_is_made_again(folder: Path) -> None:
-    report.make(folder)
-    (folder / "report" / "set_ups" / "published.html").unlink()
-    (folder / "report.html").unlink()
-    report.make(folder)
-    assert (folder / "report" / "set_ups" / "published.html").is_file()
-
-
 def test_pages_of_set_ups_are_made_again_only_when_what_they_show_has_changed(tmp_path: Path) -> None:
     folder = make_results(tmp_path / "results")
     corrections = CORRECTIONS.beside(folder) / topic.DOCUMENT
@@ -218,10 +210,6 @@ def test_failed_cases_are_listed_with_their_reason(tmp_path: Path) -> None:
     assert f'<td class="text">{case.name}</td>' in text and "exit code 2: &lt;no mesh&gt;" in text
 
 
-def test_without_failures_there_is_no_such_section(folder: Path) -> None:
-    assert "Failed cases" not in report_text(folder)
-
-
 def test_cases_short_of_the_asked_accuracy_are_named_and_counted(tmp_path: Path) -> None:
     folder = make_results(
         tmp_path, answers={0: (reference_document(2, 1, reached=False), model_document(1.8))}
@@ -248,13 +236,6 @@ def test_the_two_ways_to_delta_self_are_counted(tmp_path: Path) -> None:
         "4 of 5 cases agree within the sum of their errors; the largest difference is 0.5 pF"
         in report_text(folder)
     )
-
-
-def test_every_row_names_its_case_and_every_case_its_commands(folder: Path) -> None:
-    text = report_text(folder)
-    for case in results.load(folder).compared():
-        assert f"cases/{case.id}/scene.toml --rtol 0.001 --max-seconds 60" in text
-        assert f"cases/{case.id}/scene.toml --method exact" in text
 
 
 def test_versions_and_machine_are_told(folder: Path) -> None:

@@ -143,15 +143,6 @@ def test_a_changed_family_solves_only_its_new_cases(place: Workplace) -> None:
     assert place.solved() == 1 + 2 * SLICES
 
 
-def test_an_answer_under_another_key_is_solved_again(place: Workplace) -> None:
-    place.run(TWO)
-    place.solved()
-    (answer, *_) = (place.folder / "results" / "cases").glob("*/fem.json")
-    store.write_json(answer, (store.read_json(answer) or {}) | {"key": "old"})
-    place.run(TWO)
-    assert place.solved() == 1 + SLICES
-
-
 def test_a_failing_case_is_told_and_the_others_go_on(
     place: Workplace, capsys: pytest.CaptureFixture[str]
 ) -> None:

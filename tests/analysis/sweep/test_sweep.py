@@ -196,15 +196,6 @@ def test_the_command_makes_a_page_and_its_table_from_its_options(
     assert drawn["y"] == pytest.approx(of_method)
 
 
-def test_a_second_run_computes_nothing_again(scene: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    asked = ["sweep", str(scene), "--method", "exact", "--output", str(scene.with_name("page.html"))]
-    assert command_line.main(asked) == 0
-    table = scene.with_name("page.csv")
-    changed = table.read_text().replace(table.read_text().splitlines()[1].split(",")[9], "1.5e-13", 1)
-    table.write_text(changed)
-    assert command_line.main(asked) == 0 and table.read_text() == changed
-
-
 @pytest.mark.parametrize("options", [["--method", "exact,bem"], ["--motion", "none.toml"], ["--rtol", "-1"]])
 def test_wrong_input_ends_with_status_2_and_no_page(
     scene: Path, options: list[str], capfd: pytest.CaptureFixture[str]

@@ -1,4 +1,7 @@
-"""The error estimate: exact on sequences that follow the theory, wider whenever a check is skipped or fails."""
+"""The error estimate: exact on sequences that follow the theory, wider whenever a check is skipped or fails. The error of the open
+boundary is bounded by that of the multipoles that the charges can have."""
+
+from __future__ import annotations
 
 import numpy as np
 import pytest
@@ -10,6 +13,7 @@ from fem_reference.answer.convergence import (
     UNCHECKED_SAFETY,
     estimate,
 )
+from fem_reference.answer.shared_errors import open_boundary_error
 
 AGREEING_BY_CHANCE = (2.683719, 2.683916, 2.681565, 2.681252), 2.680950
 """C11 of equal plates, in pF, on four meshes of the case parallel-018 of the corrections; by boundary elements to 1e-5."""
@@ -93,3 +97,17 @@ def test_a_quantity_that_does_not_change_has_no_error() -> None:
 def test_every_quantity_is_judged_by_itself() -> None:
     found = estimate([np.array([5.0, 5.0]), np.array([3.0, 4.0]), np.array([2.0, 1.0])])
     assert found.extrapolated.tolist() == [True, False]
+
+
+def test_open_boundary_error_falls_with_the_third_power_of_the_radius() -> None:
+    maxwell = np.array([[6.0, -3.0], [-3.0, 7.0]])
+    near, far = open_boundary_error(maxwell, 1.0, 50.0), open_boundary_error(maxwell, 1.0, 100.0)
+    np.testing.assert_allclose(near / far, 8.0, rtol=1e-3)
+
+
+def test_open_boundary_error_bounds_a_dipole() -> None:
+    """For two charges ±q at ±a on the axis of a sphere of radius R the dipole's part of ∫(1/R)u² is 16πq²a²/3R³ over (4π)²."""
+    q, a, radius = 1.0, 1.0, 100.0
+    dipole_energy = (2 * q * a) ** 2 / (4 * np.pi) ** 2 * 4 * np.pi / 3 / radius**3
+    maxwell = np.array([[q]])
+    assert open_boundary_error(maxwell, a, radius)[0, 0] >= dipole_energy

@@ -1,4 +1,4 @@
-"""When an answer counts as reached."""
+"""When an answer counts as reached, and when no finer mesh is solved: what wraps cost is more than was asked for."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ import pytest
 
 from fem_reference.answer import reference
 from fem_reference.answer.convergence import Estimate
-from fem_reference.solve.level import Level, LevelBounds, solve_level
 from fem_reference.answer.reference import ErrorKind, Reference, first_refinement
-from fem_reference.bodies.conductors import normalised
+from fem_reference.answer.wrapped import GeometryError
+from fem_reference.bodies.conductors import Measured, normalised
 from fem_reference.bodies.shapes import Rectangle
 from fem_reference.mesh.marks import Marks
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.output.documents import table
 from fem_reference.solve.enclosure import Enclosure
-
+from fem_reference.solve.level import Level, LevelBounds, solve_level
 
 ONE_PLATE = normalised(["plate"], 1, [Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))], [0])
 
@@ -109,3 +109,22 @@ def test_bounds_of_meshes_that_exclude_each_other_never_pass_silently(
     first, second = solved[0].maxwell[0, 0], 1.1 * solved[0].maxwell[0, 0]
     assert found.lower[0, 0] < first < found.upper[0, 0] and found.lower[0, 0] < second < found.upper[0, 0]
     assert found.maxwell.error[0, 0] > 0.04 * first and "proven to lie" not in table(found)
+
+
+GROWTH = np.array([[0.02, -0.01], [-0.01, 0.04]])
+MAXWELL = np.array([[2.0, -0.1], [-0.1, 8.0]])
+COST = GeometryError(
+    GROWTH, np.array([0.01]), np.ones((2, 2), bool), np.ones((2, 2), bool), np.array([0.003])
+)
+
+
+@pytest.mark.parametrize(
+    "only_readings, delta_self, change, least",
+    [(False, 1.0, 1.0, 0.1), (False, 0.05, 1.0, 0.2), (True, 0.05, 1.0, 0.01), (True, 0.05, 0.1, 0.03)],
+)
+def test_the_least_error_is_that_of_what_was_asked_for(
+    only_readings: bool, delta_self: float, change: float, least: float
+) -> None:
+    reading = Measured("front", 0, (0,))
+    found = COST.least_error(MAXWELL, np.array([delta_self]), [reading], np.array([change]), only_readings)
+    assert found == pytest.approx(least)

@@ -14,12 +14,7 @@ from fem_reference.bodies.wrapping import Geometry, Wrap
 from geometries.common.errors import InputError
 from geometries.scene import shapes
 from geometries.scene.reader import loads
-
-SENSOR = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-"""
+from tests.scenes import SENSOR
 
 
 def body(name: str, shape: str, at: tuple[float, float, float], more: str = "") -> str:
@@ -29,6 +24,8 @@ def body(name: str, shape: str, at: tuple[float, float, float], more: str = "") 
 BOX = '{ type = "cuboid", size = [0.04, 0.04, 0.04] }'
 BALL = '{ type = "sphere", radius = 0.02 }'
 PLATE = '{ type = "plate", size = [0.04, 0.04] }'
+CUBE = shapes.Cuboid((0.04, 0.04, 0.04)).triangles()
+UNCLEAN = np.concatenate([CUBE, CUBE[:1]])
 
 
 def test_groups_follow_their_first_bodies() -> None:
@@ -129,18 +126,13 @@ def mesh_scene(folder: Path, triangles: np.ndarray) -> str:
 
 def test_only_conductors_that_need_it_are_wrapped(tmp_path: Path) -> None:
     """A mesh with a triangle twice is wrapped together with the box that it touches; the other box keeps its plane faces."""
-    cube = shapes.Cuboid((0.04, 0.04, 0.04)).triangles()
-    dirty = mesh_scene(tmp_path, np.concatenate([cube, cube[:1]]))
+    dirty = mesh_scene(tmp_path, UNCLEAN)
     text = SENSOR + body("alone", BOX, (-0.1, 0, 0.05)) + body("link", dirty, (0, 0, 0.05))
     found = conductors(loads(text + body("tool", BALL, (0.04, 0, 0.05))), geometry=Geometry(rtol=2e-2))
     assert found.members == (("front",), ("alone",), ("link", "tool"))
     (wrap,) = found.wraps
     assert [type(own).__name__ for own in found.bodies] == ["Rectangle", "Cuboid", "Wrap"]
     assert isinstance(wrap, Wrap) and wrap.members == ("link", "tool") and wrap.name == "link"
-
-
-CUBE = shapes.Cuboid((0.04, 0.04, 0.04)).triangles()
-UNCLEAN = np.concatenate([CUBE, CUBE[:1]])
 
 
 def links(folder: Path, gap: float) -> str:
@@ -185,8 +177,7 @@ def test_a_clean_mesh_is_wrapped_only_where_that_is_asked_for(tmp_path: Path) ->
 
 
 def test_a_dielectric_mesh_is_never_wrapped(tmp_path: Path) -> None:
-    cube = shapes.Cuboid((0.04, 0.04, 0.04)).triangles()
-    dirty = mesh_scene(tmp_path, np.concatenate([cube, cube[:1]]))
+    dirty = mesh_scene(tmp_path, UNCLEAN)
     text = SENSOR + body("block", dirty, (0, 0, 0.05), "material = { relative_permittivity = 3 }")
     with pytest.raises(InputError, match='object "block": shape.file: .*part.ply has'):
         conductors(loads(text), geometry=Geometry("wrapped"))

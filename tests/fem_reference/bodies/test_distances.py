@@ -1,4 +1,4 @@
-"""Distances between bodies of any shape, their contacts, and which of them contain others."""
+"""Distances between bodies of any shape and between triangles, their contacts, and which of them contain others."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ import time
 import numpy as np
 import pytest
 
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle
+from fem_reference.bodies.distances import Piece, _piece_distance, distance, holds, touch_with_faces
+from fem_reference.bodies.polyhedron import polyhedron
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle, separation
+from fem_reference.bodies.soup import Soup
+from fem_reference.bodies.triangle_distances import soup_distance
 from fem_reference.mesh.body_distances import (
     ClosedFormBody,
     curvature_radius,
     edge_distance,
     surface_distance,
 )
-from fem_reference.bodies.distances import distance, holds, touch_with_faces
-from fem_reference.bodies.polyhedron import polyhedron
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
-from fem_reference.bodies.soup import Soup
 from geometries.scene import polygons, shapes
 from geometries.scene.poses import AxisRotation
 
@@ -252,3 +253,93 @@ def test_a_solid_contains_a_body_inside_it() -> None:
         assert holds(outer, small) and not holds(small, outer)
         assert not holds(outer, Sphere("elsewhere", CENTRE + 1, 0.05))
     assert not holds(PLATE, small)
+
+
+def test_edge_distance_of_a_rectangle_is_the_distance_to_its_outline() -> None:
+    plate = Rectangle("plate", np.array([0.3, -0.2, 0.1]), TURNED, (0.5, 0.2))
+    corners = plate.corners
+    s = np.linspace(0, 1, 2001)[:, None]
+    outline = np.concatenate([(1 - s) * corners[k] + s * corners[(k + 1) % 4] for k in range(4)])
+    points = np.random.default_rng(1).uniform(-1, 1, (50, 3))
+    nearest = np.linalg.norm(points[:, None] - outline, axis=2).min(axis=1)
+    np.testing.assert_allclose(edge_distance(plate, points.T), nearest, atol=1e-4)
+
+
+def test_edge_distance_of_a_disc_is_the_distance_to_its_circle() -> None:
+    disc = Disc("disc", np.array([0.3, -0.2, 0.1]), TURNED, 0.4)
+    angle = np.linspace(0, 2 * np.pi, 4001)[:, None]
+    circle = disc.centre + 0.4 * (np.cos(angle) * TURNED[0] + np.sin(angle) * TURNED[1])
+    points = np.random.default_rng(2).uniform(-1, 1, (50, 3))
+    nearest = np.linalg.norm(points[:, None] - circle, axis=2).min(axis=1)
+    np.testing.assert_allclose(edge_distance(disc, points.T), nearest, atol=1e-4)
+
+
+def test_corners_lie_at_the_half_widths() -> None:
+    box = Cuboid("box", np.array([1.0, 2.0, 3.0]), TURNED, (0.1, 0.2, 0.3))
+    local = (box.corners - box.centre) @ TURNED.T
+    np.testing.assert_allclose(np.abs(local), np.tile([0.1, 0.2, 0.3], (8, 1)), atol=1e-15)
+    assert len(np.unique(np.sign(local), axis=0)) == 8
+
+
+@pytest.mark.parametrize(
+    "offset, expected",
+    [
+        ((0.0, 0.0, 0.02), 0.02),  # face to face
+        ((0.13, 0.0, 0.04), 0.05),  # beside an edge: 3-4-5
+        ((0.102, 0.103, 0.006), 0.007),  # diagonal to a corner: 2-3-6-7
+        ((0.1, 0.0, 0.0), 0.0),  # edges meet
+        ((0.03, 0.02, 0.0), 0.0),  # one plane, overlapping
+    ],
+)
+def test_separation_of_plates(offset: tuple[float, float, float], expected: float) -> None:
+    first = Rectangle("first", np.zeros(3), np.eye(3), (0.05, 0.05))
+    second = Rectangle("second", np.array(offset), np.eye(3), (0.05, 0.05))
+    assert separation(first, second) == pytest.approx(expected, abs=1e-12)
+
+
+def test_separation_of_crossing_and_of_nested_bodies_is_zero() -> None:
+    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.05, 0.05))
+    upright = Rectangle("upright", np.zeros(3), AxisRotation((1, 0, 0), 90).matrix().T, (0.02, 0.02))
+    box = Cuboid("box", np.zeros(3), TURNED, (0.2, 0.2, 0.2))
+    assert separation(plate, upright) == pytest.approx(0, abs=1e-12)
+    assert separation(box, plate) == pytest.approx(0, abs=1e-12)
+
+
+def test_the_distance_of_two_triangles_is_that_of_their_convex_hulls() -> None:
+    random = np.random.default_rng(1)
+    first = random.normal(size=(100, 3, 3))
+    second = random.normal(size=(100, 3, 3)) + 1.5 * random.normal(size=(100, 1, 3))
+    for a, b in zip(first, second):
+        found = soup_distance(a[None], b[None])
+        assert found == pytest.approx(_piece_distance(Piece(a), Piece(b)), rel=2e-6, abs=1e-12)
+
+
+@pytest.mark.parametrize("shift, expected", [((3.0, 0, 0), 1.0), ((2.0, 0, 0), 0.0), ((0.5, 0.1, 0), 0.0)])
+def test_the_distance_of_meshes_is_that_of_the_nearest_triangles(
+    shift: tuple[float, float, float], expected: float
+) -> None:
+    ball, box = shapes.Sphere(1.0, 60).triangles(), shapes.Cuboid((2.0, 2.0, 2.0)).triangles() + shift
+    assert soup_distance(ball, box) == pytest.approx(expected, abs=1e-12)
+    assert soup_distance(box, ball) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_mesh_inside_another_is_as_far_as_their_surfaces() -> None:
+    ball = shapes.Sphere(1.0, 40).triangles()
+    assert soup_distance(ball, 0.5 * ball) == pytest.approx(0.5 * np.cos(np.pi / 40) ** 2, rel=1e-2)
+
+
+def test_a_triangle_without_area_is_as_far_as_its_sides() -> None:
+    """It once counted as meeting everything."""
+    needle = np.array([[[0.0, 0, 0], [1, 0, 0], [0.5, 0, 0]]])
+    point = np.zeros((1, 3, 3))
+    plate = shapes.PlateShape((1.0, 1.0)).triangles() + [0.5, 0, 0.3]
+    assert soup_distance(needle, plate) == pytest.approx(0.3)
+    assert soup_distance(plate, point) == pytest.approx(0.3)
+
+
+def test_long_triangles_that_all_overlap_each_others_balls_take_no_longer() -> None:
+    """Two rods of 1200 triangles as long as they are, side by side: once every pair of triangles was looked at closely, for a minute."""
+    rod = shapes.Cylinder(0.05, 1.0, 300).triangles()
+    start = time.process_time()
+    assert soup_distance(rod, rod + [0.1003, 0.0, 0.0]) == pytest.approx(3e-4, rel=1e-6)
+    assert time.process_time() - start < 10

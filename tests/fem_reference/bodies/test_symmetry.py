@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
@@ -14,7 +13,6 @@ from fem_reference.bodies.conductors import Conductors, normalised
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
 
-Array = NDArray[np.float64]
 
 SENSOR = Rectangle("sensor", np.zeros(3), np.eye(3), (0.5, 0.3))
 TURNED = Rotation.from_euler("xyz", [0.3, -0.8, 1.9]).as_matrix()

@@ -71,15 +71,6 @@ def test_after_ctrl_c_the_answer_so_far_is_printed(to_all: bool) -> None:
     assert (status, output, errors.strip()) == (130, "the first answer\n", "not accurate")
 
 
-def test_after_ctrl_c_without_an_answer_a_message_says_so() -> None:
-    process = started(f'print("begun", flush=True)\n{BUSY}')
-    assert process.stdout is not None and process.stdout.readline() == "begun\n"
-    os.kill(process.pid, signal.SIGINT)
-    status, output, errors = finished(process)
-    assert (status, output) == (130, "")
-    assert errors.strip() == "fem_reference: interrupted before the first answer"
-
-
 def test_when_the_time_is_over_the_answer_so_far_is_printed() -> None:
     status, output, errors = finished(started(reported("0.2")))
     assert (status, output, errors) == (UNREACHED, "begun\nthe first answer\n", "not accurate\n")

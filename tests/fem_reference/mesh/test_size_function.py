@@ -1,10 +1,13 @@
-"""Compiled code gives what numpy gives of the same formulas, and the distances from triangles."""
+"""The sizes of the cells: compiled code gives what numpy gives of the same formulas, gaps that are left out set them nowhere, and
+they follow the accuracy that was asked for."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial.transform import Rotation
 
+from fem_reference.bodies.distances import distance
 from fem_reference.bodies.polyhedron import polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
 from fem_reference.bodies.shapes import Cuboid, Disc, PlanePolygon, Rectangle
@@ -17,6 +20,8 @@ from fem_reference.mesh.body_distances import (
     wall_distance,
 )
 from fem_reference.mesh.size_function import SizeFunction
+from fem_reference.mesh.size_rules import Sizing, sizing_for
+from fem_reference.mesh.sizing import _in_gap, _is_wide
 from fem_reference.mesh.tape import Tape, smallest
 from geometries.scene import polygons, shapes
 from geometries.scene.poses import AxisRotation
@@ -89,3 +94,37 @@ def test_the_least_sum_of_distance_and_offset_is_found_among_all_triangles() -> 
     found = SizeFunction(Tape().distance(np.repeat(places[:, None], 3, axis=1), offsets))(POINTS)
     sums = np.linalg.norm(POINTS[:, None] - places, axis=2) + offsets
     np.testing.assert_allclose(found, sums.min(axis=1), rtol=1e-12)
+
+
+def test_in_a_wide_gap_the_growth_from_edges_is_smaller_everywhere() -> None:
+    random = np.random.default_rng(1)
+    sizing, left_out = Sizing(growth=0.6), 0
+    for _ in range(200):
+        axes = Rotation.random(2, random_state=int(random.integers(1 << 30))).as_matrix()
+        body: Rectangle | Cuboid = Cuboid("body", np.zeros(3), axes[0], tuple(random.uniform(0.1, 1, 3)))
+        if random.random() < 0.5:
+            body = Rectangle("body", np.zeros(3), axes[0], tuple(random.uniform(0.1, 1, 2)))
+        other = Cuboid("other", random.uniform(-4, 4, 3), axes[1], (0.3, 0.5, 0.2))
+        ratio = _in_gap(body, other, sizing)
+        if not _is_wide(body, distance(body, other), ratio, sizing):
+            continue
+        left_out += 1
+        points = np.concatenate([random.uniform(-5, 5, (500, 3)), random.normal(size=(500, 3))])
+        edges = edge_distance(body, points.T)
+        assert edges is not None
+        grown = sizing.edge * body.size + sizing.growth * edges
+        in_gap = ratio * (surface_distance(body, points.T) + surface_distance(other, points.T))
+        assert np.all(grown <= in_gap)
+    assert left_out > 50
+
+
+def test_cells_grow_no_faster_where_more_accuracy_is_asked_for() -> None:
+    growths = [sizing_for(rtol, 1.0).growth for rtol in (1e-1, 1e-3, 9e-4, 1e-4)]
+    assert growths == sorted(growths, reverse=True)
+    assert growths[0] == growths[1] > growths[2] > growths[3]
+
+
+def test_what_is_asked_coarsely_is_meshed_coarsely() -> None:
+    coarse, fine = sizing_for(2e-2, 1.0), sizing_for(1e-2, 1.0)
+    assert coarse.curvature > fine.curvature and coarse.far > fine.far
+    assert coarse.edge == fine.edge and coarse.edge_in_gap == fine.edge_in_gap

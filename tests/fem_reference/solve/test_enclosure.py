@@ -18,8 +18,6 @@ from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.bodies.symmetry import mirror_planes
 from tests.by_night import all_but
-from tests.fem_reference.panel_method import Plate
-from tests.fem_reference.random_set_ups import enclosed, set_ups
 
 Array = NDArray[np.float64]
 
@@ -156,14 +154,6 @@ def test_plates_against_boundary_elements(case: dict[str, Any]) -> None:
     width = np.max((found.upper - found.lower) / np.abs(truth))
     print(f"\n{case['name']}: widest {width:.1e}")
     assert width <= 0.03
-
-
-@pytest.mark.night
-@pytest.mark.parametrize("plates", list(set_ups(1, seed=7)))
-def test_random_poses_against_panels(plates: list[Plate]) -> None:
-    """The enclosures of a sample of `random_set_ups`, on the coarsest mesh."""
-    inside, width, slack = enclosed(plates, 1)
-    assert inside and width <= 0.1 and slack <= 1e-2 * width + 1e-3
 
 
 def test_twice_the_size_is_twice_the_bounds_to_rounding() -> None:

@@ -1,4 +1,5 @@
-"""Differences from both bounds: exact where the errors of both scenes are equal, and with an error where they are not."""
+"""Differences from both bounds: exact where the errors of both scenes are equal, and with an error where they are not. Bounds of
+readings in matrices that are known, and conductors that are connected to ground through a capacitance."""
 
 from __future__ import annotations
 
@@ -7,15 +8,14 @@ import pytest
 from numpy.typing import NDArray
 
 from fem_reference import maxwell
+from fem_reference.bodies.conductors import Measured
 from fem_reference.solve.cell_gaps import BoundedMatrix
+from fem_reference.solve.field_problem import without_floating
+from fem_reference.solve.readings import reading_bounds
 from fem_reference.solve.two_sided import FRACTION_OF_DISTANCE, two_sided, unit_voltages
 from geometries.scene.reader import loads
+from tests.scenes import SENSOR
 
-SQUARE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-"""
 OTHER_SQUARE = """
 [[object]]
 name = "target"
@@ -82,7 +82,7 @@ def test_errors_of_one_scene_only_are_stated() -> None:
 @pytest.mark.parametrize("gap", [0.02, 0.05, 0.2])
 def test_one_mesh_gives_the_change_within_its_error(gap: float) -> None:
     """Against an estimate to 1e-3; the error stated for one mesh is a fraction of its interval's width."""
-    scene = loads(SQUARE + OTHER_SQUARE.format(gap=gap))
+    scene = loads(SENSOR + OTHER_SQUARE.format(gap=gap))
     one = maxwell(scene, rtol=1e-2, max_unknowns=1)
     other = maxwell(scene, rtol=1e-3, error="estimate")
     assert len(one.levels) == 1 and other.reached and one.enclosure is not None
@@ -92,3 +92,36 @@ def test_one_mesh_gives_the_change_within_its_error(gap: float) -> None:
     print(
         f"\ngap {gap}: off by {difference / one.delta_self.value}, stated {one.delta_self.error / one.delta_self.value}"
     )
+
+
+READINGS = (Measured("self", 0, (0,)), Measured("guarded", 0, (0, 2)), Measured("transmitted", 1, (0, 2)))
+
+
+def test_a_reading_lies_between_the_bounds_of_two_quadratic_forms() -> None:
+    random = np.random.default_rng(1)
+    for _ in range(50):
+        matrix = positive(random, 1.0)
+        found = reading_bounds(READINGS, matrix - positive(random, 0.1), matrix + positive(random, 0.1), 0.0)
+        values = [matrix[0, 0], matrix[0, 0] + matrix[0, 2], -matrix[1, 0] - matrix[1, 2]]
+        assert np.all(found[:, 0] <= values) and np.all(values <= found[:, 1])
+
+
+def test_equal_forms_leave_no_doubt() -> None:
+    matrix = positive(np.random.default_rng(2), 1.0)
+    np.testing.assert_allclose(*reading_bounds(READINGS, matrix, matrix, 0.0).T, atol=1e-12)
+
+
+def test_curved_surfaces_widen_the_bounds_by_their_share_of_both_energies() -> None:
+    matrix = positive(np.random.default_rng(3), 1.0)
+    width = np.ptp(reading_bounds(READINGS[:1], matrix, matrix, 1e-3), axis=1)
+    assert width == pytest.approx(2e-3 * matrix[0, 0])
+
+
+def test_a_capacitance_to_ground_is_between_floating_and_grounded() -> None:
+    """The energy for any voltages grows with the capacitance: the conductor's potential is less free to follow."""
+    matrix = positive(np.random.default_rng(4), 1.0)
+    own = [without_floating(matrix, 1, [capacitance]) for capacitance in (0.0, 0.1, 1.0, 1e9)]
+    for less, more in zip(own, own[1:]):
+        assert np.all(np.linalg.eigvalsh(more - less) > -1e-12)
+    np.testing.assert_allclose(own[0], without_floating(matrix, 1))
+    np.testing.assert_allclose(own[-1], matrix[:2, :2], atol=1e-8)

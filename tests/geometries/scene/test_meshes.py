@@ -34,39 +34,11 @@ def test_the_faces_of_a_file_are_read_in_its_order(tmp_path: Path, suffix: str) 
     np.testing.assert_allclose(meshes.read_triangles(path), TRIANGLES)
 
 
-def test_polygons_become_fans_from_their_first_vertex(tmp_path: Path) -> None:
-    (tmp_path / "body.obj").write_text(OBJ)
-    triangles = meshes.read_triangles(tmp_path / "body.obj")
-    np.testing.assert_allclose(
-        triangles[:2], [[(0, 0, 0), (1, 0, 0), (1, 1, 0)], [(0, 0, 0), (1, 1, 0), (0, 1, 0)]]
-    )
-    assert len(triangles) == 4
-
-
 def test_a_scene_scales_its_mesh_and_finds_it_beside_itself(tmp_path: Path) -> None:
     (tmp_path / "body.obj").write_text(OBJ)
     (tmp_path / "scene.toml").write_text(scene_with("body.obj", 0.5))
     triangles = reader.load(tmp_path / "scene.toml").conductors()["o"]
     np.testing.assert_allclose(triangles, 0.5 * meshes.read_triangles(tmp_path / "body.obj"))
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "reason"),
-    [
-        ("empty.obj", "", "is empty"),
-        ("points.obj", "v 0 0 0\nv 1 0 0\n", "holds no triangles"),
-        ("words.ply", "this is not a mesh", "cannot|not a mesh"),
-        ("words.obj", "v a b c\n", "is not a mesh that can be read"),
-        ("index.obj", "v 0 0 0\nv 1 0 0\nf 1 2 9\n", "vertex that does not exist"),
-        ("nan.obj", "v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "finite number"),
-    ],
-)
-def test_damaged_files_are_refused(tmp_path: Path, name: str, content: str, reason: str) -> None:
-    (tmp_path / name).write_text(content)
-    (tmp_path / "scene.toml").write_text(scene_with(name))
-    with pytest.raises(InputError, match=reason) as caught:
-        reader.load(tmp_path / "scene.toml")
-    assert caught.value.key == 'object "o": shape.file'
 
 
 def test_a_mesh_counts_by_its_bytes_not_by_its_place(tmp_path: Path) -> None:

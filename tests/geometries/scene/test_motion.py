@@ -156,9 +156,7 @@ def test_at_rest_is_the_scene() -> None:
     [
         ("", "motion: frame: a motion needs at least one frame"),
         ("[[frames]]", "motion: frames: unknown key; there are format, frame, units"),
-        ("frame = 3", "motion: frame: must be a list of tables"),
         ("[[frame]]\nlinks = []", "motion: frame[0].links: unknown key; there are joints, name, poses"),
-        ('[[frame]]\nname = ""', "motion: frame[0].name: must not be empty"),
         ("[[frame]]\nposes = [ {} ]", "motion: frame[0].poses[0].link: is missing"),
         (
             '[[frame]]\n[[frame]]\nposes = [ { link = "leg" } ]',
@@ -167,14 +165,6 @@ def test_at_rest_is_the_scene() -> None:
         (
             '[[frame]]\nposes = [ { link = "arm" }, { link = "arm" } ]',
             "motion: frame[0].poses[1].link: 'arm' has a pose in this frame already",
-        ),
-        (
-            '[[frame]]\nposes = [ { link = "arm", translation = [0, 0] } ]',
-            "motion: frame[0].poses[0].translation: must be a list of 3 numbers, not [0, 0]",
-        ),
-        (
-            '[[frame]]\nposes = [ { link = "arm", rotation = { axis = [0, 0, 0], degrees = 1 } } ]',
-            "motion: frame[0].poses[0].rotation.axis: must have a length greater than 0",
         ),
         (
             '[[frame]]\nposes = [ { link = "arm", pose = 1 } ]',
@@ -195,15 +185,6 @@ def test_a_file_that_is_no_toml_is_refused_by_its_line(tmp_path: Path) -> None:
         motion.load(path, SCENE)
     with pytest.raises(InputError, match="cannot be read"):
         motion.load(tmp_path / "none.toml", SCENE)
-
-
-def test_the_example_motion_fits_the_example_scene() -> None:
-    folder = Path(motion.__file__).parents[1] / "scenes"
-    scene = reader.load(folder / "x_ray_arm.toml")
-    frames = motion.load(folder / "x_ray_arm.motion.toml", scene)
-    assert len(frames) >= 10
-    assert len(scene.distance_sensors) == 4
-    assert len(scene.sensors) >= 4
 
 
 @pytest.mark.parametrize("sign", [1, -1], ids=["", "with the opposite quaternion"])

@@ -1,11 +1,15 @@
-/// Tests the loop of all boundary elements with a problem that counts what is asked of it.
-
 #include "bem/adaptive.hpp"
 
+#include <cstddef>
 #include <vector>
 
+#include <Eigen/Core>
 #include <gmock/gmock.h>
 
+#include "bem/marking.hpp"
+
+/// Tests the loop of all boundary elements with a problem that counts what is asked of it, and which panels
+/// are marked for refinement.
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
@@ -57,6 +61,69 @@ TEST(SolveAdaptively, AsksForRefinementWithoutMarksWhereNoPanelsMayBeAdded) {
   problem.most_added = 0;
   solve_adaptively(problem);
   EXPECT_THAT(problem.marked, ElementsAre(IsEmpty()));
+}
+
+using detail::mark_for_refinement;
+using Eigen::VectorXd;
+
+/// Returns groups of quartered triangles. Refining one adds four panels.
+std::vector<PanelGroup> quartered_groups(std::size_t count) {
+  std::vector<PanelGroup> groups;
+  for (std::size_t k = 0; k < count; ++k)
+    groups.push_back({4 * k, 4, 0, true});
+  return groups;
+}
+
+constexpr std::size_t plenty = 1000;
+
+TEST(MarkForRefinement, TakesTheGroupsWithTheGreaterPartOfTheEnergy) {
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 0, plenty),
+              ElementsAre(0, 1, 1, 0));
+}
+
+TEST(MarkForRefinement, TakesNoMoreGroupsThanTheErrorRequires) {
+  // Refinement leaves 3.2 of the 8, hence 7.2 of 12 in all. The others are not worth it.
+  const VectorXd energies = (VectorXd(4) << 1e-3, 8, 4, 1e-3).finished();
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 7.3, plenty), ElementsAre(0, 1, 1, 0));
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, plenty), ElementsAre(0, 1, 1, 0));
+}
+
+TEST(MarkForRefinement, AddsFourTenthsOfThePanelsWhereThatIsWorthIt) {
+  const Eigen::Vector4d energies(2, 8, 1, 1);
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 7.3, plenty), ElementsAre(1, 1, 0, 0))
+      << "though the second alone would do";
+}
+
+TEST(MarkForRefinement, MarksGroupsOfEqualEnergyTogether) {
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), Eigen::Vector4d(3, 1, 2.999, 3), 8, plenty),
+              ElementsAre(1, 0, 1, 1));
+}
+
+TEST(MarkForRefinement, AddsNoMorePanelsThanAllowed) {
+  const Eigen::Vector4d energies(1, 8, 2, 1);
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, 7), ElementsAre(0, 1, 0, 0));
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, 3), IsEmpty());
+}
+
+TEST(MarkForRefinement, RepeatsStepsWhereTheChargeIsConcentrated) {
+  // Of 1000 the first step leaves 400, 200 for each half, and the second 160, 40 for each quarter.
+  const Eigen::Vector4d energies(1000, 50, 1, 1);
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 200, plenty, 3), ElementsAre(2, 1, 0, 0));
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 200, plenty), ElementsAre(1, 1, 0, 0));
+}
+
+TEST(MarkForRefinement, CountsThePanelsOfRepeatedSteps) {
+  // Steps of a quartered triangle add 4, 8 and 16 panels.
+  const Eigen::Vector4d energies(1000, 1e-9, 1e-9, 1e-9);
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, 28, 3), ElementsAre(3, 0, 0, 0));
+  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, 27, 3), ElementsAre(2, 0, 0, 0));
+}
+
+TEST(MarkForRefinement, QuartersTrianglesOfGroupsBeforeItHalvesThem) {
+  // Three triangles are quartered by nine panels more, and halved by twelve more.
+  const std::vector<PanelGroup> groups{{0, 3, 0, false}, {3, 4, 0, true}};
+  EXPECT_THAT(mark_for_refinement(groups, Eigen::Vector2d(100, 1e-6), 0, 21, 2), ElementsAre(2, 0));
+  EXPECT_THAT(mark_for_refinement(groups, Eigen::Vector2d(100, 1e-6), 0, 20, 2), ElementsAre(1, 0));
 }
 
 }  // namespace

@@ -37,6 +37,28 @@ void complete(Specimen& specimen) {
     specimen.thesis = thesis_formula(specimen.triangle, specimen.plate);
 }
 
+std::vector<Specimen> with_truth(const std::vector<Group>& groups, unsigned threads) {
+  std::vector<Specimen> specimens;
+  for (const Group& group : groups)
+    for (const Triangle& triangle : group.triangles) {
+      specimens.emplace_back();
+      specimens.back().triangle = triangle;
+      specimens.back().plate = group.plate;
+    }
+  std::atomic<std::size_t> next = 0;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < specimens.size(); i = next++)
+      complete(specimens[i]);
+    // MPFR caches constants and memory for each thread, and frees them only on request.
+    mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);
+  };
+  std::vector<std::jthread> pool;
+  for (unsigned i = 0; i < threads; ++i)
+    pool.emplace_back(work);
+  pool.clear();
+  return specimens;
+}
+
 }  // namespace
 
 std::string name_of(Judged method) {
@@ -88,28 +110,6 @@ bool passes(const Specimen& specimen, const TriangleClass& of_class) {
   const double error = *error_of(specimen, Judged::exact);
   return specimen.truth.converged && error <= limit * specimen.conditioning &&
          (!of_class.well_behaved || error <= largest_well_behaved_error) && keeps_tolerances(specimen);
-}
-
-std::vector<Specimen> with_truth(const std::vector<Group>& groups, unsigned threads) {
-  std::vector<Specimen> specimens;
-  for (const Group& group : groups)
-    for (const Triangle& triangle : group.triangles) {
-      specimens.emplace_back();
-      specimens.back().triangle = triangle;
-      specimens.back().plate = group.plate;
-    }
-  std::atomic<std::size_t> next = 0;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < specimens.size(); i = next++)
-      complete(specimens[i]);
-    // MPFR caches constants and memory for each thread, and frees them only on request.
-    mpfr_free_cache2(MPFR_FREE_LOCAL_CACHE);
-  };
-  std::vector<std::jthread> pool;
-  for (unsigned i = 0; i < threads; ++i)
-    pool.emplace_back(work);
-  pool.clear();
-  return specimens;
 }
 
 Assessment assess(const TriangleClass& of_class, const std::vector<Group>& groups, unsigned threads) {

@@ -71,7 +71,4 @@ struct Assessment {
 /// Assesses the triangles of a class, with the given number of threads.
 Assessment assess(const TriangleClass& of_class, const std::vector<Group>& groups, unsigned threads);
 
-/// Computes the truth alone, with the given number of threads.
-std::vector<Specimen> with_truth(const std::vector<Group>& groups, unsigned threads);
-
 }  // namespace fringe::stress

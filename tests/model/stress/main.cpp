@@ -12,7 +12,6 @@
 
 #include "assessment.hpp"
 #include "fringe/error.hpp"
-#include "multiprecision.hpp"
 #include "summary.hpp"
 #include "triangle_classes.hpp"
 
@@ -29,7 +28,6 @@ struct Request {
   std::vector<std::string> classes;
   unsigned threads = std::max(1U, std::thread::hardware_concurrency());
   std::string json;
-  bool only_truth = false;
 };
 
 /// Formats the nine numbers of a triangle or a plate without rounding.
@@ -95,11 +93,6 @@ void print(const ClassSummary& summary) {
   std::fflush(stdout);
 }
 
-void print_truth(const std::string& of_class, const std::vector<Group>& groups, unsigned threads) {
-  for (const Specimen& specimen : with_truth(groups, threads))
-    fmt::print("{}{} {}\n", of_class, inputs(specimen), to_real(specimen.truth.value).str(25));
-}
-
 /// Returns the number of triangles of the i-th class when `count` triangles are distributed over all classes.
 std::size_t share(std::size_t count, std::size_t i, std::size_t classes) {
   return count * (i + 1) / classes - count * i / classes;
@@ -121,16 +114,11 @@ ExitCode run(const Request& request) {
   const auto start = std::chrono::steady_clock::now();
   Summary summary{request.count, request.seed, 0, {}};
   bool all_pass = true;
-  if (!request.only_truth)
-    fmt::print("{:<22}{:<9}{:>8}{:>11}{:>10}{:>10}{:>11}{:>11}{:>11}{:>10}\n", "class", "method", "count",
-               "not finite", "median", "largest", "median/c", "99 %/c", "largest/c", "off 1 %");
+  fmt::print("{:<22}{:<9}{:>8}{:>11}{:>10}{:>10}{:>11}{:>11}{:>11}{:>10}\n", "class", "method", "count",
+             "not finite", "median", "largest", "median/c", "99 %/c", "largest/c", "off 1 %");
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     const std::vector<Group> groups =
         make_triangles(chosen[i].name, share(request.count, i, chosen.size()), request.seed);
-    if (request.only_truth) {
-      print_truth(chosen[i].name, groups, request.threads);
-      continue;
-    }
     const Assessment assessment = assess(chosen[i], groups, request.threads);
     all_pass = all_pass && std::all_of(assessment.specimens.begin(), assessment.specimens.end(),
                                        [&](const Specimen& s) { return passes(s, chosen[i]); });
@@ -156,9 +144,6 @@ int command(int argument_count, char** arguments) {
       ->delimiter(',');
   program.add_option("--threads", request.threads, "Default: one for every core")->check(CLI::PositiveNumber);
   program.add_option("--json", request.json, "A file for the summary");
-  program.add_flag(
-      "--only-truth", request.only_truth,
-      "Print class, triangle, corner, edge_u, edge_v and the integral to 25 digits; judge nothing");
   try {
     program.parse(argument_count, arguments);
   } catch (const CLI::ParseError& error) {

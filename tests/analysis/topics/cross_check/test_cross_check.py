@@ -175,33 +175,26 @@ def test_what_boundary_elements_do_not_know_is_kept_with_the_reason(tmp_path: Pa
     assert "target" in refused["refused"] and str(tmp_path) not in refused["refused"]
 
 
-def test_boundary_elements_of_dielectric_bodies_are_asked_for_one_per_cent() -> None:
-    dielectric = families.box(
-        (0.1, 0.1), (0.1, 0.1), 0.04, 0.02, material="dielectric", relative_permittivity=3
-    )
-    assert boundary_stage.rtol(BESIDE, dielectric) == 1e-2
-
-
 def test_round_bodies_are_not_compared_since_their_polyhedra_are_other_bodies(tmp_path: Path) -> None:
     plates = families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)
     ball = replace(plates, objects=(replace(plates.objects[0], shape=Sphere(0.02)),))
     assert "polyhedron" in stored(ball, tmp_path)["refused"]
 
 
-def test_boundary_elements_of_a_mesh_are_asked_for_the_field_solvers_tolerance(tmp_path: Path) -> None:
+def test_boundary_elements_are_asked_for_a_tenth_of_plates_and_for_the_studys_tolerance_of_others(
+    tmp_path: Path,
+) -> None:
     plates = families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)
     (tmp_path / "wall.obj").write_text("v 0 0 0\nv .05 0 0\nv .05 .05 0\nv 0 .05 0\nf 1 2 3 4\n")
     scene = canonical(plates).split("[object.shape]")[0]
     store.write_text(tmp_path / "scene.toml", scene + '[object.shape]\ntype = "mesh"\nfile = "wall.obj"\n')
     mesh = reader.load(tmp_path / "scene.toml")
-    assert (boundary_stage.rtol(BESIDE, plates), boundary_stage.rtol(BESIDE, mesh)) == (1e-3, 1e-2)
+    box = families.box((0.1, 0.1), (0.1, 0.1), 0.04, 0.02, material="dielectric", relative_permittivity=3)
+    assert [boundary_stage.rtol(BESIDE, scene) for scene in (plates, mesh, box)] == [1e-3, 1e-2, 1e-2]
+    alone = replace(BESIDE, reference_method=study.BOUNDARY_ELEMENTS)
+    assert boundary_stage.rtol(alone, plates) == 1e-2
     answer = stored(mesh, tmp_path / "stored")
     assert answer["rtol"] == 1e-2 and answer["reached"]
-
-
-def test_boundary_elements_alone_are_asked_for_what_the_study_asks() -> None:
-    alone = replace(BESIDE, reference_method=study.BOUNDARY_ELEMENTS)
-    assert boundary_stage.rtol(alone, families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)) == 1e-2
 
 
 def test_a_scene_that_is_gone_meanwhile_has_no_answer(tmp_path: Path) -> None:

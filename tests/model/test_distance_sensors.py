@@ -1,11 +1,15 @@
-"""The distance sensor in the Python module `fringe`: `cone_closest`, `Scene.sense` and their errors."""
+"""Distance sensors in the Python module `fringe`, `cone_closest`, `Scene.sense` and their errors, and what `fringe sense` prints."""
 
+from __future__ import annotations
+
+import json
+import subprocess
+from collections.abc import Callable
 from pathlib import Path
 
+import fringe
 import numpy as np
 import pytest
-
-import fringe
 
 METHODS = ["field_of_view", "cone_equation"]
 ORIGIN, UP = np.zeros(3), np.array([0.0, 0, 1])
@@ -57,13 +61,6 @@ def test_cone_closest_is_none_when_nothing_is_in_the_cone(method: str) -> None:
     assert fringe.cone_closest([ABOVE], ORIGIN, -UP, np.pi, 10, method) is None
     assert fringe.cone_closest([ABOVE], ORIGIN, UP, np.pi, 1.999, method) is None
     assert fringe.cone_closest(np.empty((0, 3, 3)), ORIGIN, UP, np.pi, 10, method) is None
-
-
-def test_cone_closest_keywords_are_those_of_the_contract() -> None:
-    answer = fringe.cone_closest(
-        triangles=[ABOVE], apex=[0, 0, 0], direction=[0, 0, 1], full_angle=1, range=3, method="cone_equation"
-    )
-    assert answer is not None and answer[0] == 2
 
 
 @pytest.mark.parametrize(
@@ -130,6 +127,70 @@ def test_sense_follows_the_links_and_agrees_with_cone_closest(scene: fringe.Scen
     assert scene.sense()["distance_sensors"][0]["distance"] is None  # from 2 m all is out of range
 
 
-def test_sense_refuses_an_unknown_method(scene: fringe.Scene) -> None:
-    with pytest.raises(ValueError):
-        scene.sense("echo")
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
+
+EYES = """
+[[distance_sensor]]
+name = "eye"
+apex = [0, 0, 0.5]
+direction = [0, 0, -1]
+full_angle_degrees = 60
+range = 0.8
+
+[[distance_sensor]]
+name = "back"
+apex = [0, 0, 0.5]
+direction = [0, 0, 1]
+full_angle_degrees = 180
+range = 0.8
+
+[[object]]
+name = "floor"
+shape = { type = "plate", size = [2, 2] }
+"""
+
+
+@pytest.fixture
+def eyes(tmp_path: Path) -> Path:
+    path = tmp_path / "a scene.toml"
+    path.write_text(EYES)
+    return path
+
+
+@pytest.mark.parametrize("method", ["field_of_view", "cone_equation"])
+def test_sense_as_json(fringe_command: Command, eyes: Path, method: str) -> None:
+    done = fringe_command("sense", eyes, "--json", "--method", method)
+    assert (done.returncode, done.stderr) == (0, "")
+    eye, back = json.loads(done.stdout)["distance_sensors"]
+    assert eye.pop("point") == pytest.approx([0, 0, 0], abs=1e-16)
+    # The axis meets the floor on the line between its two triangles.
+    assert eye == {"name": "eye", "distance": 0.5, "object": "floor", "triangle": 0}
+    assert back == {"name": "back", "distance": None, "point": None, "object": None, "triangle": None}
+
+
+def test_sense_as_table(fringe_command: Command, eyes: Path) -> None:
+    done = fringe_command("sense", eyes)
+    assert (done.returncode, done.stderr) == (0, "")
+    _, _, eye, back = done.stdout.splitlines()
+    assert eye.split()[:4] == ["eye", "500", "mm", "floor,"]
+    assert back.split() == ["back", "sees", "nothing"]
+
+
+def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Command, eyes: Path) -> None:
+    eyes.write_text('[[object]]\nname = "floor"\nshape = { type = "plate", size = [2, 2] }\n')
+    assert json.loads(fringe_command("sense", eyes, "--json").stdout) == {
+        "format": 1,
+        "distance_sensors": [],
+        "remarks": [],
+    }
+    assert fringe_command("sense", eyes).stdout == "the scene has no distance sensors\n"
+
+
+def test_unknown_method_and_missing_file(fringe_command: Command, eyes: Path, tmp_path: Path) -> None:
+    for arguments, reason in [
+        ((eyes, "--method", "echo"), 'unknown method "echo"'),
+        ((tmp_path / "none.toml",), "the file does not exist"),
+    ]:
+        done = fringe_command("sense", *arguments)
+        assert (done.returncode, done.stdout) == (2, "")
+        assert reason in done.stderr
