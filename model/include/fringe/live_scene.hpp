@@ -71,7 +71,7 @@ class LiveScene {
   const MaxwellMatrix& maxwell(const EvaluationOptions& options = {});
 
   /// Returns the readings in each frame of a motion, or in those answered by the end of `max_seconds`; the
-  /// scene stays in the poses of the last one. The reduced method answers many frames at once, prepared for
+  /// scene keeps its present poses. The reduced method answers many frames at once, prepared for
   /// all of them, on up to so many threads (0: as many as this process may run at once), with the same bits
   /// for any number; others answer one frame after the other.
   std::vector<std::vector<ReadingAnswer>> readings_of(const std::vector<Frame>& motion,

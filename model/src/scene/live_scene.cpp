@@ -229,8 +229,19 @@ const MaxwellMatrix& LiveScene::maxwell(const EvaluationOptions& options) {
 std::vector<std::vector<ReadingAnswer>> LiveScene::readings_of(const std::vector<Frame>& motion,
                                                                const EvaluationOptions& options,
                                                                std::size_t threads) {
-  return implementation_->readings_of(
-      motion.size(), [&](std::size_t frame) { set_poses(motion[frame].poses); }, options, threads);
+  std::vector<Eigen::Isometry3d> present;
+  for (const Link& link : scene().links)
+    present.push_back(link.pose);
+  std::vector<std::vector<ReadingAnswer>> answers;
+  try {
+    answers = implementation_->readings_of(
+        motion.size(), [&](std::size_t frame) { set_poses(motion[frame].poses); }, options, threads);
+  } catch (...) {
+    set_poses(present);
+    throw;
+  }
+  set_poses(present);
+  return answers;
 }
 
 const SceneCollision& LiveScene::collide() {

@@ -187,6 +187,17 @@ TEST(Auto, AnswersAMotionAsItsFrames) {
   }
 }
 
+TEST(Auto, LeavesTheSceneInItsPosesAfterAMotion) {
+  LiveScene live(housing_and_hand());
+  const auto present = live.scene().links.at(0).pose.matrix();
+  const std::vector<Frame> motion{{"away", {pose_from_axis({0, 0, 1}, 0, {0, 0, 0.01})}}};
+  live.readings_of(motion, {.method = Formula{}});
+  EXPECT_EQ(live.scene().links.at(0).pose.matrix(), present);
+  // Also when a frame cannot be used.
+  EXPECT_THROW(live.readings_of({motion[0], {"none", {}}}, {.method = Formula{}}), InputError);
+  EXPECT_EQ(live.scene().links.at(0).pose.matrix(), present);
+}
+
 TEST(Auto, EndsInTimeWithTheBestAnswerSoFar) {
   const Evaluation answer = evaluate(housing_and_hand(), {.rtol = 1e-6, .max_seconds = 0.3});
   EXPECT_FALSE(answer.reached);
