@@ -13,14 +13,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 
-/// Adds the columns of `factor` to the targets' columns; the first target is column 0.
-MatrixXd restricted_columns(const MatrixXd& factor, ClusterRange range, const Restriction& restriction,
-                            Index first, Index count) {
-  MatrixXd result = MatrixXd::Zero(factor.rows(), count);
+/// Adds the rows of `factor` to the targets' rows; the first target is row 0.
+MatrixXd restricted_rows(const MatrixXd& factor, ClusterRange range, const Restriction& restriction,
+                         Index first, Index count) {
+  MatrixXd result = MatrixXd::Zero(count, factor.cols());
   for (Index k = 0; k < range.count; ++k) {
     const Index unknown = range.first + k;
-    result.col(restriction.target[static_cast<std::size_t>(unknown)] - first) +=
-        restriction.weights[unknown] * factor.col(k);
+    result.row(restriction.target[static_cast<std::size_t>(unknown)] - first) +=
+        restriction.weights[unknown] * factor.row(k);
   }
   return result;
 }
@@ -40,8 +40,8 @@ struct Targets {
     own.weights = restriction.weights.segment(range.first, range.count);
   }
 
-  MatrixXd columns(const MatrixXd& factor) const {
-    return restricted_columns(factor, {0, factor.cols()}, own, 0, static_cast<Index>(indices.size()));
+  MatrixXd rows(const MatrixXd& factor) const {
+    return restricted_rows(factor, {0, factor.rows()}, own, 0, static_cast<Index>(indices.size()));
   }
 };
 
@@ -100,10 +100,10 @@ MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
     for (std::size_t k = part * together; k < std::min((part + 1) * together, far_.size()); ++k) {
       const LowRankBlock& block = far_[k];
       const ClusterRange a = clusters_[block.a], b = clusters_[block.b];
-      products[k] = {MatrixXd::Zero(block.rows.rows(), factors.cols()),
-                     MatrixXd::Zero(block.rows.rows(), factors.cols())};
-      add_product(block.rows, factors.middleRows(a.first, a.count), products[k].of_rows);
-      add_product(block.columns, factors.middleRows(b.first, b.count), products[k].of_columns);
+      products[k] = {MatrixXd::Zero(block.rows.cols(), factors.cols()),
+                     MatrixXd::Zero(block.rows.cols(), factors.cols())};
+      add_transposed_product(block.rows, factors.middleRows(a.first, a.count), products[k].of_rows);
+      add_transposed_product(block.columns, factors.middleRows(b.first, b.count), products[k].of_columns);
     }
   });
   MatrixXd result = MatrixXd::Zero(size_, factors.cols());
@@ -124,7 +124,7 @@ MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
       const MatrixXf& own = use.as_rows ? block.rows : block.columns;
       const Index offset = range.first - clusters_[use.as_rows ? block.a : block.b].first;
       const MatrixXd& product = use.as_rows ? products[use.block].of_columns : products[use.block].of_rows;
-      add_transposed_product(own.middleCols(offset, range.count), product, sum);
+      add_product(own.middleRows(offset, range.count), product, sum);
     }
     result.middleRows(range.first, range.count) = sum;
   });
@@ -135,20 +135,19 @@ HierarchicalMatrix HierarchicalMatrix::restricted(const Restriction& restriction
                                                   std::vector<ClusterRange> clusters) const {
   std::vector<LowRankBlock> far(far_.size());
   std::vector<DenseBlock> near(near_.size());
-  const auto columns = [&](const MatrixXd& factor, std::size_t cluster) -> MatrixXd {
-    return restricted_columns(factor, clusters_[cluster], restriction, clusters[cluster].first,
-                              clusters[cluster].count);
+  const auto rows = [&](const MatrixXd& factor, std::size_t cluster) -> MatrixXd {
+    return restricted_rows(factor, clusters_[cluster], restriction, clusters[cluster].first,
+                           clusters[cluster].count);
   };
   parallel_for(far_.size(), threads_, [&](std::size_t k) {
     const LowRankBlock& block = far_[k];
-    far[k] = {block.a, block.b, columns(block.rows.cast<double>(), block.a).cast<float>(),
-              columns(block.columns.cast<double>(), block.b).cast<float>()};
+    far[k] = {block.a, block.b, rows(block.rows.cast<double>(), block.a).cast<float>(),
+              rows(block.columns.cast<double>(), block.b).cast<float>()};
   });
   parallel_for(near_.size(), threads_, [&](std::size_t k) {
     const DenseBlock& block = near_[k];
-    const MatrixXd values = block.values.cast<double>();
-    near[k] = {block.a, block.b,
-               columns(columns(values, block.b).transpose(), block.a).transpose().cast<float>()};
+    const MatrixXd of_rows = rows(block.values.cast<double>(), block.a);
+    near[k] = {block.a, block.b, rows(of_rows.transpose(), block.b).transpose().cast<float>()};
   });
   return {std::move(clusters), leaves_, std::move(far), std::move(near), threads_};
 }
@@ -167,9 +166,9 @@ MatrixXd HierarchicalMatrix::dense_restricted(const Restriction& restriction, In
     Targets a(clusters_[is_near ? near_[k].a : far->a], restriction);
     Targets b(clusters_[is_near ? near_[k].b : far->b], restriction);
     MatrixXd values =
-        is_near ? MatrixXd(a.columns(b.columns(near_[k].values.cast<double>()).transpose()).transpose())
-                : MatrixXd(a.columns(far->rows.cast<double>()).transpose() *
-                           b.columns(far->columns.cast<double>()));
+        is_near
+            ? MatrixXd(b.rows(a.rows(near_[k].values.cast<double>()).transpose()).transpose())
+            : MatrixXd(a.rows(far->rows.cast<double>()) * b.rows(far->columns.cast<double>()).transpose());
     parts[k] = {std::move(a.indices), std::move(b.indices), std::move(values),
                 is_near && near_[k].a == near_[k].b};
   });

@@ -9,12 +9,12 @@
 
 namespace fringe::detail {
 
-/// A block of low rank: rowsᵀ·columns.
+/// A block of low rank: rows·columnsᵀ.
 struct LowRankBlock {
   std::size_t a;            ///< cluster of the rows
   std::size_t b;            ///< cluster of the columns
-  Eigen::MatrixXf rows;     ///< a column for each row of the block
-  Eigen::MatrixXf columns;  ///< a column for each column of the block
+  Eigen::MatrixXf rows;     ///< a row for each row of the block
+  Eigen::MatrixXf columns;  ///< a row for each column of the block
 };
 
 /// A block of which all elements are stored.

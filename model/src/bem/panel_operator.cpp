@@ -44,7 +44,7 @@ LowRankBlock low_rank_block(const ClusterPair& pair, const std::vector<TreeClust
                             [&](Index row, double* values) { fill(a.first + row, b, values); },
                             [&](Index column, double* values) { fill(b.first + column, a, values); }};
   LowRankFactors factors = cross_approximation(source, tolerance);
-  return {pair.a, pair.b, factors.rows.cast<float>(), factors.columns.cast<float>()};
+  return {pair.a, pair.b, factors.rows.transpose().cast<float>(), factors.columns.transpose().cast<float>()};
 }
 
 }  // namespace

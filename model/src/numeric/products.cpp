@@ -16,7 +16,7 @@ using Eigen::Ref;
 /// hold while all vectors are multiplied.
 template <class Number, class Task>
 void for_blocks(const MatrixReference<Number>& matrix, const Task& task) {
-  constexpr Index most_rows = 128, most_columns = 256;
+  constexpr Index most_rows = 256, most_columns = 128;
   for (Index row = 0; row < matrix.rows(); row += most_rows)
     for (Index column = 0; column < matrix.cols(); column += most_columns)
       task(MatrixView<Number>{matrix.data() + column * matrix.outerStride() + row,
