@@ -28,8 +28,8 @@ class MachineReadings {
   /// Prepares nothing yet; the scene's links have the poses given.
   explicit MachineReadings(std::shared_ptr<LinkPoses> poses);
 
-  /// Tells whether the readings of a scene are known: it has some and asks for their changes, has no room,
-  /// and of dielectric objects only covers and targets that are enclosed.
+  /// Tells whether the readings of a scene can be found: it has some and targets, has no room, and of
+  /// dielectric objects only covers and targets that are enclosed.
   static bool knows(const Scene& scene);
 
   /// Keeps what is prepared in files from now on; null: in none.

@@ -61,7 +61,7 @@ UnitSurfaces in_unit(std::vector<TriangleSurface> surfaces) {
   return {std::move(surfaces), unit.centre, unit.scale};
 }
 
-/// Throws InputError for a body of more triangles than can be prepared.
+/// Throws TooManyPanels for a body of more triangles than can be prepared.
 void refuse_large(const std::string& name, const std::vector<TriangleSurface>& surfaces) {
   std::size_t triangles = 0;
   for (const TriangleSurface& surface : surfaces)
@@ -69,7 +69,7 @@ void refuse_large(const std::string& name, const std::vector<TriangleSurface>& s
   const std::size_t panels =
       triangles > most_mesh_panels ? triangles : std::max(triangles, panels_of(surfaces).panels().size());
   if (panels > most_mesh_panels)
-    throw InputError(
+    throw TooManyPanels(
         fmt::format("{} has {} triangles, which become {} panels: the reduced method takes at most {}", name,
                     triangles, panels, most_mesh_panels));
 }

@@ -8,9 +8,16 @@
 
 #include "bem/bodies.hpp"
 #include "bem/insulators.hpp"
+#include "fringe/error.hpp"
 #include "reduced/prepared_shape.hpp"
 
 namespace fringe::detail {
+
+/// The reduced method's matrix takes no body of so many panels; its readings before a machine may.
+class TooManyPanels : public InputError {
+ public:
+  using InputError::InputError;
+};
 
 /// A body in the frame of its link, with the shape that it shares with others of the same proportions.
 struct RigidBody {

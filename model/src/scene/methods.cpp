@@ -9,6 +9,7 @@
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 #include "numeric/infinity.hpp"
+#include "reduced/rigid_bodies.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -148,8 +149,9 @@ double stated_error(const Evaluation& answer, const Scene& scene, Entries entrie
 }
 
 Methods::Methods(const Scene& scene, const SceneSize& size, std::shared_ptr<LinkPoses> poses)
-    : poses_(std::move(poses)), readings_of_objects_(scene), knows_readings_(MachineReadings::knows(scene)),
-      has_insulators_(size.has_insulators), matrix_is_small_(!scene.has_room && is_small(size)),
+    : poses_(std::move(poses)), readings_of_objects_(scene), can_read_(MachineReadings::knows(scene)),
+      knows_readings_(can_read_ && asks_for_changes(scene)), has_insulators_(size.has_insulators),
+      matrix_is_small_(!scene.has_room && is_small(size)),
       // Plates and boxes take milliseconds to prepare.
       matrix_is_quick_(matrix_is_small_ && size.curved == 0), rough_readings_(poses_), readings_(poses_) {}
 
@@ -242,23 +244,28 @@ const MaxwellMatrix& Methods::reduced_matrix(const Scene& scene, double rtol, Re
   });
 }
 
-/// Tries to find the reduced matrix. Where the readings can be found without it, it is not worth seconds for
-/// every pose: bodies on different links may not touch then, and scenes that it refuses have no matrix.
+/// Tries to find the reduced matrix. Where the readings can be found without it, bodies of too many panels
+/// have none. Where they ask for changes, no scene that it refuses has one, and it is not worth seconds for
+/// every pose: bodies on different links may not touch then.
 bool Methods::reduces_to_matrix(const Scene& scene, const EvaluationOptions& asked, ReducedContacts contacts,
                                 Evaluation& answer) {
   answer.matrix.reset();
   if (!reduces_to_matrix(asked.entries))
     return false;
-  const bool has_readings = knows_readings_ && asked.entries == Entries::of_readings;
+  const bool of_readings = asked.entries == Entries::of_readings;
+  const bool is_known = of_readings && knows_readings_;
   try {
-    const ReducedContacts allowed = has_readings ? ReducedContacts::of_one_link : contacts;
+    const ReducedContacts allowed = is_known ? ReducedContacts::of_one_link : contacts;
     answer.matrix = reduced_matrix(scene, rtol_of(asked), allowed, asked.derivatives);
     return true;
-  } catch (const InputError&) {
-    if (!has_readings)
+  } catch (const TooManyPanels&) {
+    if (!of_readings || !can_read_)
       throw;
-    return false;
+  } catch (const InputError&) {
+    if (!is_known)
+      throw;
   }
+  return false;
 }
 
 /// Finds the readings before a machine.

@@ -101,7 +101,9 @@ class Methods {
 
   std::shared_ptr<LinkPoses> poses_;
   ReadingsOfObjects readings_of_objects_;
-  bool knows_readings_, has_insulators_, matrix_is_small_, matrix_is_quick_;
+  bool can_read_;        ///< the readings can be found before a machine
+  bool knows_readings_;  ///< and the scene asks for their changes
+  bool has_insulators_, matrix_is_small_, matrix_is_quick_;
   std::optional<SceneEvaluator> evaluator_;
   CapacitanceOptions evaluator_options_;
   std::optional<ReducedEvaluator> reduced_;

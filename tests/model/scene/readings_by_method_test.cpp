@@ -240,6 +240,17 @@ TEST(ReadingsByTheReducedMethod, OfATargetManyTimesLargerThanItsGapAreFoundBefor
   }
 }
 
+TEST(ReadingsByTheReducedMethod, OfABodyOfMoreTrianglesThanItsMatrixTakesAreFoundBeforeAMachine) {
+  Scene scene;
+  scene.sensors = {test::sensor("front", {test::square(0.1, 0)})};
+  scene.objects = {object("hand", Sphere{0.05, 80}, at(0, 0, 0.1))};
+  const ReadingAnswer found = evaluate(scene, {.method = Reduced{}, .rtol = 0.1}).readings.at(0);
+  const ReadingAnswer true_one = evaluate(scene, {.method = BoundaryElements{}, .rtol = 1e-2}).readings.at(0);
+  expect_agreement(found.value, true_one.value, "value");
+  expect_agreement(found.change, true_one.change, "change");
+  EXPECT_LE(*found.change.error, 0.1 * *found.change.value);
+}
+
 TEST(ReadingsByTheReducedMethod, OfAGapThatItDoesNotResolveAreNotNumbers) {
   Scene scene = machine();
   scene.links[0].pose = at(0, 0, -1);
