@@ -71,7 +71,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     run.add_argument(
         "--measure-model",
         action="store_true",
-        help="also measure the model by itself: run time against error, boundary elements, stability, collisions (seven minutes; kept with the results)",
+        help="also measure the model by itself: run time against error, stability, collisions (five minutes; kept with the results)",
     )
     _add_verify(run)
     _add_nightly(commands)

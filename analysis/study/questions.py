@@ -10,10 +10,8 @@ from typing import Any
 from markupsafe import Markup
 
 from analysis.report import (
-    boundary_times_section,
     collision_section,
     page,
-    plot_of_time,
     plots_in_space,
     plots_of_errors,
     run_times_section,
@@ -129,12 +127,12 @@ def _cross_check(material: Material) -> list[Markup]:
 
 
 def _run_time(material: Material) -> list[Markup]:
-    parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found, page.CASES)]
-    if not parts[0] and any(row.quantity == table.MUTUAL for row in material.rows):
-        parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
-    parts.append(run_times_section.section(run_times_section.load(material.found.folder)))
-    parts.append(boundary_times_section.section(boundary_times_section.load(material.found.folder)))
-    return [*parts, verification.costs(material.entries[VERIFICATION.name])]
+    folder = material.found.folder
+    return [
+        trade_off_section.section(trade_off.load(folder), material.found, page.CASES),
+        run_times_section.section(run_times_section.load(folder)),
+        verification.costs(material.entries[VERIFICATION.name]),
+    ]
 
 
 def _stability(material: Material) -> list[Markup]:

@@ -85,13 +85,7 @@ def _answers(folder: Path, found: results.Results) -> str:
     """Computes a hash of the stored answers and of what was asked."""
     files = [
         folder / name
-        for name in (
-            results.MANIFEST,
-            results.RUN_TIMES,
-            results.BOUNDARY_TIMES,
-            results.STABILITY,
-            *results.COLLISION,
-        )
+        for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
     ]
     files.append(folder / trade_off.ANSWER)
     for case in found.cases.values():
