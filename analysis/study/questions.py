@@ -131,7 +131,6 @@ def _run_time(material: Material) -> list[Markup]:
     return [
         trade_off_section.section(trade_off.load(folder), material.found, page.CASES),
         run_times_section.section(run_times_section.load(folder)),
-        verification.costs(material.entries[VERIFICATION.name]),
     ]
 
 
