@@ -18,17 +18,14 @@ from analysis.report import (
     sections,
     stability_section,
 )
-from analysis.report.plot import Plot
 from analysis.results import statistics, study_results as results, symmetry, table
 from analysis.results.store import Document
 from analysis.topics.company.topic import COMPANY
 from analysis.topics.corrections.topic import CORRECTIONS
 from analysis.topics.cross_check import section as cross_check_section
-from analysis.topics.errors import records as error_records, section as errors_section
 from analysis.topics.errors.topic import ERRORS
 from analysis.topics.experiments import section as experiments_section
 from analysis.topics.insulators.topic import INSULATORS
-from analysis.topics.machines import section as machines_section
 from analysis.topics.machines.topic import MACHINES
 from analysis.topics.published.topic import PUBLISHED
 from analysis.topics.topic import Topic
@@ -75,25 +72,14 @@ def _model_error(material: Material) -> list[Markup]:
     if not rows:
         return []
     plots = [plots_of_errors.model_against_reference(rows)]
-    # The four numbers describe one plate before another; other set-ups have none.
+    # What the error is plotted over describes one plate before another; other set-ups have none of it.
     if any(row.set_up is not None for row in rows):
-        plots += _over_what_describes(rows)
+        plots += plots_of_errors.errors_over_set_ups(rows)
     return [page.plot_section(plot) for plot in plots]
 
 
-def _over_what_describes(rows: list[table.Row]) -> list[Plot]:
-    return [
-        plots_of_errors.error_over_gap(rows),
-        plots_of_errors.error_over_tilt(rows),
-        plots_of_errors.error_over_offset(rows),
-        plots_of_errors.error_over_size_ratio(rows),
-    ]
-
-
 def _parts(material: Material) -> list[Markup]:
-    found = material.entries[ERRORS.name]
-    own = error_records.by_reference(found, material.found)
-    return [*ERRORS.shown(found, ERRORS_CASES), errors_section.of_study(own)]
+    return ERRORS.shown(material.entries[ERRORS.name], ERRORS_CASES)
 
 
 def set_ups_file(topic: Topic[Any, Any]) -> str:
@@ -108,11 +94,6 @@ def _shown(topic: Topic[Any, Any], material: Material) -> list[Markup]:
 def _about(topic: Topic[Any, Any]) -> Question:
     """Returns the page of a topic whose set-ups are none of the study's."""
     return Question(topic.name, topic.short, topic.question, partial(_shown, topic), own=False)
-
-
-def _corrections(material: Material) -> list[Markup]:
-    own = _shown(CORRECTIONS, material)
-    return [*own, machines_section.of_corrections(material.entries[MACHINES.name])]
 
 
 def _reference(material: Material) -> list[Markup]:
@@ -158,7 +139,7 @@ QUESTIONS = (
     Question("error_parts", ERRORS.short, ERRORS.question, _parts, own=False),
     _about(COMPANY),
     _about(INSULATORS),
-    Question(CORRECTIONS.name, CORRECTIONS.short, CORRECTIONS.question, _corrections, own=False),
+    _about(CORRECTIONS),
     _about(PUBLISHED),
     Question("reference", "reference", "How sure is the reference?", _reference),
     Question(CROSS_CHECK, "cross-check", "Do two independent methods agree?", _cross_check),

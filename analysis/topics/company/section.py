@@ -13,11 +13,9 @@ from analysis.report import page
 from analysis.report.plot import (
     INK,
     Panel,
-    boxes,
     figure,
     log_axis,
     marks,
-    power_axis,
     rows_axis,
     series_colour,
 )
@@ -58,7 +56,7 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
     return page.section(
         TITLE,
         page.finding(finding(found)),
-        page.figures([_plot_of_factors(found), _plot_of_model(found)]),
+        page.figures([_plot_of_factors(found)]),
         page.table_of(
             factors(found),
             ("what", lambda each: each.what),
@@ -188,8 +186,8 @@ def _numbers(found: list[Entry]) -> Markup:
     )
 
 
-# Height (pixels) of a row of points, of a row of boxes, and of what is around them.
-_ROW, _BOXES, _AROUND = 34, 82, 150
+# Height (pixels) of a row of points, and of what is around the rows.
+_ROW, _AROUND = 34, 150
 _CONNECTED = tuple(ground for ground in TO_GROUND if ground != FLOATING)
 
 
@@ -213,23 +211,6 @@ def _plot_of_factors(found: list[Entry]) -> Panel:
         "what the company and the hand's connection make of the change",
         figure(traces, x, rows_axis(names), height=_AROUND + _ROW * len(names)),
     )
-
-
-def _plot_of_model(found: list[Entry]) -> Panel:
-    """Plots the model's change over the true one, boxes for each machine and each connection of the hand, with all points."""
-    traces = [_boxes(found, ground, series_colour(index)) for index, ground in enumerate(TO_GROUND)]
-    x = power_axis("the model's change over the true one")
-    height = _AROUND + _BOXES * len(MACHINES)
-    return Panel(
-        "the model's change over the true one",
-        figure(traces, x, rows_axis(list(MACHINES)), height=height, boxmode="group"),
-    )
-
-
-def _boxes(found: list[Entry], ground: str, colour: str) -> go.Box:
-    made = {machine: of_model(found, machine, ground) for machine in MACHINES}
-    points = [(machine, ratio.value, ratio.id) for machine, factor in made.items() for ratio in factor.ratios]
-    return boxes(points, f"hand: {ground}", colour, "set-up ")
 
 
 def _points(name: str, made: list[Factor], colour: str) -> go.Scatter:

@@ -27,7 +27,6 @@ def section(document: Document, set_ups: str) -> Markup:
         page.figures(_panels(document), set_ups=set_ups),
         page.soft("A click on a triangle opens the set-up in which that method is worst."),
         _table(document),
-        _families(document),
         cases.section(document["cases"], set_ups),
         page.soft(_explanation(document)),
     )
@@ -104,19 +103,6 @@ def _error(over: str, name: str) -> Callable[[Document], str]:
 
 def _time(known: dict[str, float]) -> Callable[[Document], str]:
     return lambda entry: f"{known[entry['name']]:.3g}"
-
-
-def _families(document: Document) -> Markup:
-    counts = document["corrections"][0]["families"]
-    return page.table_of(
-        document["corrections"],
-        ("rms / worst", lambda entry: page.code(entry["name"])),
-        *((f"{family} ({errors['count']})", _in_family(family)) for family, errors in counts.items()),
-    )
-
-
-def _in_family(family: str) -> Callable[[Document], str]:
-    return lambda entry: " / ".join(percent(entry["families"][family][name]) for name in ("rms", "worst"))
 
 
 def _explanation(document: Document) -> str:

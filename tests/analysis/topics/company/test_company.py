@@ -157,7 +157,7 @@ def test_the_section_says_what_follows_from_the_factors() -> None:
     assert "before a housing a floating hand makes 0.1 (0.1 to 0.1) of that change" in told
     assert "strongest effect in the median is that of hand floating (0.2)" in told
     text = str(section.section(found, []))
-    assert text.count("plotly-graph-div") == 2
+    assert text.count("plotly-graph-div") == 1
     assert "<td>0.750</td>" not in text and "<td>1.500</td>" in text
 
 
