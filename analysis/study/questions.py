@@ -12,7 +12,6 @@ from markupsafe import Markup
 from analysis.report import (
     collision_section,
     page,
-    plots_in_space,
     plots_of_errors,
     run_times_section,
     sections,
@@ -124,9 +123,7 @@ def _collisions(material: Material) -> list[Markup]:
 
 
 def _set_ups(material: Material) -> list[Markup]:
-    pictures = plots_in_space.pictures(material.rows) if material.rows else []
     return [
-        *(page.plot_section(plot) for plot in pictures),
         sections.all_rows(material.found, material.rows),
         sections.reproduce(material.found, material.rows),
     ]

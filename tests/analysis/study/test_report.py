@@ -41,8 +41,6 @@ def folder(tmp_path: Path) -> Path:
         "Model error over tilt",
         "Model error over lateral offset",
         "Model error over size ratio",
-        "Family parallel",
-        "Family edge",
     ],
 )
 def test_every_plot_has_a_figure_and_a_finding(folder: Path, title: str) -> None:
@@ -242,13 +240,16 @@ def test_versions_and_machine_are_told(folder: Path) -> None:
         assert word in text
 
 
-def test_a_slice_of_the_potential_is_drawn_where_there_is_one(folder: Path) -> None:
-    assert "potential (V)" not in report_text(folder)
-    case = results.load(folder).compared()[0]
+def test_the_first_page_leads_to_a_case_that_has_the_potential_around_it(folder: Path) -> None:
+    case = results.load(folder).compared()[1]
     plane = {"origin": [0.0, 0.0], "direction": [1.0, 0.0]}
     slice_of = plane | {"along": [-0.1, 0.1], "z": [-0.1, 0.1], "potential": [[0.1, 0.2], [0.3, 0.4]]}
     store.write_json(case.folder / results.SLICE, {"key": "", **slice_of})
-    assert "potential (V) in the vertical plane through both centres" in report_text(folder)
+    text = report.make(folder).path.read_text()
+    (drawn,) = re.findall(r"<header>(.*?)</header>", text, re.DOTALL)
+    assert f'href="cases/{case.id}/case.html"' in drawn and f'aria-label="{case.name}"' in drawn
+    page = (case.folder / "case.html").read_text()
+    assert "potential (V) in the vertical plane through both centres" in page
 
 
 def test_pages_of_scenes_beside_the_results_are_linked(tmp_path: Path) -> None:
