@@ -127,7 +127,6 @@ VERIFICATION = Topic[Row, Entry](
     sections=lambda found, _, __: [truths(found)],
     finding=_finding,
     absent=section.ABSENT,
-    title="Verification of the field reference",
-    introduction="Is the field reference right, and are its stated errors right? One command computes every number of this page.",
+    title="Is the field solver right, and are its stated errors?",
     command="verify",
 )
