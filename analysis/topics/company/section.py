@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
 
@@ -32,7 +31,7 @@ from analysis.topics.company.factors import (
     of_part,
 )
 from analysis.topics.company.set_ups import MACHINES, NOTHING, RTOL, TO_GROUND
-from analysis.topics.spread import ratio
+from analysis.topics.spread import ratio, spread
 from geometries.studies.families import FLOATING, GROUNDED
 
 TITLE = "In company: Experiment VII"
@@ -62,9 +61,9 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
             ("what", lambda each: each.what),
             ("against", lambda each: each.against),
             ("pairs", lambda each: str(len(each.ratios))),
-            ("median", lambda each: f"{each.median:.3f}"),
-            ("smallest", lambda each: f"{each.smallest:.3f}"),
-            ("largest", lambda each: f"{each.largest:.3f}"),
+            ("median", lambda each: f"{each.spread.median:.3f}"),
+            ("smallest", lambda each: f"{each.spread.least:.3f}"),
+            ("largest", lambda each: f"{each.spread.greatest:.3f}"),
             ("error", lambda each: f"{each.error:.1e}"),
         ),
         page.paragraph(
@@ -90,10 +89,10 @@ def finding(found: list[Entry]) -> str:
         grounded, floating = (of_part(found, part, (ground,)) for ground in (GROUNDED, FLOATING))
         if grounded.ratios and floating.ratios:
             phrases.append(
-                f"{part} {_range(grounded)} of a grounded hand and {_range(floating)} of a floating one"
+                f"{part} {grounded.spread.range} of a grounded hand and {floating.spread.range} of a floating one"
             )
     phrases += [
-        f"{each.what} instead of grounded {_range(each)}"
+        f"{each.what} instead of grounded {each.spread.range}"
         for each in factors(found)
         if each.against == GROUNDED
     ]
@@ -110,9 +109,11 @@ def model_finding(found: list[Entry]) -> str:
     ratios = [ratio.value for factor in each for ratio in factor.ratios]
     if not alone.ratios:
         return "The model has no answer for a grounded hand before a sensor by itself."
+    one, all_ = alone.spread, spread(ratios)
+    assert all_ is not None
     return (
-        f"The model, which knows neither company nor connections, gives {ratio(alone.median)} times ({ratio(alone.smallest)} to {ratio(alone.largest)}) the true change for "
-        f"a grounded hand before a sensor by itself; over all set-ups {ratio(float(np.median(ratios)))} times it ({ratio(min(ratios))} to {ratio(max(ratios))})."
+        f"The model, which knows neither company nor connections, gives {ratio(one.median)} times ({ratio(one.least)} to {ratio(one.greatest)}) the true change for "
+        f"a grounded hand before a sensor by itself; over all set-ups {ratio(all_.median)} times it ({ratio(all_.least)} to {ratio(all_.greatest)})."
     )
 
 
@@ -121,23 +122,19 @@ def conclusion(found: list[Entry]) -> str:
     made = factors(found)
     told = [
         "A threshold found for a grounded hand in free space does not hold on a machine: before a housing a floating hand "
-        f"makes {_range(each)} of that change."
+        f"makes {each.spread.range} of that change."
         for each in made
         if each.what == TOGETHER
     ]
     single = [each for each in made if each.what != TOGETHER]
-    strongest = max(single, key=lambda each: abs(math.log(each.median)))
-    widest = max(single, key=lambda each: each.largest / each.smallest)
+    strongest = max(single, key=lambda each: abs(math.log(each.spread.median)))
+    widest = max(single, key=lambda each: each.spread.greatest / each.spread.least)
     told.append(
-        f"The strongest effect in the median is that of {strongest.what} ({strongest.median:.3g}); the one that depends most on sizes and "
-        f"distances is that of {widest.what} ({widest.smallest:.3g} to {widest.largest:.3g}). No constant stands for it: a scene has to hold "
+        f"The strongest effect in the median is that of {strongest.what} ({strongest.spread.median:.3g}); the one that depends most on sizes and "
+        f"distances is that of {widest.what} ({widest.spread.least:.3g} to {widest.spread.greatest:.3g}). No constant stands for it: a scene has to hold "
         "the machine and the hand's connection to the ground."
     )
     return " ".join(told)
-
-
-def _range(factor: Factor) -> str:
-    return f"{ratio(factor.median)} ({ratio(factor.smallest)} to {ratio(factor.largest)})"
 
 
 def _rows_of_parts(found: list[Entry]) -> list[list[str]]:
@@ -162,7 +159,7 @@ def _rows_of_model(found: list[Entry]) -> list[list[str]]:
 def _cells(rows: dict[str, list[Factor]]) -> list[list[str]]:
     """Returns the rows that have any ratio, with their names."""
     return [
-        [name, *(_range(factor) if factor.ratios else "" for factor in row)]
+        [name, *(factor.spread.range if factor.ratios else "" for factor in row)]
         for name, row in rows.items()
         if any(factor.ratios for factor in row)
     ]
@@ -226,5 +223,5 @@ def _points(name: str, made: list[Factor], colour: str) -> go.Scatter:
 
 def _medians(made: list[Factor]) -> go.Scatter:
     marker = {"color": INK, "symbol": "line-ns-open", "size": 20, "line": {"width": 3}}
-    medians, whats = [factor.median for factor in made], [factor.what for factor in made]
+    medians, whats = [factor.spread.median for factor in made], [factor.what for factor in made]
     return marks("median", medians, whats, marker, "median %{x:.4g}<extra>%{y}</extra>")
