@@ -14,7 +14,7 @@ from geometries.common.arguments import positive_integer, positive_number
 from geometries.common.interpreter import continue_with
 
 TOPICS = {
-    "verify": "compare the reference with known capacitances, and measure its run time against error (minutes; finished rows are kept)",
+    "verify": "compare the reference with known capacitances (minutes; finished rows are kept)",
     "errors": "split the model's error into parts in hundreds of set-ups, by boundary elements (a minute or two; finished ones are kept)",
     "company": "Experiment VII: a hand before a sensor in company, by boundary elements (a minute or two; finished ones are kept)",
     "machines": "the model's error on machines, taken apart in hundreds of set-ups with stored truths by boundary elements (a minute; finished ones are kept)",
@@ -71,7 +71,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     run.add_argument(
         "--measure-model",
         action="store_true",
-        help="also measure the model by itself: run time against error, boundary elements, stability, collisions (seven minutes; kept with the results)",
+        help="also measure the model by itself: run time against error, stability, collisions (five minutes; kept with the results)",
     )
     _add_verify(run)
     _add_nightly(commands)

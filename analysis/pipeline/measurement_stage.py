@@ -13,7 +13,7 @@ from analysis.pipeline.processes import Processes
 from analysis.pipeline.stage import NoAnswer, Stage, parsed, unfinished_file
 from analysis.results import machine
 from analysis.results.store import Document
-from analysis.results.study_results import BOUNDARY_TIMES, COLLISION, RUN_TIMES, STABILITY
+from analysis.results.study_results import COLLISION, RUN_TIMES, STABILITY
 from geometries.common.installation import ROOT, no_benchmark
 
 _BIN = Path("build", "bin")
@@ -56,14 +56,6 @@ MEASUREMENTS = (
         ),
         40,
         ("model", *_BUILD),
-    ),
-    Measurement(
-        "time and memory of boundary elements",
-        BOUNDARY_TIMES,
-        "boundary_element_scenes_benchmark",
-        (_ANSWER,),
-        120,
-        ("model", "geometries/scenes/x_ray_arm.toml", *_BUILD),
     ),
     Measurement(
         "stability of the integral",

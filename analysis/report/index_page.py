@@ -77,8 +77,8 @@ def first_picture(text: Markup, title: str) -> Markup:
 
 
 def how_wrong(results: Results, rows: list[Row], cases: str) -> list[Answer]:
-    """Returns how wrong the model is in each family of a study, and on machines, with a drawing of each. `cases` is the folder of the cases as
-    seen from the index."""
+    """Returns how wrong the model is in each family of a study, and on machines, with a drawing of each, which leads to a case that
+    has the potential around it, if any has. `cases` is the folder of the cases as seen from the index."""
     places: dict[str, dict[str, list[CaseResult]]] = {}
     for case in results.compared():
         machine = str(case.parameters.get("machine", NONE))
@@ -92,11 +92,12 @@ def how_wrong(results: Results, rows: list[Row], cases: str) -> list[Answer]:
             _how_wrong([case.id for own in kinds.values() for case in own], rows),
             [
                 Picture(
-                    f"{cases}/{own[0].id}/{page.CASE_PAGE}",
-                    drawing.of_scene(own[0].scene, own[0].name),
+                    f"{cases}/{shown.id}/{page.CASE_PAGE}",
+                    drawing.of_scene(shown.scene, shown.name),
                     words,
                 )
                 for words, own in kinds.items()
+                for shown in [next((case for case in own if case.slice), own[0])]
             ],
         )
         for where, kinds in places.items()

@@ -9,11 +9,10 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from analysis.pipeline.model_stage import model_module
-from analysis.report.plot import INK, MACHINE_COLOUR, SENSOR_COLOUR, TARGET_COLOUR, Panel, Plot, axis, figure
+from analysis.report.plot import INK, MACHINE_COLOUR, SENSOR_COLOUR, TARGET_COLOUR, Panel, axis, figure
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult
-from analysis.results.table import MUTUAL, Row
-from analysis.results.units import CENTIMETRE, PICOFARAD, VACUUM_PERMITTIVITY, in_words, percent
+from analysis.results.units import CENTIMETRE, VACUUM_PERMITTIVITY
 from geometries.scene.poses import Transform
 from geometries.scene.readings import targets
 from geometries.scene.scene import Object, Scene
@@ -95,19 +94,6 @@ FLATTEST = 0.1
 """Least height of the box around a scene, relative to its largest side; plates in one plane have no height."""
 
 
-def pictures(rows: list[Row]) -> list[Plot]:
-    """Draws the first case of each family that has a slice of the potential, or its first case if none has one.
-
-    Cases without mutual are left out.
-    """
-    mutual = [row for row in rows if row.quantity == MUTUAL]
-    found = []
-    for family in dict.fromkeys(row.case.family for row in mutual):
-        members = [row for row in mutual if row.case.family == family]
-        found.append(_picture(next((row for row in members if row.case.slice), members[0])))
-    return found
-
-
 def panels(case: CaseResult) -> list[Panel]:
     """Returns the case in space, and the potential around it where there is a slice of it."""
     found = [in_space(case.scene)]
@@ -152,16 +138,6 @@ def in_space(scene: Scene) -> Panel:
     if not all(targets(scene)):
         parts.append("machine (grey)")
     return Panel(" and ".join((", ".join(parts[:-1]), parts[-1])) if parts[1:] else parts[0], _space(scene))
-
-
-def _picture(row: Row) -> Plot:
-    case = row.case
-    mutual = row.reference.value / PICOFARAD
-    finding = (
-        f"In the case {case.name} the grounded target carries {mutual:.3g} pC for each volt on the sensor (mutual, reference);"
-        f" the model's value is {percent(abs(row.model_error))} too {'high' if row.model_error > 0 else 'low'}."
-    )
-    return Plot(f"Family {case.family}", finding, panels(case), f"{in_words(case.parameters)}.")
 
 
 def colours(scene: Scene, sensor: str) -> dict[str, str]:

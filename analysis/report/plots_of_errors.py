@@ -134,27 +134,20 @@ def hover_text(row: Row) -> str:
     return f"{row.case.name}<br>{in_words(row.case.parameters)}"
 
 
-def error_over_gap(rows: list[Row]) -> Plot:
-    """Plots the model error over the shortest distance between the plates, in sensor sizes."""
-    return _error_over(rows, "gap/size", "gap over sensor size", lambda s: s.gap_over_size, logarithmic=True)
-
-
-def error_over_tilt(rows: list[Row]) -> Plot:
-    """Plots the model error over the angle between the plates."""
-    return _error_over(rows, "tilt", "tilt (degrees)", lambda s: s.tilt_degrees, logarithmic=False)
-
-
-def error_over_offset(rows: list[Row]) -> Plot:
-    """Plots the model error over the lateral distance of the centres, in sensor sizes."""
-    label = "lateral offset of the centres over sensor size"
-    return _error_over(rows, "lateral offset", label, lambda s: s.lateral_offset_over_size, logarithmic=False)
-
-
-def error_over_size_ratio(rows: list[Row]) -> Plot:
-    """Plots the model error over the target's size, in sensor sizes."""
-    return _error_over(
-        rows, "size ratio", "target size over sensor size", lambda s: s.size_ratio, logarithmic=True
-    )
+def errors_over_set_ups(rows: list[Row]) -> list[Plot]:
+    """Plots the model error over each number that describes one plate before another; lengths are in sensor sizes."""
+    return [
+        _error_over(rows, "gap/size", "gap over sensor size", lambda s: s.gap_over_size, True),
+        _error_over(rows, "tilt", "tilt (degrees)", lambda s: s.tilt_degrees, False),
+        _error_over(
+            rows,
+            "lateral offset",
+            "lateral offset of the centres over sensor size",
+            lambda s: s.lateral_offset_over_size,
+            False,
+        ),
+        _error_over(rows, "size ratio", "target size over sensor size", lambda s: s.size_ratio, True),
+    ]
 
 
 def _error_over(

@@ -2,80 +2,21 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import measured, page
 from analysis.report.measured import Origin, origin
-from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import RUN_TIMES
-from analysis.results.units import duration
-
-Point = tuple[float, float]
-
-_CHARACTER, _LINE = 6.0, 12.0
-"""Width of a character and height of a line (pixels) in the font that labels have."""
-_CLEAR = 7.0
-"""Distance (pixels) of a label from the middle of its point."""
-_PLACES = ("top right", "bottom right", "top left", "bottom left", "top center", "bottom center")
-
-
-def placed(points: Sequence[Point], labels: Sequence[str]) -> list[str | None]:
-    """Returns for each label where it stands, in plotly's words; None where there is no room for it or it is empty.
-
-    `points` are in pixels, y upwards. Earlier labels are placed first.
-    """
-    taken = [_Box(x - _CLEAR / 2, y - _CLEAR / 2, x + _CLEAR / 2, y + _CLEAR / 2) for x, y in points]
-    chosen: list[str | None] = []
-    for own, (point, label) in enumerate(zip(points, labels)):
-        others = taken[:own] + taken[own + 1 :]
-        boxes = {place: _box(point, label, place) for place in _PLACES}
-        free = [place for place in _PLACES if not any(boxes[place].meets(other) for other in others)]
-        chosen.append(free[0] if free and label else None)
-        if chosen[-1] is not None:
-            taken.append(boxes[free[0]])
-    return chosen
-
-
-@dataclass(frozen=True)
-class _Box:
-    """Its sides in pixels, y upwards."""
-
-    left: float
-    bottom: float
-    right: float
-    top: float
-
-    def meets(self, other: _Box) -> bool:
-        across = self.left < other.right and other.left < self.right
-        return across and self.bottom < other.top and other.bottom < self.top
-
-
-def _box(point: Point, label: str, place: str) -> _Box:
-    x, y = point
-    width = _CHARACTER * len(label)
-    vertical, horizontal = place.split()
-    left = {"right": x + _CLEAR / 2, "left": x - _CLEAR / 2 - width, "center": x - width / 2}[horizontal]
-    bottom = y + _CLEAR / 2 if vertical == "top" else y - _CLEAR / 2 - _LINE
-    return _Box(left, bottom, left + width, bottom + _LINE)
-
 
 TITLE = "Run time against error of the integral"
 EXACT, THESIS = "exact", "split:4"
 
 _NANOSECOND = 1e-9
-# Half a unit in the last place of 1. Smaller errors are those of rounding the result; zero has no logarithm.
-_ROUNDING = 2.0**-54
-_HEIGHT = 340
-_INSIDE = (430.0, 240.0)
-"""Pixels between the axes of a panel on a screen on which two stand beside each other."""
-_SYMBOLS = ("star", "circle", "square", "diamond", "triangle-up", "x", "cross")
 _SETS = (
     "Triangles in the regions I (in front of the plate), II (beside an edge) and III (diagonal to a corner), of 0.02 (fine) "
     "and 0.3 (coarse) of their distance in size; small ones astride two cells around the plate, as a fine mesh has them; "
@@ -136,7 +77,7 @@ def _method_time(entry: Document) -> MethodTime:
 
 
 def section(found: RunTimes | None) -> Markup:
-    """Returns the finding, a panel for each set of triangles, the table, and how to measure again."""
+    """Returns the finding, the table, and how to measure again."""
     return measured.section(TITLE, found, _parts)
 
 
@@ -144,7 +85,6 @@ def _parts(found: RunTimes) -> Iterator[Markup]:
     sets = by_set(found)
     methods = list(dict.fromkeys(time.method for time in found.times))
     yield page.finding(finding(sets))
-    yield page.figures([Panel(_caption(times), _panel(times, found)) for times in sets.values()])
     yield page.paragraph(
         "ns per triangle, and the largest relative error below. Bold: no other method is both faster and more accurate."
     )
@@ -192,73 +132,8 @@ def finding(sets: dict[str, list[MethodTime]]) -> str:
     )
 
 
-def _caption(times: list[MethodTime]) -> str:
-    """Names the set and the cost of the exact method on it relative to the thesis'."""
-    named = {time.method: time for time in times}
-    times_of_methods = "; ".join(
-        f"{method} {duration(named[method].seconds_per_triangle)}, off by {named[method].error:.0e}"
-        for method in (EXACT, THESIS)
-        if method in named
-    )
-    what = f"{_words(times[0].set)}, {max(time.triangles for time in times):,} triangles"
-    return f"{what}: {times_of_methods}" if times_of_methods else what
-
-
-def _words(name: str) -> str:
-    return name.replace("_", " ")
-
-
-def _panel(times: list[MethodTime], found: RunTimes) -> go.Figure:
-    """Plots one set; all panels have the same axes and colours."""
-    kinds = list(dict.fromkeys(_kind(time.method) for time in found.times))
-    best = front(times)
-    x_range = _range([time.seconds_per_triangle / _NANOSECOND for time in found.times])
-    y_range = _range([max(time.error, _ROUNDING) for time in found.times])
-    labels = [time.method.partition(":")[2] for time in times]
-    where = dict(
-        zip(
-            (time.method for time in times),
-            placed([_pixels(time, x_range, y_range) for time in times], labels),
-        )
-    )
-    fastest = [time.seconds_per_triangle / _NANOSECOND for time in best]
-    traces = [guide("front", fastest, [max(time.error, _ROUNDING) for time in best], shape="hv")]
-    for index, kind in enumerate(kinds):
-        members = [time for time in times if _kind(time.method) == kind]
-        traces.append(
-            go.Scatter(
-                x=[time.seconds_per_triangle / _NANOSECOND for time in members],
-                y=[max(time.error, _ROUNDING) for time in members],
-                mode="markers+text",
-                text=[time.method.partition(":")[2] if where[time.method] else "" for time in members],
-                textposition=[where[time.method] or "top right" for time in members],
-                textfont={"size": 10},
-                customdata=[time.method for time in members],
-                cliponaxis=False,
-                marker={"color": series_colour(index), "symbol": _SYMBOLS[index % len(_SYMBOLS)], "size": 9},
-                name=kind,
-                hovertemplate="%{customdata}: %{x:.3g} ns, %{y:.2g}<extra></extra>",
-            )
-        )
-    x = power_axis("ns per triangle", range=x_range)
-    return figure(traces, x, power_axis("largest relative error", decades=3, range=y_range), height=_HEIGHT)
-
-
-def _pixels(time: MethodTime, x_range: list[float], y_range: list[float]) -> tuple[float, float]:
-    """Returns about where a point is in its panel."""
-    x = math.log10(time.seconds_per_triangle / _NANOSECOND)
-    y = math.log10(max(time.error, _ROUNDING))
-    shares = [(value - low) / (high - low) for value, (low, high) in ((x, x_range), (y, y_range))]
-    return _INSIDE[0] * shares[0], _INSIDE[1] * shares[1]
-
-
-def _range(values: list[float]) -> list[float]:
-    """Returns the exponents of ten at the ends of an axis, with a margin for the marks on the edge."""
-    return [math.log10(min(values)) - 0.5, math.log10(max(values)) + 0.5]
-
-
-def _kind(method: str) -> str:
-    return method.partition(":")[0]
+def _title(times: list[MethodTime]) -> str:
+    return f"{times[0].set.replace('_', ' ')}, {max(time.triangles for time in times):,} triangles"
 
 
 def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> Markup:
@@ -267,7 +142,7 @@ def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> Markup:
         best = {time.method for time in front(times)}
         cells.update({(name, time.method): _cell(time, time.method in best) for time in times})
     rows = [[page.code(method), *(cells.get((name, method), "") for name in sets)] for method in methods]
-    return page.table(["method", *map(_words, sets)], rows)
+    return page.table(["method", *(_title(times) for times in sets.values())], rows)
 
 
 def _cell(time: MethodTime, strong: bool) -> str:

@@ -7,10 +7,9 @@ from collections.abc import Callable
 import numpy as np
 from markupsafe import Markup
 
-from analysis.pipeline.model_stage import knows
 from analysis.report import page
 from analysis.results.answers import ReferenceAnswer
-from analysis.results.commands import COMPARED_METHOD, model_command, truth_command
+from analysis.results.commands import COMPARED_METHOD
 from analysis.results.refusals import refusals
 from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import Results
@@ -18,7 +17,7 @@ from analysis.results.symmetry import Pair
 from analysis.results.table import CHANGE, QUANTITIES, Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN
 from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent, too
-from geometries.studies.study import EMPTY, NO_REFERENCE
+from geometries.studies.study import NO_REFERENCE
 
 
 _QUESTION = (
@@ -232,7 +231,7 @@ def failures(results: Results) -> Markup:
 
 
 def all_rows(results: Results, rows: list[Row]) -> Markup:
-    """Returns every row with its case folder and the commands that recompute it."""
+    """Returns every row with its case's page, which has the commands that recompute it."""
 
     def of_model(shown: Callable[[Row], str]) -> Callable[[Row], str]:
         return lambda row: shown(row) if row.is_compared else ""
@@ -254,38 +253,21 @@ def all_rows(results: Results, rows: list[Row]) -> Markup:
         "Every row",
         page.paragraph(
             f"The same {len(rows)} rows, in full precision and with the other methods, are in table.csv beside report.html. The "
-            "files of a case are in the folder cases/<case>, with its page."
+            "files of a case are in the folder cases/<case>, with its page, which draws it."
         ),
         page.folded("Show the rows", table),
     )
 
 
 def reproduce(results: Results, rows: list[Row]) -> Markup:
-    """Returns the commands, the versions and the machine."""
-
-    def asked(command: str) -> str:
-        return page.code(command) if command else ""
-
-    commands = page.table_of(
-        results.cases.values(),
-        ("case", lambda case: page.case_link(case.id, case.name)),
-        ("reference", lambda case: asked(truth_command(results, case))),
-        (
-            "model",
-            lambda case: asked(
-                model_command(results, case.id) if case.family != EMPTY and knows(case.scene) else ""
-            ),
-        ),
-        text_columns=3,
-    )
+    """Returns where the commands are, the versions and the machine."""
     return page.section(
         "Reproduce",
         page.paragraph(
-            "The commands run from the project's folder. A click on a point in a plot opens its case; each command below computes "
-            "that case's answer anew. The plots of model errors need both commands of a case, the run times of the model are those "
-            "of --method exact or split:N, the slices of the potential come from the reference's command with --slice FILE."
+            "A click on a point in a plot, or on a row above, opens the page of its case, whose commands compute its answers anew; table.csv has "
+            "that of every value. The plots of model errors need the commands of reference and model, the run times of the model are those of "
+            "--method exact or split:N, the slices of the potential come from the reference's command with --slice FILE."
         ),
-        page.folded("Show the commands", commands),
         page.heading("Versions and machine"),
         page.table(["what", "which"], _versions(results, rows), text_columns=2),
     )

@@ -56,7 +56,6 @@ def document(around: Around, shown: list[Shown], inputs: str, script: str) -> st
     data = json.dumps(_data(around, shown), cls=PlotlyJSONEncoder, separators=(",", ":"))
     body = page.filled(
         "set_ups.html",
-        style=page.static("set_ups.css"),
         script=page.static("set_ups.js"),
         around=around,
         count=len(shown),

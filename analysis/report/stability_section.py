@@ -6,11 +6,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import measured, page
-from analysis.report.plot import Panel, axis, figure, guide, marks, power_axis, series_colour
 from analysis.report.measured import Origin, origin
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import STABILITY
@@ -19,9 +17,6 @@ TITLE = "Stability of the integral"
 EXACT, _THESIS = "exact", "thesis"
 
 _LABELS = {_THESIS: "the thesis' formula"}
-# The legend lies above the figure, because the names of the classes need the room below.
-_LEGEND = {"orientation": "h", "y": 1.02, "yanchor": "bottom", "x": 0, "xanchor": "left"}
-_SYMBOLS = ("star", "circle", "square", "diamond")
 _WHAT = (
     "Conditioning is the largest relative change of the true value when the coordinates of triangle and plate move by one unit "
     "in the last place, at least 1.2e-16: a method that stays below a small multiple of it is as accurate as its input. The "
@@ -94,14 +89,15 @@ def _method_errors(errors: Document) -> MethodErrors:
 
 
 def section(found: Stability | None) -> Markup:
-    """Returns the finding, the error over the conditioning of every class, and the counts of wrong values."""
+    """Returns the finding, and for every class the error over the conditioning and the counts of wrong values."""
     return measured.section(TITLE, found, _parts)
 
 
 def _parts(found: Stability) -> Iterator[Markup]:
     yield page.finding(finding(found))
-    yield page.figures([Panel("error over conditioning, by class of triangles", _figure(found))])
-    yield page.paragraph("Largest error over conditioning, values not finite, values wrong by more than 1 %.")
+    yield page.paragraph(
+        "Error over conditioning, the largest and what 99 % are below; values not finite, values wrong by more than 1 %."
+    )
     yield _table(found)
     yield page.soft(_WHAT)
     yield measured.again(found.origin)
@@ -154,38 +150,11 @@ def _label(method: str) -> str:
     return _LABELS.get(method, method)
 
 
-def _figure(whole: Stability) -> go.Figure:
-    names = [entry.name for entry in whole.classes]
-    traces = [guide(f"limit {whole.limit:g}", names, [whole.limit] * len(names))]
-    for index, method in enumerate(methods_of(whole)):
-        traces += _traces(whole, method, index)
-    x = axis("", type="category", tickangle=-40)
-    return figure(traces, x, power_axis("error / conditioning", decades=3), height=560, legend=_LEGEND)
-
-
-def _traces(whole: Stability, method: str, index: int) -> list[go.Scatter]:
-    """Plots the largest error of every class and, with small open symbols, its 99th percentile."""
-    found = [(entry.name, entry.methods[method]) for entry in whole.classes if method in entry.methods]
-    colour, symbol = series_colour(index), _SYMBOLS[index % len(_SYMBOLS)]
-    largest = [(name, errors.largest_over_conditioning) for name, errors in found]
-    most = [(name, errors.percentile_99_over_conditioning) for name, errors in found]
-    return [
-        _trace(largest, f"{_label(method)}, largest", {"color": colour, "symbol": symbol, "size": 10}),
-        _trace(most, f"{_label(method)}, 99 %", {"color": colour, "symbol": f"{symbol}-open", "size": 7}),
-    ]
-
-
-def _trace(values: list[tuple[str, float | None]], name: str, marker: dict[str, object]) -> go.Scatter:
-    # A logarithmic axis has no zero: a class without any error has no point.
-    shown = [(where, value) for where, value in values if value]
-    return marks(name, [where for where, _ in shown], [value for _, value in shown], marker, "%{x}: %{y:.3g}")
-
-
 def _table(whole: Stability) -> Markup:
     methods = methods_of(whole)
     header = ["class", "triangles"]
     for method in methods:
-        header += [f"{method}: largest", "not finite", "wrong"]
+        header += [f"{method}: largest", "99 %", "not finite", "wrong"]
     rows = []
     for entry in whole.classes:
         cells = [cell for method in methods for cell in _cells(entry, entry.methods.get(method))]
@@ -200,9 +169,9 @@ def _triangles(entry: StabilityClass) -> int:
 def _cells(entry: StabilityClass, errors: MethodErrors | None) -> list[str]:
     """Writes the cells of a method; one that was evaluated for some triangles of a class also says for how many."""
     if errors is None:
-        return ["", "", ""]
-    largest = errors.largest_over_conditioning
+        return [""] * 4
     counts = [f"{errors.not_finite:,}", f"{errors.wrong_by_1_percent:,}"]
     if errors.triangles < _triangles(entry):
         counts = [f"{count} of {errors.triangles:,}" for count in counts]
-    return ["" if largest is None else f"{largest:.2g}", *counts]
+    sizes = (errors.largest_over_conditioning, errors.percentile_99_over_conditioning)
+    return [*("" if size is None else f"{size:.2g}" for size in sizes), *counts]

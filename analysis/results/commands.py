@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from analysis.results.study_results import SCENE, CaseResult, Results
+from analysis.results.study_results import SCENE, Results
 from geometries.common import installation
 from geometries.common.installation import from_repository
-from geometries.studies.study import NO_REFERENCE
 
 COMPARED_METHOD = "exact"
 """The method of the model that reports compare with the reference."""
@@ -24,15 +23,6 @@ def boundary_command(results: Results, case: str) -> str:
     answer = results.cases[case].boundary
     assert answer is not None
     return f"{_command(results, case, 'boundary-elements')} --rtol {answer.rtol:g} --entries"
-
-
-def truth_command(results: Results, case: CaseResult) -> str:
-    """Returns the command of a reference that the study asks: the field solver's, or else that of boundary elements; empty without one."""
-    if results.error == NO_REFERENCE:
-        return ""
-    if case.by_field:
-        return reference_command(results, case.id)
-    return boundary_command(results, case.id) if case.boundary is not None else ""
 
 
 def model_command(results: Results, case: str, method: str = COMPARED_METHOD) -> str:

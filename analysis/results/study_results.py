@@ -29,7 +29,7 @@ from geometries.studies.study import (
 MANIFEST = "study.json"
 SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
 BOUNDARY = "boundary.json"
-RUN_TIMES, STABILITY, BOUNDARY_TIMES = "run_times.json", "stability.json", "boundary_times.json"
+RUN_TIMES, STABILITY = "run_times.json", "stability.json"
 COLLISION = ("collision_answers.json", "collision_times.json", "collision_scenes.json")
 
 

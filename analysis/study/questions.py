@@ -10,27 +10,21 @@ from typing import Any
 from markupsafe import Markup
 
 from analysis.report import (
-    boundary_times_section,
     collision_section,
     page,
-    plot_of_time,
-    plots_in_space,
     plots_of_errors,
     run_times_section,
     sections,
     stability_section,
 )
-from analysis.report.plot import Plot
 from analysis.results import statistics, study_results as results, symmetry, table
 from analysis.results.store import Document
 from analysis.topics.company.topic import COMPANY
 from analysis.topics.corrections.topic import CORRECTIONS
 from analysis.topics.cross_check import section as cross_check_section
-from analysis.topics.errors import records as error_records, section as errors_section
 from analysis.topics.errors.topic import ERRORS
 from analysis.topics.experiments import section as experiments_section
 from analysis.topics.insulators.topic import INSULATORS
-from analysis.topics.machines import section as machines_section
 from analysis.topics.machines.topic import MACHINES
 from analysis.topics.published.topic import PUBLISHED
 from analysis.topics.topic import Topic
@@ -77,25 +71,14 @@ def _model_error(material: Material) -> list[Markup]:
     if not rows:
         return []
     plots = [plots_of_errors.model_against_reference(rows)]
-    # The four numbers describe one plate before another; other set-ups have none.
+    # What the error is plotted over describes one plate before another; other set-ups have none of it.
     if any(row.set_up is not None for row in rows):
-        plots += _over_what_describes(rows)
+        plots += plots_of_errors.errors_over_set_ups(rows)
     return [page.plot_section(plot) for plot in plots]
 
 
-def _over_what_describes(rows: list[table.Row]) -> list[Plot]:
-    return [
-        plots_of_errors.error_over_gap(rows),
-        plots_of_errors.error_over_tilt(rows),
-        plots_of_errors.error_over_offset(rows),
-        plots_of_errors.error_over_size_ratio(rows),
-    ]
-
-
 def _parts(material: Material) -> list[Markup]:
-    found = material.entries[ERRORS.name]
-    own = error_records.by_reference(found, material.found)
-    return [*ERRORS.shown(found, ERRORS_CASES), errors_section.of_study(own)]
+    return ERRORS.shown(material.entries[ERRORS.name], ERRORS_CASES)
 
 
 def set_ups_file(topic: Topic[Any, Any]) -> str:
@@ -112,11 +95,6 @@ def _about(topic: Topic[Any, Any]) -> Question:
     return Question(topic.name, topic.short, topic.question, partial(_shown, topic), own=False)
 
 
-def _corrections(material: Material) -> list[Markup]:
-    own = _shown(CORRECTIONS, material)
-    return [*own, machines_section.of_corrections(material.entries[MACHINES.name])]
-
-
 def _reference(material: Material) -> list[Markup]:
     pairs = symmetry.pairs(material.found.compared())
     trusted = sections.trust(material.found, material.rows, pairs)
@@ -129,12 +107,11 @@ def _cross_check(material: Material) -> list[Markup]:
 
 
 def _run_time(material: Material) -> list[Markup]:
-    parts = [trade_off_section.section(trade_off.load(material.found.folder), material.found, page.CASES)]
-    if not parts[0] and any(row.quantity == table.MUTUAL for row in material.rows):
-        parts = [page.plot_section(plot_of_time.time_against_error(material.rows))]
-    parts.append(run_times_section.section(run_times_section.load(material.found.folder)))
-    parts.append(boundary_times_section.section(boundary_times_section.load(material.found.folder)))
-    return [*parts, verification.costs(material.entries[VERIFICATION.name])]
+    folder = material.found.folder
+    return [
+        trade_off_section.section(trade_off.load(folder), material.found, page.CASES),
+        run_times_section.section(run_times_section.load(folder)),
+    ]
 
 
 def _stability(material: Material) -> list[Markup]:
@@ -146,9 +123,7 @@ def _collisions(material: Material) -> list[Markup]:
 
 
 def _set_ups(material: Material) -> list[Markup]:
-    pictures = plots_in_space.pictures(material.rows) if material.rows else []
     return [
-        *(page.plot_section(plot) for plot in pictures),
         sections.all_rows(material.found, material.rows),
         sections.reproduce(material.found, material.rows),
     ]
@@ -161,7 +136,7 @@ QUESTIONS = (
     Question("error_parts", ERRORS.short, ERRORS.question, _parts, own=False),
     _about(COMPANY),
     _about(INSULATORS),
-    Question(CORRECTIONS.name, CORRECTIONS.short, CORRECTIONS.question, _corrections, own=False),
+    _about(CORRECTIONS),
     _about(PUBLISHED),
     Question("reference", "reference", "How sure is the reference?", _reference),
     Question(CROSS_CHECK, "cross-check", "Do two independent methods agree?", _cross_check),

@@ -84,14 +84,7 @@ def make(folder: Path) -> Report:
 def _answers(folder: Path, found: results.Results) -> str:
     """Computes a hash of the stored answers and of what was asked."""
     files = [
-        folder / name
-        for name in (
-            results.MANIFEST,
-            results.RUN_TIMES,
-            results.BOUNDARY_TIMES,
-            results.STABILITY,
-            *results.COLLISION,
-        )
+        folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
     ]
     files.append(folder / trade_off.ANSWER)
     for case in found.cases.values():

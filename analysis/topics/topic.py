@@ -29,7 +29,7 @@ class Topic(Generic[SomeItem, SomeEntry]):
     `stages` computes the answer of each of the `set_ups`, of which `entry` makes what is told. `sections` are those of a page, from the
     entries, what it shows of the field `check`, and what the points of figures open as seen from the page: the folder of the set-ups'
     cases, or the page that shows all set-ups. `finding` is what the command prints. Both get at least one entry; `absent` is what is said
-    without any. `title` and `introduction` are those of the topic's own page; `question` and its `short` form are those of the page in
+    without any. `title` is that of the topic's own page; `question` and its `short` form are those of the page in
     the reports of studies, empty for a topic that other pages show. `reproduce` says what the commands at the page's end do: the first
     solves one set-up with the stages' accuracy, the last are those of `truths` and, where `is_quick`, of the field `check`. `cases`
     writes pages of the set-ups, `set_ups_page` returns one that shows all: from the entries, file and title of the page that leads to it,
@@ -45,7 +45,6 @@ class Topic(Generic[SomeItem, SomeEntry]):
     title: str
     question: str = ""
     short: str = ""
-    introduction: str = ""
     reproduce: str = ""
     truths: Stored[Any] | None = None
     check: FieldCheck[Any] | None = None
@@ -109,8 +108,7 @@ class Topic(Generic[SomeItem, SomeEntry]):
                 shown = self.set_ups_page(found, self.file, self.title, inputs, page.SCRIPT)
                 write_text(folder / _SET_UPS, shown)
             sections = self.shown(found, _SET_UPS if self.set_ups_page else _CASES)
-            head = page.header(self.title, *map(page.paragraph, filter(None, [self.introduction])))
-            body = [head, *sections, *self._reproduced(folder)]
+            body = [page.header(self.title), *sections, *self._reproduced(folder)]
             page.write(target, page.document(self.title, inputs, body, page.SCRIPT))
         return page.Made(target, self.finding(found) if found else self.absent)
 

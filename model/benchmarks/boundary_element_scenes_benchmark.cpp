@@ -1,20 +1,16 @@
 /// Measures boundary elements as users meet them, on two processors: scenes from two plates to a whole
 /// machine, the growth of time and memory with the number of panels, and the capacities of the five regular
 /// polyhedra. Times are those of a clock, each from one computation in a process of its own. Prints the
-/// tables of model/MEASUREMENTS.md; the file is for the report.
-///
-///     boundary_element_scenes_benchmark [FILE.json]
+/// tables of model/MEASUREMENTS.md.
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <numbers>
 #include <optional>
 #include <string>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "bem/bodies.hpp"
 #include "bem/panel_system.hpp"
@@ -27,7 +23,6 @@ namespace {
 
 using namespace fringe;
 using namespace fringe::benchmarks;
-using Json = nlohmann::ordered_json;
 
 constexpr std::size_t threads = 2;
 
@@ -41,7 +36,6 @@ struct SceneAnswer {
   std::size_t unknowns;
   /// Largest stated error of a reading's change, relative to the change; of a value where there is no target.
   double stated;
-  bool reached;
 };
 
 SceneAnswer solve(const TimedScene& timed) {
@@ -52,7 +46,7 @@ SceneAnswer solve(const TimedScene& timed) {
   });
   const MaxwellMatrix matrix =
       maxwell(timed.scene, {.rtol = timed.rtol, .entries = Entries::of_readings, .threads = threads});
-  SceneAnswer answer{matrix.unknowns, 0, matrix.reached};
+  SceneAnswer answer{matrix.unknowns, 0};
   const bool has_target =
       std::ranges::any_of(timed.scene.objects, [](const Object& object) { return object.target; });
   for (const ReadingAnswer& reading : matrix.readings) {
@@ -62,22 +56,13 @@ SceneAnswer solve(const TimedScene& timed) {
   return answer;
 }
 
-Json measure_scenes() {
+void measure_scenes() {
   fmt::print("\n| | rtol | unknowns | stated error of readings, % | s | MiB |\n|---|---|---|---|---|---|\n");
-  Json rows = Json::array();
   for (const TimedScene& timed : timed_scenes()) {
     const auto [answer, seconds, mebibytes] = in_own_process([&] { return solve(timed); });
     fmt::print("| {} | {:g} | {} | {:.2g} | {:.2g} | {:.0f} |\n", timed.name, timed.rtol, answer.unknowns,
                100 * answer.stated, seconds, mebibytes);
-    rows.push_back({{"name", timed.name},
-                    {"rtol", timed.rtol},
-                    {"unknowns", answer.unknowns},
-                    {"stated", answer.stated},
-                    {"reached", answer.reached},
-                    {"seconds", seconds},
-                    {"mebibytes", mebibytes}});
   }
-  return rows;
 }
 
 /// The capacity of a body in units of 4πε₀ metres.
@@ -98,9 +83,8 @@ Capacity solve_sphere(int parts) {
   return {system.mesh().panels().size(), solution.all.fine(0, 0), 0};
 }
 
-Json measure_sizes() {
+void measure_sizes() {
   fmt::print("\n| panels | s | times those of the row above | MiB | error, % |\n|---|---|---|---|---|\n");
-  Json rows = Json::array();
   std::optional<double> before;
   // The number of panels is twenty times the square.
   for (const int parts : {35, 50, 71}) {
@@ -108,11 +92,8 @@ Json measure_sizes() {
     const double error = std::abs(answer.value - 1);
     fmt::print("| {} | {:.2g} | {} | {:.0f} | {:.2g} |\n", answer.panels, seconds,
                before ? fmt::format("{:.2f}", seconds / *before) : "", mebibytes, 100 * error);
-    rows.push_back(
-        {{"panels", answer.panels}, {"seconds", seconds}, {"mebibytes", mebibytes}, {"error", error}});
     before = seconds;
   }
-  return rows;
 }
 
 Capacity solve_body(const Shape& shape, double rtol) {
@@ -122,38 +103,29 @@ Capacity solve_body(const Shape& shape, double rtol) {
   return {matrix.unknowns, matrix.values(0, 0) / unit, matrix.errors(0, 0) / unit};
 }
 
-Json measure_solid(const std::string& name, const Shape& shape, double rtol,
+void measure_solid(const std::string& name, const Shape& shape, double rtol,
                    std::optional<double> published) {
   const auto [answer, seconds, mebibytes] = in_own_process([&] { return solve_body(shape, rtol); });
   fmt::print("| {} | {:.7f} | {:.1e} | {} | {} | {:.2g} |\n", name, answer.value, answer.stated,
              published ? fmt::format("{:.8f}", *published) : "–", answer.panels, seconds);
-  return {{"name", name},
-          {"capacity", answer.value},
-          {"stated", answer.stated},
-          {"published", published ? Json(*published) : Json()},
-          {"panels", answer.panels},
-          {"seconds", seconds},
-          {"mebibytes", mebibytes}};
 }
 
-Json measure_solids() {
+void measure_solids() {
   fmt::print(
       "\n| edge 1 | C / 4πε₀ | stated error | published | unknowns | s |\n|---|---|---|---|---|---|\n");
-  Json rows = Json::array();
   std::optional<double> of_cube;
   for (const Solid& solid : regular_polyhedra()) {
-    rows.push_back(measure_solid(solid.name, Mesh{"", 1, solid.triangles}, rtol_of_solids, solid.published));
+    measure_solid(solid.name, Mesh{"", 1, solid.triangles}, rtol_of_solids, solid.published);
     if (solid.name == "cube")
       of_cube = solid.published;
   }
-  rows.push_back(measure_solid("cube by functions on faces", Cuboid{1, 1, 1}, rtol_of_box, of_cube));
-  return rows;
+  measure_solid("cube by functions on faces", Cuboid{1, 1, 1}, rtol_of_box, of_cube);
 }
 
 }  // namespace
 
-int main(int argument_count, char** arguments) {
-  const Json answer{{"scenes", measure_scenes()}, {"sizes", measure_sizes()}, {"solids", measure_solids()}};
-  if (argument_count > 1)
-    std::ofstream(arguments[1]) << answer.dump(1) << "\n";
+int main() {
+  measure_scenes();
+  measure_sizes();
+  measure_solids();
 }

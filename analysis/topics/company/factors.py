@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
 from analysis.topics.company.set_ups import (
@@ -18,6 +16,7 @@ from analysis.topics.company.set_ups import (
     TO_GROUND,
     SetUp,
 )
+from analysis.topics.spread import Spread, spread
 from geometries.studies.families import FLOATING, GROUNDED
 
 PARTS = {
@@ -61,16 +60,11 @@ class Factor:
     ratios: tuple[Ratio, ...]
 
     @property
-    def median(self) -> float:
-        return float(np.median([ratio.value for ratio in self.ratios]))
-
-    @property
-    def smallest(self) -> float:
-        return min(ratio.value for ratio in self.ratios)
-
-    @property
-    def largest(self) -> float:
-        return max(ratio.value for ratio in self.ratios)
+    def spread(self) -> Spread:
+        """How the ratios are spread, of which there must be one."""
+        found = spread(ratio.value for ratio in self.ratios)
+        assert found is not None
+        return found
 
     @property
     def error(self) -> float:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
 
@@ -13,11 +12,9 @@ from analysis.report import page
 from analysis.report.plot import (
     INK,
     Panel,
-    boxes,
     figure,
     log_axis,
     marks,
-    power_axis,
     rows_axis,
     series_colour,
 )
@@ -34,7 +31,7 @@ from analysis.topics.company.factors import (
     of_part,
 )
 from analysis.topics.company.set_ups import MACHINES, NOTHING, RTOL, TO_GROUND
-from analysis.topics.spread import ratio
+from analysis.topics.spread import ratio, spread
 from geometries.studies.families import FLOATING, GROUNDED
 
 TITLE = "In company: Experiment VII"
@@ -58,15 +55,15 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
     return page.section(
         TITLE,
         page.finding(finding(found)),
-        page.figures([_plot_of_factors(found), _plot_of_model(found)]),
+        page.figures([_plot_of_factors(found)]),
         page.table_of(
             factors(found),
             ("what", lambda each: each.what),
             ("against", lambda each: each.against),
             ("pairs", lambda each: str(len(each.ratios))),
-            ("median", lambda each: f"{each.median:.3f}"),
-            ("smallest", lambda each: f"{each.smallest:.3f}"),
-            ("largest", lambda each: f"{each.largest:.3f}"),
+            ("median", lambda each: f"{each.spread.median:.3f}"),
+            ("smallest", lambda each: f"{each.spread.least:.3f}"),
+            ("largest", lambda each: f"{each.spread.greatest:.3f}"),
             ("error", lambda each: f"{each.error:.1e}"),
         ),
         page.paragraph(
@@ -92,10 +89,10 @@ def finding(found: list[Entry]) -> str:
         grounded, floating = (of_part(found, part, (ground,)) for ground in (GROUNDED, FLOATING))
         if grounded.ratios and floating.ratios:
             phrases.append(
-                f"{part} {_range(grounded)} of a grounded hand and {_range(floating)} of a floating one"
+                f"{part} {grounded.spread.range} of a grounded hand and {floating.spread.range} of a floating one"
             )
     phrases += [
-        f"{each.what} instead of grounded {_range(each)}"
+        f"{each.what} instead of grounded {each.spread.range}"
         for each in factors(found)
         if each.against == GROUNDED
     ]
@@ -112,9 +109,11 @@ def model_finding(found: list[Entry]) -> str:
     ratios = [ratio.value for factor in each for ratio in factor.ratios]
     if not alone.ratios:
         return "The model has no answer for a grounded hand before a sensor by itself."
+    one, all_ = alone.spread, spread(ratios)
+    assert all_ is not None
     return (
-        f"The model, which knows neither company nor connections, gives {ratio(alone.median)} times ({ratio(alone.smallest)} to {ratio(alone.largest)}) the true change for "
-        f"a grounded hand before a sensor by itself; over all set-ups {ratio(float(np.median(ratios)))} times it ({ratio(min(ratios))} to {ratio(max(ratios))})."
+        f"The model, which knows neither company nor connections, gives {ratio(one.median)} times ({ratio(one.least)} to {ratio(one.greatest)}) the true change for "
+        f"a grounded hand before a sensor by itself; over all set-ups {ratio(all_.median)} times it ({ratio(all_.least)} to {ratio(all_.greatest)})."
     )
 
 
@@ -123,23 +122,19 @@ def conclusion(found: list[Entry]) -> str:
     made = factors(found)
     told = [
         "A threshold found for a grounded hand in free space does not hold on a machine: before a housing a floating hand "
-        f"makes {_range(each)} of that change."
+        f"makes {each.spread.range} of that change."
         for each in made
         if each.what == TOGETHER
     ]
     single = [each for each in made if each.what != TOGETHER]
-    strongest = max(single, key=lambda each: abs(math.log(each.median)))
-    widest = max(single, key=lambda each: each.largest / each.smallest)
+    strongest = max(single, key=lambda each: abs(math.log(each.spread.median)))
+    widest = max(single, key=lambda each: each.spread.greatest / each.spread.least)
     told.append(
-        f"The strongest effect in the median is that of {strongest.what} ({strongest.median:.3g}); the one that depends most on sizes and "
-        f"distances is that of {widest.what} ({widest.smallest:.3g} to {widest.largest:.3g}). No constant stands for it: a scene has to hold "
+        f"The strongest effect in the median is that of {strongest.what} ({strongest.spread.median:.3g}); the one that depends most on sizes and "
+        f"distances is that of {widest.what} ({widest.spread.least:.3g} to {widest.spread.greatest:.3g}). No constant stands for it: a scene has to hold "
         "the machine and the hand's connection to the ground."
     )
     return " ".join(told)
-
-
-def _range(factor: Factor) -> str:
-    return f"{ratio(factor.median)} ({ratio(factor.smallest)} to {ratio(factor.largest)})"
 
 
 def _rows_of_parts(found: list[Entry]) -> list[list[str]]:
@@ -164,7 +159,7 @@ def _rows_of_model(found: list[Entry]) -> list[list[str]]:
 def _cells(rows: dict[str, list[Factor]]) -> list[list[str]]:
     """Returns the rows that have any ratio, with their names."""
     return [
-        [name, *(_range(factor) if factor.ratios else "" for factor in row)]
+        [name, *(factor.spread.range if factor.ratios else "" for factor in row)]
         for name, row in rows.items()
         if any(factor.ratios for factor in row)
     ]
@@ -188,8 +183,8 @@ def _numbers(found: list[Entry]) -> Markup:
     )
 
 
-# Height (pixels) of a row of points, of a row of boxes, and of what is around them.
-_ROW, _BOXES, _AROUND = 34, 82, 150
+# Height (pixels) of a row of points, and of what is around the rows.
+_ROW, _AROUND = 34, 150
 _CONNECTED = tuple(ground for ground in TO_GROUND if ground != FLOATING)
 
 
@@ -215,23 +210,6 @@ def _plot_of_factors(found: list[Entry]) -> Panel:
     )
 
 
-def _plot_of_model(found: list[Entry]) -> Panel:
-    """Plots the model's change over the true one, boxes for each machine and each connection of the hand, with all points."""
-    traces = [_boxes(found, ground, series_colour(index)) for index, ground in enumerate(TO_GROUND)]
-    x = power_axis("the model's change over the true one")
-    height = _AROUND + _BOXES * len(MACHINES)
-    return Panel(
-        "the model's change over the true one",
-        figure(traces, x, rows_axis(list(MACHINES)), height=height, boxmode="group"),
-    )
-
-
-def _boxes(found: list[Entry], ground: str, colour: str) -> go.Box:
-    made = {machine: of_model(found, machine, ground) for machine in MACHINES}
-    points = [(machine, ratio.value, ratio.id) for machine, factor in made.items() for ratio in factor.ratios]
-    return boxes(points, f"hand: {ground}", colour, "set-up ")
-
-
 def _points(name: str, made: list[Factor], colour: str) -> go.Scatter:
     points = [(factor.what, ratio) for factor in made for ratio in factor.ratios]
     marker = {"color": colour, "size": 7, "opacity": 0.45}
@@ -245,5 +223,5 @@ def _points(name: str, made: list[Factor], colour: str) -> go.Scatter:
 
 def _medians(made: list[Factor]) -> go.Scatter:
     marker = {"color": INK, "symbol": "line-ns-open", "size": 20, "line": {"width": 3}}
-    medians, whats = [factor.median for factor in made], [factor.what for factor in made]
+    medians, whats = [factor.spread.median for factor in made], [factor.what for factor in made]
     return marks("median", medians, whats, marker, "median %{x:.4g}<extra>%{y}</extra>")

@@ -87,12 +87,6 @@ def _told_worst(case: Document, name: str) -> str:
     return f"{case['name']}, {_PERCENT * _error(case, name):+.2g} % at {_relative_distance(case):.2g} sensor sizes"
 
 
-def worst(cases: list[Document], name: str, sealed: bool) -> str:
-    """Returns the name of the set-up in which a method is worst, among the sealed ones or all."""
-    chosen = [case for case in cases if case["sealed"] or not sealed]
-    return str(max(chosen, key=lambda case: abs(_error(case, name)))["name"])
-
-
 def _panel(cases: list[Document], name: str) -> Panel:
     families = list(dict.fromkeys(case["family"] for case in cases))
     traces = []

@@ -1,14 +1,12 @@
-"""The section on what corrects the model: its cost and remaining error, as a sentence, a plot and tables."""
+"""The section on what corrects the model: its cost and remaining error, as a sentence and a table, and set-up by set-up."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import Panel, figure, power_axis, series_colour
 from analysis.results.store import Document
 from analysis.results.units import percent
 from analysis.topics.corrections import cases
@@ -24,10 +22,7 @@ def section(document: Document, set_ups: str) -> Markup:
     return page.section(
         TITLE,
         page.finding(finding(document)),
-        page.figures(_panels(document), set_ups=set_ups),
-        page.soft("A click on a triangle opens the set-up in which that method is worst."),
         _table(document),
-        _families(document),
         cases.section(document["cases"], set_ups),
         page.soft(_explanation(document)),
     )
@@ -46,41 +41,6 @@ def finding(document: Document) -> str:
         f"{percent(reduced['all']['rms'])} off (rms) and {percent(reduced['all']['worst'])} at worst in all "
         f"{reduced['all']['count']}."
     )
-
-
-def _panels(document: Document) -> list[Panel]:
-    panels = []
-    for shape in ("plate", "sphere"):
-        times = document["nanoseconds"].get(shape)
-        if times is None:
-            continue
-        timed = [entry for entry in document["corrections"] if entry["name"] in times]
-        traces = []
-        for index, (quantity, symbol) in enumerate((("rms", "circle"), ("worst", "triangle-up"))):
-            traces.append(
-                go.Scatter(
-                    x=[times[entry["name"]] for entry in timed],
-                    y=[100 * entry["sealed"][quantity] for entry in timed],
-                    text=[entry["name"] for entry in timed],
-                    customdata=_worst_cases(document, timed) if quantity == "worst" else None,
-                    mode="markers+text" if quantity == "rms" else "markers",
-                    textposition="top center",
-                    cliponaxis=False,
-                    marker={"color": series_colour(index), "symbol": symbol, "size": 9},
-                    name=quantity,
-                    hovertemplate="%{text}: %{x:.0f} ns, %{y:.2g} %<extra></extra>",
-                )
-            )
-        caption = f"sealed set-ups; time for a {shape}"
-        panels.append(
-            Panel(caption, figure(traces, power_axis("ns per triangle"), power_axis("error in mutual, %")))
-        )
-    return panels
-
-
-def _worst_cases(document: Document, methods: list[Document]) -> list[str]:
-    """Names, for each of these methods, the sealed set-up in which it is worst."""
-    return [cases.worst(document["cases"], entry["name"], sealed=True) for entry in methods]
 
 
 def _table(document: Document) -> Markup:
@@ -104,19 +64,6 @@ def _error(over: str, name: str) -> Callable[[Document], str]:
 
 def _time(known: dict[str, float]) -> Callable[[Document], str]:
     return lambda entry: f"{known[entry['name']]:.3g}"
-
-
-def _families(document: Document) -> Markup:
-    counts = document["corrections"][0]["families"]
-    return page.table_of(
-        document["corrections"],
-        ("rms / worst", lambda entry: page.code(entry["name"])),
-        *((f"{family} ({errors['count']})", _in_family(family)) for family, errors in counts.items()),
-    )
-
-
-def _in_family(family: str) -> Callable[[Document], str]:
-    return lambda entry: " / ".join(percent(entry["families"][family][name]) for name in ("rms", "worst"))
 
 
 def _explanation(document: Document) -> str:

@@ -53,6 +53,16 @@ class Truth:
     delta_self: Estimate
     target_own: Estimate
 
+    @staticmethod
+    def of(solved: dict[str, Any], sensor: str) -> Truth:
+        """Returns the truth in what boundary elements answer of a sensor, which comes first, and a target."""
+        matrix, errors, alone = solved["maxwell"], solved["error"], solved["delta_self"][sensor]
+        return Truth(
+            mutual=Estimate(-float(matrix[0][1]), float(errors[0][1])),
+            delta_self=Estimate(float(alone["value"]), float(alone["error"])),
+            target_own=Estimate(float(matrix[1][1]), float(errors[1][1])),
+        )
+
 
 def split(model: Any, sensor: Rectangle, target: Rectangle) -> Split:
     """Computes the contributions of all effects in a set-up of two plates. `model` is the model's module."""

@@ -8,7 +8,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, series_colour
-from analysis.results.table import DELTA_SELF, MUTUAL
+from analysis.results.table import DELTA_SELF
 from analysis.results.units import PICOFARAD, percent, signed_percent, too
 from analysis.topics.errors import parts, records
 from analysis.topics.errors.parts import PARTS
@@ -145,18 +145,6 @@ def sections(found: list[Entry], cases: str) -> list[Markup]:
     return [_parts(found, cases), *(_map(group, found, cases) for group in MAPS if _on(group, found))]
 
 
-def of_study(pairs: list[tuple[Entry, Entry]]) -> Markup:
-    """Returns a study's own cases, as (by boundary elements, by the field solver); empty without any."""
-    if not pairs:
-        return Markup("")
-    solved = [entry for _, entry in pairs]
-    return page.section(
-        "The cases of this study, by the field solver",
-        page.finding(agreement_finding(pairs)),
-        page.figures([bars(f"mean error in {name} and its parts", solved, name) for name in PARTS]),
-    )
-
-
 def of_one(entry: Entry) -> list[Markup]:
     """Returns a table of the parts for each quantity."""
     return [_parts_of_one(entry, quantity) for quantity in PARTS]
@@ -178,17 +166,6 @@ def _parts_of_one(entry: Entry, quantity: str) -> Markup:
     rows.append(["model − truth", f"{error * true / PICOFARAD:+.5f}", signed_percent(error), ""])
     header = ["part", "pF", f"of {quantity}", "by the order"]
     return page.lines([page.heading(quantity), page.table(header, rows, strong=frozenset({len(rows) - 1}))])
-
-
-def agreement_finding(pairs: list[tuple[Entry, Entry]]) -> str:
-    """Tells how far the two truths differ, and which parts are the largest."""
-    both = [(one.true(name), other.true(name)) for name in PARTS for one, other in pairs]
-    agreeing = sum(one.agrees_with(other) for one, other in both)
-    largest = max(abs(one.value / other.value - 1) for one, other in both)
-    return (
-        f"In {len(pairs)} cases boundary elements and the field solver both know the truth: {agreeing} of {len(both)} values agree "
-        f"within the sum of their errors, the largest difference is {largest:.1e}. {finding([entry for _, entry in pairs], MUTUAL)}"
-    )
 
 
 def finding(found: list[Entry], quantity: str) -> str:

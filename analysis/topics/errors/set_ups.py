@@ -10,7 +10,6 @@ from pathlib import Path
 
 from analysis.pipeline import model_stage
 from analysis.pipeline.set_up_stages import OfScene, SetUpStages
-from analysis.results.answers import Estimate
 from analysis.results.set_up import describe, rectangles
 from analysis.results.store import Document
 from analysis.results.units import in_words
@@ -125,18 +124,10 @@ def answer(set_up: SetUp, scene: Path) -> Document:
     plates = rectangles(set_up.scene)
     assert plates is not None
     solved = model.Scene.load(str(scene)).maxwell(rtol=RTOL)
-    sensor = set_up.scene.sensors[0].name
-    truth = parts.Truth(
-        mutual=Estimate(-float(solved["maxwell"][0][1]), float(solved["error"][0][1])),
-        delta_self=Estimate(
-            float(solved["delta_self"][sensor]["value"]), float(solved["delta_self"][sensor]["error"])
-        ),
-        target_own=Estimate(float(solved["maxwell"][1][1]), float(solved["error"][1][1])),
-    )
     return {
         "reached": bool(solved["reached"]),
         "seconds": float(solved["seconds"]),
-        "truth": asdict(truth),
+        "truth": asdict(parts.Truth.of(solved, set_up.scene.sensors[0].name)),
         "split": asdict(parts.split(model, *plates)),
     }
 

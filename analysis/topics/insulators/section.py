@@ -105,7 +105,6 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
         page.finding(warnings(found)),
         page.figures([of_targets(found)]),
         page.finding(rule_finding(found)),
-        page.figures([of_rule(found)]),
         page.table(
             ["family", "reduced method", "answers", "rms error", "median", "worst", "within stated errors"],
             _rows_of_model(found),
@@ -261,27 +260,6 @@ def of_layers(found: list[Entry]) -> Panel:
         )
     x = log_axis("thickness · (1 − 1/permittivity) over the distance of the hand")
     return Panel("what layers add to the change", figure(traces, x, axis("added to the change (%)")))
-
-
-def of_rule(found: list[Entry]) -> Panel:
-    """Plots the errors of the reduced method's change with the layer rule and without regard to the layer."""
-    traces = []
-    for index, method in enumerate((REDUCED, IGNORING)):
-        points = [
-            (entry.set_up.family, _PERCENT * entry.error(method), entry.set_up.name)
-            for entry in found
-            if method in entry.changes and entry.set_up.family in (COVER, FILM)
-        ]
-        name = "with the layer rule" if method == REDUCED else "without regard to the layer"
-        traces.append(boxes(points, name, series_colour(index)))
-    shown = figure(
-        traces,
-        axis("reduced method: error of the change (%)"),
-        rows_axis([COVER, FILM]),
-        height=320,
-        boxmode="group",
-    )
-    return Panel("the layer rule", shown)
 
 
 def of_targets(found: list[Entry]) -> Panel:

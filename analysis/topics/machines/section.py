@@ -162,34 +162,6 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
     )
 
 
-def of_corrections(found: list[Entry]) -> Markup:
-    """Returns what each method gives on machines, for the page on corrections; empty without answers."""
-    if not found:
-        return Markup("")
-    return page.section(
-        "In company: the change of a reading on machines",
-        page.finding(sealed_finding(found)),
-        _sealed(found),
-        page.soft(
-            "Ratio: the method's change over the true one by boundary elements. The page on machines has the set-ups."
-        ),
-    )
-
-
-def sealed_finding(found: list[Entry]) -> str:
-    """Tells each method's error in the sealed set-ups and in the others."""
-    phrases = []
-    for method in METHODS:
-        told = [
-            f"{100 * each.rms:.0f} % rms and {100 * each.worst:+.0f} % at worst in {each.count} {name} ones"
-            for name, sealed in (("sealed", True), ("open", False))
-            if (each := statistics([entry for entry in found if entry.set_up.sealed == sealed], method))
-        ]
-        if told:
-            phrases.append(f"{method} is off by {', '.join(told)}")
-    return f"In the change of a reading on {len(found)} machines {'; '.join(phrases)}."
-
-
 def finding(found: list[Entry]) -> str:
     """Tells how many times the true change each method gives."""
     phrases = [

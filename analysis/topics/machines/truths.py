@@ -80,14 +80,7 @@ def _change(model: Any, scene: Scene, rtol: float) -> Estimate:
 
 
 def _pair(model: Any, scene: Scene, rtol: float) -> Truth:
-    solved_pair = model.Scene.loads(canonical(scene)).maxwell(rtol=rtol)
-    alone = solved_pair["delta_self"][scene.sensors[0].name]
-    matrix, errors = solved_pair["maxwell"], solved_pair["error"]
-    return Truth(
-        mutual=Estimate(-float(matrix[0][1]), float(errors[0][1])),
-        delta_self=Estimate(float(alone["value"]), float(alone["error"])),
-        target_own=Estimate(float(matrix[1][1]), float(errors[1][1])),
-    )
+    return Truth.of(model.Scene.loads(canonical(scene)).maxwell(rtol=rtol), scene.sensors[0].name)
 
 
 def _truths(record: Document) -> Truths:

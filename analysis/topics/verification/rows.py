@@ -1,7 +1,4 @@
-"""Solves one row of the verification in a process of its own: python3 -m analysis.topics.verification.rows ROW prints JSON.
-
-A row is `truth/CASE` or `cost/CASE/METHOD`.
-"""
+"""Solves one row of the verification in a process of its own: python3 -m analysis.topics.verification.rows ROW prints JSON."""
 
 from __future__ import annotations
 
@@ -16,40 +13,17 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.topics.verification.set_ups import CostCase, Quantity, TrueCase, cost_cases, true_cases
-from fem_reference.solve.level import Level
-from fem_reference.common.limits import Limits
-from fem_reference.answer.reference import ErrorKind, Reference, solve_conductors
+from analysis.topics.verification.set_ups import Quantity, TrueCase, true_cases
+from fem_reference.answer.reference import Reference, solve_conductors
 
 Array = NDArray[np.float64]
 Document = dict[str, Any]
 TRUTH_RTOL = 1e-3
 """The accuracy that the reference aims at by default."""
-METHODS = ESTIMATE, TIGHT, ENCLOSURE = "estimate", "tight", "enclosure"
-MAX_SECONDS = {ESTIMATE: 60.0, TIGHT: 60.0, ENCLOSURE: 20.0}
-"""Time limit (s) of a row; the targets go up to 60 s."""
-ENCLOSURE_RTOL = 5e-4
 
 
-def row_names() -> list[str]:
-    """Returns the names of all rows, grouped by kind."""
-    names = [f"truth/{name}" for name in true_cases()]
-    for case in cost_cases().values():
-        methods = [method for method in METHODS if method != TIGHT or len(case.targets) > 1]
-        names += [f"cost/{case.name}/{method}" for method in methods]
-    return names
-
-
-def solve_row(name: str) -> Document:
-    """Computes the document of one row; KeyError for an unknown one."""
-    kind, _, rest = name.partition("/")
-    if kind == "truth":
-        return _truth(true_cases()[rest])
-    case, _, method = rest.partition("/")
-    return _cost(cost_cases()[case], method)
-
-
-def _truth(case: TrueCase) -> Document:
+def solve_row(case: TrueCase) -> Document:
+    """Computes the document of one row."""
     found = [
         solve_conductors(set_up.conductors(), rtol=TRUTH_RTOL, error=case.error)
         for set_up in (case.set_up, *case.longer)
@@ -133,45 +107,11 @@ def extremes(of: Callable[[Array], float], lower: Array, upper: Array) -> tuple[
     return min(found), max(found)
 
 
-def _cost(case: CostCase, method: str) -> Document:
-    problem, seconds = case.set_up.conductors(), MAX_SECONDS[method]
-    rtol = {ESTIMATE: case.targets[0][0], TIGHT: case.targets[-1][0], ENCLOSURE: ENCLOSURE_RTOL}[method]
-    points: list[Document] = []
-    spent = 0.0
-
-    def note(answer: Reference) -> None:
-        nonlocal spent
-        spent += answer.levels[-1].seconds
-        points.append(_point(answer.levels[-1], spent, answer.worst))
-
-    # With a time limit every level is enclosed, and each is a point of the table.
-    error: ErrorKind = "enclosure" if method == ENCLOSURE else "estimate"
-    found = solve_conductors(problem, rtol=rtol, error=error, limits=Limits(seconds=seconds), progress=note)
-    return {
-        "points": points,
-        "rtol": rtol,
-        "reached": found.reached,
-        "stated": found.worst,
-        "seconds": found.seconds,
-        "memory": found.levels[-1].memory,
-        "value": found.maxwell.value.tolist(),
-        "error": found.maxwell.error.tolist(),
-    }
-
-
-def _point(level: Level, spent: float, worst: float) -> Document:
-    """Returns a level: `seconds` from the start on, `stated` the largest relative error of the answer so far."""
-    point = {"unknowns": level.unknowns, "seconds": spent, "maxwell": level.maxwell.tolist(), "stated": worst}
-    if level.enclosure is not None:
-        point |= {"lower": level.enclosure.lower.tolist(), "upper": level.enclosure.upper.tolist()}
-    return point
-
-
 def main() -> int:
     parser = argparse.ArgumentParser(prog="python3 -m analysis.topics.verification.rows", description=__doc__)
-    parser.add_argument("row", metavar="ROW", choices=row_names())
+    parser.add_argument("row", metavar="ROW", choices=list(true_cases()))
     logging.getLogger().setLevel(logging.WARNING)
-    print(json.dumps(solve_row(parser.parse_args().row)))
+    print(json.dumps(solve_row(true_cases()[parser.parse_args().row])))
     return 0
 
 

@@ -32,7 +32,7 @@ _SMALLEST = 1e-7
 
 
 def chapter(found: list[Compared], missing: list[str]) -> Markup:
-    """Returns everything but run times; one sentence when there is nothing."""
+    """Returns the chapter; one sentence when there is nothing."""
     if not found:
         return page.section(TITLE, page.paragraph(ABSENT))
     parts = []

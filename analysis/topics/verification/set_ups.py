@@ -1,4 +1,4 @@
-"""The set-ups of the verification: those with known capacitances, and those that run times are measured on."""
+"""The set-ups of the verification: those with known capacitances."""
 
 from __future__ import annotations
 
@@ -67,21 +67,6 @@ class TrueCase:
     longer: tuple[SetUp, ...] = ()
 
 
-@dataclass(frozen=True)
-class CostCase:
-    """A set-up on which methods are compared. `truth` is its Maxwell matrix (F), if known, to the relative `truth_error`.
-
-    `targets` are relative errors with the seconds that the estimate may take for them.
-    """
-
-    name: str
-    caption: str
-    set_up: SetUp
-    targets: tuple[tuple[float, float], ...] = ()
-    truth: Array | None = None
-    truth_error: float = 0.0
-
-
 def plate(
     name: str, centre: Sequence[float], half_widths: tuple[float, float], tilt: float = 0.0
 ) -> Rectangle:
@@ -101,13 +86,6 @@ def alone(body: Body) -> SetUp:
 def squares(gap: float) -> SetUp:
     """Returns equal squares of side 1."""
     return pair(plate("lower", (0, 0, 0), (0.5, 0.5)), plate("upper", (0, 0, gap), (0.5, 0.5)))
-
-
-def hinged(hinge_gap: float, tilt: float) -> SetUp:
-    """Returns plates of side 1, the second rising by `tilt` degrees from a line `hinge_gap` above an edge of the first."""
-    angle = np.radians(tilt)
-    centre = (-0.5 + 0.5 * np.cos(angle), 0, hinge_gap + 0.5 * np.sin(angle))
-    return pair(plate("sensor", (0, 0, 0), (0.5, 0.5)), plate("target", centre, (0.5, 0.5), tilt))
 
 
 def own(maxwell: Array) -> float:
@@ -301,32 +279,3 @@ def _of_rectangles(case: dict[str, Any]) -> SetUp:
     )
     names = tuple(case["conductors"])
     return SetUp(bodies, names, sum(name.startswith("sensor") for name in names))
-
-
-@cache
-def cost_cases() -> dict[str, CostCase]:
-    """Returns the set-ups on which run time is measured against error, by name."""
-    published = {case["name"]: case for case in truths.boundary_elements()}
-    sensors = published["two_sensors_6x10_plate_height2.5"]
-    tilted = published["inclined_hinge1.5_25deg"]
-    both = ((5e-4, 5.0), (5e-5, 60.0))
-    close = ((5e-4, 60.0),)
-    fine = ((1e-3, 60.0),)
-    small = pair(plate("sensor", (0, 0, 0), (0.5, 0.5)), plate("target", (0, 0, 0.1), (0.05, 0.05)))
-
-    def known(case: dict[str, Any]) -> dict[str, Any]:
-        return {"truth": 1e-12 * np.array(case["maxwell_pF"]), "truth_error": case["relative_error"]}
-
-    cases = [
-        CostCase("plate", "square plate alone", alone(plate("plate", (0, 0, 0), (0.5, 0.5))), both,
-                 np.array([[UNIT * truths.UNIT_SQUARE_PLATE]]), truths.UNIT_SQUARE_PLATE_ERROR),
-        CostCase("cube", "cube alone", alone(Cuboid("cube", np.zeros(3), np.eye(3), (0.5, 0.5, 0.5))), fine,
-                 np.array([[UNIT * truths.UNIT_CUBE]]), 1e-12),
-        CostCase("parallel", "equal parallel plates, gap/size 0.1", squares(0.1), both),
-        CostCase("close", "equal parallel plates, gap/size 0.01", squares(0.01), close),
-        CostCase("tilted", "tilted by 25°, gap/size 0.15 at the hinge", _of_rectangles(tilted), both, **known(tilted)),
-        CostCase("hinge", "tilted by 10°, gap/size 0.01 at the hinge", hinged(0.01, 10.0), close),
-        CostCase("small", "a target of 0.1 of the sensor, gap 0.1", small, fine),
-        CostCase("sensors", "two sensors 0.5 cm apart, one target", _of_rectangles(sensors), fine, **known(sensors)),
-    ]  # fmt: skip
-    return {case.name: case for case in cases}

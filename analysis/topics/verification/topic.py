@@ -1,4 +1,4 @@
-"""The verification of the field reference as a topic: known capacitances, and run time against error."""
+"""The verification of the field reference as a topic: known capacitances, its errors and its orders of convergence."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ from analysis.pipeline import keys
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import parallel_jobs, run_all
 from analysis.pipeline.stage import NoAnswer, Stage, outdated, parsed
-from analysis.results import machine
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from analysis.topics.topic import Topic
-from analysis.topics.verification import cost_section, records, section
+from analysis.topics.verification import records, section
 from geometries.common.installation import ROOT
 
 _SOURCES = (
@@ -28,17 +27,8 @@ _SOURCES = (
     "rows.py",
 )
 # Expected seconds of a row on one core, for the order and the progress bar.
-_SECONDS = {"truth": 8.0, "cost": 12.0}
-_LONG = {
-    "truth/facing strips, width/gap 1": 30.0,
-    "truth/facing strips, width/gap 5": 30.0,
-    "cost/close/estimate": 60.0,
-    "cost/close/enclosure": 60.0,
-    "cost/hinge/estimate": 40.0,
-    "cost/parallel/tight": 40.0,
-    "cost/tilted/tight": 40.0,
-}
-_COMPILES_FORMS = "truth/cube"
+_SECONDS, _SECONDS_OF_STRIPS = 8.0, 30.0
+_COMPILES_FORMS = "cube"
 
 
 @dataclass(frozen=True)
@@ -51,9 +41,9 @@ class Row:
 def all_rows() -> Iterator[Row]:
     """Gives all rows in their order."""
     # Imported when the first one is asked for: loading the solver takes a second, and a report that is up to date does not need it.
-    from analysis.topics.verification import rows
+    from analysis.topics.verification import set_ups
 
-    yield from map(Row, rows.row_names())
+    yield from map(Row, set_ups.true_cases())
 
 
 def code(repository: Path = ROOT) -> str:
@@ -65,8 +55,8 @@ def code(repository: Path = ROOT) -> str:
 
 
 def key(name: str, code: str) -> str:
-    """Returns the key of a row; that of run times depends on the machine, too."""
-    return keys.measurement_key(name, code, machine.identity() if name.startswith("cost/") else {})
+    """Returns the key of a row."""
+    return keys.measurement_key(name, code, {})
 
 
 def path_of(folder: Path, name: str) -> Path:
@@ -80,23 +70,19 @@ class Rows:
     name: str = "verification"
 
     def run(self, folder: Path, rows: Iterable[Row], workers: int | None = None) -> list[Failure]:
-        """Solves the rows that are missing or out of date; returns those that failed.
-
-        Truths come first, then the rows whose run times are measured, `workers` at a time.
-        """
+        """Solves the rows that are missing or out of date, `workers` at a time; returns those that failed."""
         current = code()
         missing = outdated([stage(folder, row.id, current) for row in rows])
         failures: list[Failure] = []
         # The others would wait for the forms that the first solve compiles.
         first = [each for each in missing if each.name == _COMPILES_FORMS]
-        timed = [each for each in missing if each.name.startswith("cost/")]
-        rest = [each for each in missing if each not in first + timed]
-        for group in (first, rest, timed):
+        rest = [each for each in missing if each not in first]
+        for group in (first, rest):
             failures += run_all(group, workers or parallel_jobs(), "rows of the verification")
         return failures
 
     def load(self, folder: Path, _: Iterable[Row]) -> dict[str, Document]:
-        """Returns the rows in a folder that are up to date, by name; rows of another version of the code or machine are left out."""
+        """Returns the rows in a folder that are up to date, by name; rows of another version of the code are left out."""
         stored = [read_json(path) for path in sorted((folder / "rows").glob("*.json"))]
         current = code() if stored else ""
         return {
@@ -106,7 +92,7 @@ class Rows:
 
 def stage(folder: Path, name: str, code: str) -> Stage:
     """Returns the stage of one row."""
-    seconds = _LONG.get(name, _SECONDS[name.partition("/")[0]])
+    seconds = _SECONDS_OF_STRIPS if name.startswith("facing strips") else _SECONDS
     return Stage(name, "", path_of(folder, name), key(name, code), seconds, functools.partial(answer, name))
 
 
@@ -129,20 +115,6 @@ def truths(found: list[Entry]) -> Markup:
     return section.chapter(records.compared(rows), missing)
 
 
-def costs(found: list[Entry]) -> Markup:
-    """Returns the section on the reference's run times; empty without rows."""
-    if not found:
-        return Markup("")
-    from analysis.topics.verification.set_ups import cost_cases
-
-    asked = [
-        records.Asked(case.name, case.caption, case.targets, case.truth, case.truth_error)
-        for case in cost_cases().values()
-    ]
-    known = [cost for cost in (records.cost(dict(found), case) for case in asked) if cost is not None]
-    return cost_section.section(known)
-
-
 def _finding(found: list[Entry]) -> str:
     compared = records.compared(dict(found))
     return section.finding(compared) if compared else section.ABSENT
@@ -152,10 +124,9 @@ VERIFICATION = Topic[Row, Entry](
     stages=Rows(),
     set_ups=all_rows,
     entry=lambda row, answer: (row.id, answer),
-    sections=lambda found, _, __: [truths(found), costs(found)],
+    sections=lambda found, _, __: [truths(found)],
     finding=_finding,
     absent=section.ABSENT,
-    title="Verification of the field reference",
-    introduction="Is the field reference right, are its stated errors right, and what does it cost? One command computes every number of this page.",
+    title="Is the field solver right, and are its stated errors?",
     command="verify",
 )

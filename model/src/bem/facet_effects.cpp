@@ -79,18 +79,22 @@ MatrixXd facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
                        const InsulatedEquations& equations, const BesideFacets& facets,
                        const MatrixXd& values, double tolerance) {
   const InsulatedUnknowns& unknowns = equations.unknowns;
-  std::vector<MatrixXd> roots;
-  for (Index k = 0; k < unknowns.size(); ++k) {
-    if (unknowns.kind(k) != PartKind::conductor)
-      continue;
-    const auto at = static_cast<std::size_t>(k);
-    const RoundShape* const round =
-        round_shape_of(bodies.conductors.bodies[static_cast<std::size_t>(unknowns.body[at])].surface);
-    if (round != nullptr)
-      roots.push_back(root_of_conductor(*round, mesh.panels()[static_cast<std::size_t>(unknowns.panels[at])],
-                                        unknowns.states[at].ratios, values.row(k)));
-  }
   const std::vector<Index> place = places_of_panels(mesh, unknowns);
+  std::vector<MatrixXd> roots;
+  // Every panel has rows whether it is there or not: roots with and without some bodies are compared.
+  for (const PanelGroup& group : mesh.groups()) {
+    if (group.body >= bodies.conductors.bodies.size())
+      continue;
+    const RoundShape* const round = round_shape_of(bodies.conductors.bodies[group.body].surface);
+    for (std::size_t panel = group.first; round != nullptr && panel < group.first + group.count; ++panel) {
+      const Index own = place[panel];
+      const bool is_conductor = own >= 0 && unknowns.kind(own) == PartKind::conductor;
+      roots.push_back(is_conductor ? root_of_conductor(*round, mesh.panels()[panel],
+                                                       unknowns.states[static_cast<std::size_t>(own)].ratios,
+                                                       values.row(own))
+                                   : MatrixXd(MatrixXd::Zero(BesideFacets::copies, values.cols())));
+    }
+  }
   std::vector<AngleTarget> targets;
   for (const std::size_t panel : facets.panels) {
     const Index own = place[panel];

@@ -163,7 +163,7 @@ class PanelMesh::Carried {
   /// Returns the further charges of the panels that were added.
   MatrixXd result() const {
     MatrixXd result(index_of(rows_.size()), charges_.cols() - choosing_);
-    for (std::size_t k = 0; k < rows_.size(); ++k)
+    for (std::size_t k = 0; k < rows_.size() && result.cols() > 0; ++k)
       result.row(index_of(k)) = rows_[k].tail(result.cols());
     return result;
   }

@@ -214,6 +214,8 @@ SurfaceEffects surface_effects(const Simplification& simplification, const Panel
                                const MatrixXd& charges) {
   const MatrixXd none = MatrixXd::Zero(charges.cols(), charges.cols());
   SurfaceEffects effects{none, none, none};
+  if (charges.cols() == 0)
+    return effects;
   for (const PanelGroup& group : mesh.groups())
     for (std::size_t k = group.first; k < group.first + group.count; ++k) {
       const Panel& panel = mesh.panels()[k];

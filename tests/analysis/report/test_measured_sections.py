@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from analysis.report import boundary_times_section, collision_section, run_times_section, stability_section
+from analysis.report import collision_section, run_times_section, stability_section
 from analysis.report.run_times_section import MethodTime
 from analysis.results import store, study_results as results
 from tests.analysis.synthetic import make_results, report_text
@@ -150,67 +150,7 @@ def test_a_class_without_finite_values_has_counts_and_no_error() -> None:
     text = stability_section.section(stability(stability_document(exact)))
     (row,) = re.findall(r"<tr><td class=\"text\">parallel</td>(.*?)</tr>", text)
     cells = re.findall(r"<td *>(.*?)</td>", row)
-    assert cells == ["100", "", "0", "0", "2e+06", "7 of 40", "9 of 40"]
-
-
-def timed_scene(name: str, seconds: float, reached: bool = True) -> dict[str, Any]:
-    entry = {"rtol": 0.01, "unknowns": 2853, "stated": 0.0077, "mebibytes": 183.4}
-    return {"name": name, "seconds": seconds, "reached": reached} | entry
-
-
-def size(panels: int, seconds: float, mebibytes: float) -> dict[str, Any]:
-    return {"panels": panels, "seconds": seconds, "mebibytes": mebibytes, "error": 4e-5}
-
-
-def solid(name: str, capacity: float, published: float | None) -> dict[str, Any]:
-    entry = {"stated": 2e-4, "panels": 6432, "seconds": 2.1, "mebibytes": 90.0}
-    return {"name": name, "capacity": capacity, "published": published} | entry
-
-
-def boundary_document(cube: float = 0.66064, reached: bool = True) -> dict[str, Any]:
-    answer = {
-        "scenes": [timed_scene("plates", 0.002), timed_scene("arm", 60.2, reached)],
-        "sizes": [size(50_000, 4.0, 900), size(100_000, 10.0, 1980)],
-        "solids": [solid("cube", cube, 0.66067815), solid("octahedron", 0.5, None)],
-    }
-    return ORIGIN | {"answer": answer}
-
-
-def boundary_times(**more: Any) -> boundary_times_section.BoundaryTimes:
-    found = boundary_times_section.boundary_times(boundary_document(**more))
-    assert found is not None
-    return found
-
-
-def test_the_finding_on_solved_scenes_computed_by_hand() -> None:
-    text = boundary_times_section.finding_on_scenes(boundary_times().scenes)
-    assert text == "2 of 2 scenes have the accuracy asked for. The longest took 60 s: arm."
-
-
-def test_a_scene_that_was_stopped_is_named() -> None:
-    text = boundary_times_section.finding_on_scenes(boundary_times(reached=False).scenes)
-    assert text.startswith("1 of 2 scenes have the accuracy asked for, not: arm.")
-
-
-def test_the_finding_on_sizes_computed_by_hand() -> None:
-    text = boundary_times_section.finding_on_sizes(boundary_times().sizes)
-    assert text == (
-        "100,000 panels take 10 s and 1,980 MiB: 2.0 times the panels take 2.5 times the time and 2.2 times the memory."
-    )
-
-
-def test_the_finding_on_solids_computed_by_hand() -> None:
-    text = boundary_times_section.finding_on_solids(boundary_times().solids)
-    assert text == (
-        "The capacities of the regular polyhedra are stated to 0.04 %; "
-        "that of the cube is 0.0058 % off the published one, within its stated error."
-    )
-
-
-def test_a_capacity_beyond_its_stated_error_is_told() -> None:
-    assert "beyond its stated error" in boundary_times_section.finding_on_solids(
-        boundary_times(cube=0.6600).solids
-    )
+    assert cells == ["100", "", "", "0", "0", "2e+06", "3", "7 of 40", "9 of 40"]
 
 
 def counts(name: str, **more: int) -> dict[str, Any]:
@@ -278,9 +218,8 @@ def test_other_answers_are_told_in_their_cell() -> None:
 
 
 SECTIONS = {
-    run_times_section: (2, "a compiler", {results.RUN_TIMES: TIMES}),
-    stability_section: (1, "exact keeps the limit of 16", {results.STABILITY: stability_document()}),
-    boundary_times_section: (0, "0.66064 ± 0.00020", {results.BOUNDARY_TIMES: boundary_document()}),
+    run_times_section: (0, "a compiler", {results.RUN_TIMES: TIMES}),
+    stability_section: (0, "exact keeps the limit of 16", {results.STABILITY: stability_document()}),
     collision_section: (0, "did not end</th>", dict(zip(results.COLLISION, (ANSWERS, QUERIES, SCENES)))),
 }
 

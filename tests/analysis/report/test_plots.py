@@ -15,7 +15,6 @@ from analysis.report import drawing, plots_in_space, plots_of_errors
 from analysis.report.drawing import thumbnail
 from analysis.report.plot import Panel, Plot
 from analysis.report.plots_in_space import areas, coloured
-from analysis.report.run_times_section import placed
 from analysis.results import study_results as results, table
 from analysis.results.table import DELTA_SELF, MUTUAL
 from analysis.results.units import VACUUM_PERMITTIVITY
@@ -230,16 +229,3 @@ def test_bars_of_a_thumbnail_stand_on_each_other() -> None:
 
 def test_a_figure_without_points_has_no_thumbnail() -> None:
     assert thumbnail([{"type": "heatmap", "z": [[1.0]]}], {}, "a map") == ""
-
-
-def test_labels_do_not_cover_each_other() -> None:
-    points = [(100.0, 100.0), (103.0, 100.0), (300.0, 100.0)]
-    places = placed(points, ["1e-3", "1e-4", "1e-6"])
-    assert places[0] == "top right" and places[2] == "top right"
-    assert places[1] is not None and places[1] != places[0]
-
-
-def test_a_label_without_room_is_left_out() -> None:
-    places = placed([(100.0, 100.0)] * 12, [f"1e-{n}" for n in range(12)])
-    assert places.count(None) >= 6
-    assert placed([(0.0, 0.0)], [""]) == [None]

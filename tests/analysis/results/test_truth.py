@@ -178,7 +178,7 @@ def test_a_method_of_the_model_that_refuses_has_a_line_too(tmp_path: Path) -> No
     assert refusal.sentence.startswith("the model's split:0 refuses case") and refusal.sentence.endswith(
         ": too far"
     )
-    assert "split:4" in report_text(tmp_path)
+    assert "split:0 refuses case" in report_text(tmp_path)
 
 
 @pytest.mark.parametrize("answered, status", [(True, 0), (False, 1)])

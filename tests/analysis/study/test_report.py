@@ -8,7 +8,6 @@ from pathlib import Path
 
 import pytest
 
-from analysis.report import plot_of_time
 from analysis.report.page import SCRIPT
 from analysis.report.results_page import LIVE, MOTION
 from analysis.results import store, study_results as results, table
@@ -42,9 +41,6 @@ def folder(tmp_path: Path) -> Path:
         "Model error over tilt",
         "Model error over lateral offset",
         "Model error over size ratio",
-        "Run time against error (mutual)",
-        "Family parallel",
-        "Family edge",
     ],
 )
 def test_every_plot_has_a_figure_and_a_finding(folder: Path, title: str) -> None:
@@ -244,13 +240,16 @@ def test_versions_and_machine_are_told(folder: Path) -> None:
         assert word in text
 
 
-def test_a_slice_of_the_potential_is_drawn_where_there_is_one(folder: Path) -> None:
-    assert "potential (V)" not in report_text(folder)
-    case = results.load(folder).compared()[0]
+def test_the_first_page_leads_to_a_case_that_has_the_potential_around_it(folder: Path) -> None:
+    case = results.load(folder).compared()[1]
     plane = {"origin": [0.0, 0.0], "direction": [1.0, 0.0]}
     slice_of = plane | {"along": [-0.1, 0.1], "z": [-0.1, 0.1], "potential": [[0.1, 0.2], [0.3, 0.4]]}
     store.write_json(case.folder / results.SLICE, {"key": "", **slice_of})
-    assert "potential (V) in the vertical plane through both centres" in report_text(folder)
+    text = report.make(folder).path.read_text()
+    (drawn,) = re.findall(r"<header>(.*?)</header>", text, re.DOTALL)
+    assert f'href="cases/{case.id}/case.html"' in drawn and f'aria-label="{case.name}"' in drawn
+    page = (case.folder / "case.html").read_text()
+    assert "potential (V) in the vertical plane through both centres" in page
 
 
 def test_pages_of_scenes_beside_the_results_are_linked(tmp_path: Path) -> None:
@@ -285,23 +284,3 @@ def test_results_without_a_single_answer_still_give_a_report(tmp_path: Path) -> 
 def test_a_folder_without_results_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="holds no results"):
         report.make(tmp_path)
-
-
-def test_run_time_against_error_computed_by_hand(tmp_path: Path) -> None:
-    """Reference 2.0, exact 1.8, split:0 1.5, the coarse mesh 10 % off; all cases alike."""
-    answers = {number: (reference_document(2, 1), model_document(1.8, coarse=1.5)) for number in range(5)}
-    rows = [
-        row
-        for row in table.rows(results.load(make_results(tmp_path, answers=answers)))
-        if row.object == "target"
-    ]
-    integration = plot_of_time.integration_errors(rows)
-    assert [point.label for point in integration] == ["split:0", "split:4"]
-    assert integration[0].error == pytest.approx(0.3 / 1.8)
-    assert integration[0].seconds == 5e-7
-    assert [p.error for p in plot_of_time.total_errors(rows, ["exact", "split:0"])] == pytest.approx(
-        [0.1, 0.25]
-    )
-    coarse, fine = plot_of_time.level_errors(rows)
-    assert (coarse.error, coarse.seconds) == (pytest.approx(0.1), 1.5)
-    assert fine.error == pytest.approx(0)

@@ -119,5 +119,5 @@ def test_the_section_warns_in_numbers(found: list[Entry]) -> None:
     assert re.search(r"Keep dry: .* [\d.]+ \([\d.]+ to [\d.]+\)", told) and "seen less" in told
     assert f"Over {len(found)} set-ups" in section.finding(found)
     text = str(section.section(found, [Markup("what the field solver finds")]))
-    assert text.count("plotly-graph-div") == 4 and "refuses all 1" in text and BLANKET in text
+    assert text.count("plotly-graph-div") == 3 and "refuses all 1" in text and BLANKET in text
     assert "what the field solver finds" in text

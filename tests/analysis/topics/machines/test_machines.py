@@ -199,18 +199,6 @@ def test_the_section_tells_ratios_and_parts(found: list[Entry]) -> None:
     assert all(f">{method}<" in text for method in METHODS)
 
 
-def test_the_page_on_corrections_counts_sealed_set_ups_apart(found: list[Entry]) -> None:
-    assert section.of_corrections([]) == ""
-    told = str(section.of_corrections(found))
-    for name, sealed in (("sealed", True), ("open", False)):
-        own = section.statistics([entry for entry in found if entry.set_up.sealed == sealed], EVERY)
-        if own is not None:
-            assert (
-                f"{100 * own.rms:.0f} % rms and {100 * own.worst:+.0f} % at worst in {own.count} {name} ones"
-                in told
-            )
-
-
 SAMPLE = ((HOUSING, 7), (TABLE, 5), (ARM, 2), (PERSON, 1), (ROBOT, 4), (TRANSMIT, 4))
 """Quick ones, one of each family."""
 MANY = 30

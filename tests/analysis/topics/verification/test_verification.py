@@ -1,4 +1,4 @@
-"""The verification: rows kept under their keys, errors against truths, orders, time against error, and the chapter told."""
+"""The verification: rows kept under their keys, errors against truths, orders, and the chapter told."""
 
 from __future__ import annotations
 
@@ -11,17 +11,15 @@ import pytest
 
 from analysis.pipeline import processes
 from analysis.pipeline.stage import NoAnswer
-from analysis.results import machine, store
+from analysis.results import store
 from analysis.results.study_results import Failure
 from analysis.topics.verification import (
-    cost_section,
     records as verification,
     rows as verification_rows,
     section as verification_section,
     topic as verification_stage,
     truths,
 )
-from analysis.topics.verification.records import Asked, Cost
 from analysis.topics.verification.set_ups import true_cases
 from analysis.topics.verification.topic import VERIFICATION, Row
 from tests.analysis.synthetic import make_results, report_text
@@ -54,7 +52,7 @@ OUTSIDE = quantity(2.02, 0.01, lower=2.01, upper=2.04)
 
 
 def test_errors_effectivities_and_order_computed_by_hand() -> None:
-    (found,) = verification.compared({"truth/a plate": truth_row(INSIDE)})
+    (found,) = verification.compared({"a plate": truth_row(INSIDE)})
     assert (found.case, found.quantity, found.source) == ("a plate", "C11", "a book")
     assert (found.off, found.stated) == pytest.approx((0.001, 0.005))
     assert found.effectivity == pytest.approx(5) and found.within
@@ -64,18 +62,18 @@ def test_errors_effectivities_and_order_computed_by_hand() -> None:
 
 
 def test_an_error_below_what_the_truth_is_known_to_counts_as_that() -> None:
-    (found,) = verification.compared({"truth/a": truth_row(quantity(2.0, 1e-4))})
+    (found,) = verification.compared({"a": truth_row(quantity(2.0, 1e-4))})
     assert found.off == 0 and found.effectivity == pytest.approx(50)
     assert found.half_width is None and found.enclosed is None and found.enclosure_effectivity is None
 
 
 def test_levels_as_near_as_the_truth_is_known_say_nothing_about_the_order() -> None:
-    (found,) = verification.compared({"truth/a": truth_row(quantity(2.0, 1e-4, truth_error=4e-3))})
+    (found,) = verification.compared({"a": truth_row(quantity(2.0, 1e-4, truth_error=4e-3))})
     assert len(found.clear_levels) == 2 and found.order is None
 
 
 def test_what_lies_outside_is_named_and_counted() -> None:
-    rows = verification.compared({"truth/good": truth_row(INSIDE), "truth/bad": truth_row(OUTSIDE)})
+    rows = verification.compared({"good": truth_row(INSIDE), "bad": truth_row(OUTSIDE)})
     text = verification_section.finding(rows)
     assert "1 of 2 known quantities of 2 set-ups are within the stated error" in text
     assert "1 of 2 enclosures hold the truth" in text
@@ -85,62 +83,9 @@ def test_what_lies_outside_is_named_and_counted() -> None:
 
 def test_of_each_case_the_worst_quantity_is_shown() -> None:
     worse = quantity(2.008, 0.01, name="C12")
-    rows = verification.compared({"truth/a": truth_row(INSIDE, worse), "truth/b": truth_row(INSIDE)})
+    rows = verification.compared({"a": truth_row(INSIDE, worse), "b": truth_row(INSIDE)})
     shown = verification.worst_of_each_case(rows)
     assert [(row.case, row.quantity) for row in shown] == [("a", "C12"), ("b", "C11")]
-
-
-def reference_row(value: float, error: float, *meshes: tuple[float, float], **more: Any) -> dict[str, Any]:
-    """An answer for one conductor; the meshes are seconds from the start and values."""
-    points = [{"unknowns": 100, "seconds": seconds, "maxwell": [[mesh]]} for seconds, mesh in meshes]
-    end = {"value": [[value]], "error": [[error]], "stated": error / value, "seconds": meshes[-1][0] + 0.5}
-    return {"points": points} | end | more
-
-
-COST_ROWS = {
-    "cost/p/estimate": reference_row(1.001, 0.002, (1.0, 1.1), (3.0, 1.05)),
-    "cost/p/tight": reference_row(1.0, 0.0001, (2.0, 1.03), (9.0, 1.01)),
-}
-
-
-def asked(truth: float | None = None) -> Asked:
-    matrix = None if truth is None else np.array([[truth]])
-    return Asked("p", "a plate", ((5e-3, 4.0), (5e-5, 60.0)), matrix, 1e-6)
-
-
-def costs(truth: float | None = None) -> Cost:
-    found = verification.cost(COST_ROWS, asked(truth))
-    assert found is not None
-    return found
-
-
-def test_errors_are_those_against_the_best_known_value() -> None:
-    own = costs()
-    assert own.best_from == "the reference's own tight" and own.best_to == pytest.approx(1e-4)
-    assert [point.error for point in own.meshes] == pytest.approx([0.1, 0.05])
-    assert costs(truth=1.001).answers[0].error == 0
-    assert costs(truth=1.001).best_from == "the truth"
-
-
-def test_seconds_count_from_the_start() -> None:
-    found = costs()
-    assert [point.seconds for point in found.meshes] == [1.0, 3.0]
-
-
-def test_a_target_is_met_when_the_error_is_stated_in_time() -> None:
-    loose, tight = costs().targets
-    assert loose.met and loose.seconds == 3.5
-    assert not tight.met, "1e-4 is more than 5e-5"
-    text = cost_section.target_finding([costs()])
-    assert text == "1 of 2 errors asked for were stated in time; not: a plate, 5e-05."
-
-
-def test_the_finding_of_a_set_up_computed_by_hand() -> None:
-    assert cost_section.case_finding(costs()) == "The estimate is 1.0e-03 off after 3.5 s."
-
-
-def test_without_an_answer_of_the_reference_there_is_no_panel() -> None:
-    assert verification.cost({"cost/another/estimate": COST_ROWS["cost/p/estimate"]}, asked()) is None
 
 
 def test_a_carried_error_and_an_interval_are_those_of_the_corners() -> None:
@@ -183,7 +128,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     return names
 
 
-ROWS = ["truth/one", "truth/fails", "cost/p/estimate"]
+ROWS = ["one", "fails", "two"]
 
 
 def run(folder: Path) -> list[Failure]:
@@ -194,19 +139,17 @@ def test_finished_rows_are_not_solved_again_and_failures_stop_nothing(
     tmp_path: Path, solved: list[str]
 ) -> None:
     failures = run(tmp_path)
-    assert [(failure.stage, failure.reason) for failure in failures] == [("truth/fails", "no memory")]
+    assert [(failure.stage, failure.reason) for failure in failures] == [("fails", "no memory")]
     assert solved == ROWS
     run(tmp_path)
-    assert solved == [*ROWS, "truth/fails"]
-    assert sorted(VERIFICATION.load(tmp_path)) == ["cost/p/estimate", "truth/one"]
+    assert solved == [*ROWS, "fails"]
+    assert sorted(VERIFICATION.load(tmp_path)) == ["one", "two"]
 
 
-def test_another_version_makes_all_rows_void_and_another_machine_run_times(
+def test_another_version_makes_all_rows_void(
     tmp_path: Path, solved: list[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     run(tmp_path)
-    monkeypatch.setattr(machine, "identity", lambda: {"name": "another"})
-    assert list(VERIFICATION.load(tmp_path)) == ["truth/one"]
     monkeypatch.setattr(verification_stage, "code", lambda: "another")
     assert not VERIFICATION.load(tmp_path)
     run(tmp_path)
@@ -218,7 +161,7 @@ def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
 ) -> None:
     folder = make_results(tmp_path / "study")
     assert verification_section.ABSENT in report_text(folder)
-    rows = {"truth/cube": truth_row(INSIDE)}
+    rows = {"cube": truth_row(INSIDE)}
     for name, row in rows.items():
         key = verification_stage.key(name, verification_stage.code())
         target = verification_stage.path_of(VERIFICATION.beside(folder), name)
@@ -226,12 +169,10 @@ def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
     text = report_text(folder)
     assert verification_section.TITLE in text and verification_section.ABSENT not in text
     assert "1 of 1 known quantities of 1 set-ups are within the stated error" in text
-    assert "cost/parallel/tight" in text, "what is not there yet is named"
+    assert "facing strips, width/gap 5" in text, "what is not there yet is named"
 
 
-def test_the_page_by_itself_has_every_panel(tmp_path: Path) -> None:
+def test_the_page_by_itself_finds_its_script(tmp_path: Path) -> None:
     made = VERIFICATION.make(tmp_path)
     (script,) = re.findall(r'src="(.*?)"', made.path.read_text())
     assert (tmp_path / script).is_file()
-    text = cost_section.section([costs()])
-    assert text.count("plotly-graph-div") == 1 and "Every mesh" in text
