@@ -128,6 +128,13 @@ std::vector<TriangleSurface> surfaces_of(const ChargedBodies& bodies, const std:
 /// with equal plates and covers share one: their triangles are put into the frame of the plate.
 RigidBody body_with_insulators(const ChargedBodies& bodies, const std::vector<Insulator>& insulators,
                                const BodyGroup& group, double accuracy, SharedShapes& shapes) {
+  // Such a body has less energy than the medium in its place; the basis is one of energies that are added.
+  for (const std::size_t insulator : group.insulators)
+    if (group.parts.empty() && insulators[insulator].ratio < 1)
+      throw InputError(
+          fmt::format("{}: its permittivity is lower than the medium's, which the reduced method "
+                      "does not answer; boundary-elements do",
+                      insulators[insulator].name));
   InsulatedBodies own;
   Eigen::Isometry3d frame = Eigen::Isometry3d::Identity();
   if (!group.parts.empty()) {

@@ -357,9 +357,12 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
   if (options.derivatives && !scene.links.empty())
     remark_on_derivatives(answer.readings, found);
   remark_on_contact(answer, found);
+  const bool is_answered = std::ranges::any_of(answer.readings, [](const ReadingAnswer& reading) {
+    return reading.change.value || reading.value.value;
+  });
   if (answer.matrix)
     return found;
-  if (scene.sensors.empty())
+  if (scene.sensors.empty() && !is_answered)
     found.emplace_back(
         scene.readings.empty()
             ? "the scene has no sensor, so that there is nothing to answer: add a [[sensor]] and its plates"

@@ -165,5 +165,29 @@ TEST(Remarks, APermittivityBelowOneIsRemarkedOn) {
               Not(::testing::Contains(HasSubstr("permittivity"))));
 }
 
+// Rows of facets' errors are those of the same panels with and without the target.
+TEST(CoveredSensors, BeforeARoundTargetAreAnsweredByBoundaryElements) {
+  Scene scene;
+  Sensor sensor;
+  sensor.name = "front";
+  sensor.plates = {{{-0.03, -0.03, 0}, {0.06, 0, 0}, {0, 0.06, 0}}};
+  scene.sensors = {sensor};
+  Object cover{cover_name, std::nullopt, Cuboid{0.06, 0.06, 0.0015}, at(0, 0, 0.00075), Dielectric{3}, false};
+  cover.conductor = "front";
+  scene.objects = {cover, {"ball", std::nullopt, Sphere{0.05, 48}, at(0, 0, 0.2)}};
+  const ReadingAnswer found = evaluate(scene, {.method = BoundaryElements{}, .rtol = 0.05}).readings.at(0);
+  // The field solver finds 2.5847 ± 0.0009 pF and 0.0763 ± 0.0008 pF.
+  EXPECT_NEAR(*found.value.value, 2.5847e-12, *found.value.error + 0.0009e-12);
+  EXPECT_NEAR(*found.change.value, 0.0763e-12, *found.change.error + 0.0008e-12);
+}
+
+TEST(DielectricTargets, OfLessPermittivityThanTheMediumAreNotAnsweredByTheReducedMethod) {
+  Scene scene = before_a_hand(0.03, Dielectric{1});
+  scene.medium.relative_permittivity = 3;
+  EXPECT_THAT(refusal(scene, {.method = Reduced{}}),
+              HasSubstr("hand\": its permittivity is lower than the medium's"));
+  EXPECT_LT(change(scene, {.method = Auto{}, .rtol = 0.05}), 0);
+}
+
 }  // namespace
 }  // namespace fringe::FRINGE_TEST_FILE
