@@ -219,7 +219,7 @@ int run_sweep(const SweepRequest& request) {
     folders.emplace(fs::absolute(*request.output).parent_path());
   }
   std::string table = sweep_header;
-  std::size_t kept = 0, finished = 0;
+  std::size_t kept = 0, finished = 0, unanswered = 0;
   const End end(request.options.max_seconds);
   for (std::size_t frame = 0; frame < motion.size() && !end.is_near(); ++frame) {
     try {
@@ -227,9 +227,7 @@ int run_sweep(const SweepRequest& request) {
           answer_frame(live, sweepers, earlier, key, motion, frame, end);
       if (!answers)
         break;
-      // A frame needs the answer of at least one method.
-      if (answers->refused == sweepers.size())
-        throw InputError(answers->rows.back().refused);
+      unanswered += answers->refused == sweepers.size() ? 1 : 0;
       for (std::size_t k = 0; k < sweepers.size(); ++k) {
         const FrameRows& rows = answers->rows[k];
         table += rows.text;
@@ -248,11 +246,14 @@ int run_sweep(const SweepRequest& request) {
       throw InputError(
           fmt::format("{}: frame {} ({}): {}", request.scene, frame + 1, motion[frame].name, error.what()));
     }
-    if (request.output) {
+    if (request.output && unanswered < finished) {
       write_whole({{*request.output, table}});
       folders->keep();
     }
   }
+  if (unanswered > 0 && unanswered == finished)
+    throw InputError(
+        fmt::format("{}: frame 1 ({}): {}", request.scene, motion.front().name, sweepers.back().reason));
   if (isatty(STDERR_FILENO) != 0)
     fmt::print(stderr, "\n");
   if (!earlier.empty() && kept == 0)
@@ -273,7 +274,7 @@ int run_sweep(const SweepRequest& request) {
   print(text);
   if (is_cut_short)
     return end.status();
-  return std::ranges::all_of(sweepers, &Sweeper::reached) ? answered : not_reached;
+  return unanswered == 0 && std::ranges::all_of(sweepers, &Sweeper::reached) ? answered : not_reached;
 }
 
 }  // namespace fringe::cli

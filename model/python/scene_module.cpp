@@ -539,8 +539,9 @@ Raises InputError (a ValueError) for unknown or inconsistent options and for sce
 relative to their parents. Options as for readings(); max_seconds is for all frames together.
 
 "reduced" prepares for all frames at once and answers them by all processors if threads is 0, with the same bits for any
-number. Where max_seconds ends before the last frame, the frames answered by then are returned. The scene keeps its present
-poses. Raises InputError for a file that cannot be used with the scene, and as readings() does.)")
+number. Where max_seconds ends before the last frame, the frames answered by then are returned. A frame that the method
+refuses, as boundary elements do in contact, has no numbers (NaN). The scene keeps its present poses. Raises InputError for a
+file that cannot be used with the scene, and as readings() does if all frames are refused.)")
       .def("maxwell", &maxwell_of, "method"_a = "boundary-elements", "rtol"_a = py::none(),
            "max_seconds"_a = py::none(),
            R"(The Maxwell matrix of the sensors and objects in free space. F.

@@ -248,6 +248,30 @@ def test_by_boundary_elements_they_are_those_of_accurate_changes(module: Any) ->
                 assert abs(found[coordinate] - expected) < error + 5e-3 * np.linalg.norm(kind)
 
 
+BALL = """
+[[link]]
+name = "w"
+translation = [0.02, 0.01, 0.06]
+[[sensor]]
+name = "s"
+plates = [{ corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }]
+[[object]]
+name = "ball"
+link = "w"
+shape = { type = "sphere", radius = 0.04 }
+target = true
+"""
+
+
+@pytest.mark.parametrize("method", ["boundary-elements", "reduced"])
+def test_a_ball_feels_no_torque_about_its_centre_within_the_error(module: Any, method: str) -> None:
+    reading = module.Scene.loads(BALL).readings(method, rtol=1e-2, derivatives=True)["s"]
+    found, error = reading.derivatives["w"], reading.derivative_errors["w"]
+    assert (np.abs(found[3:]) < error[3:]).all()
+    # Far less than the forces at the ball's radius.
+    assert error[3] < 0.02 * 0.04 * np.linalg.norm(found[:3])
+
+
 def test_by_the_reduced_method_they_are_those_of_boundary_elements(module: Any) -> None:
     scene = module.Scene.loads(MACHINE)
     truth = scene.readings("boundary-elements", rtol=1e-3, derivatives=True)

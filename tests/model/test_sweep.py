@@ -247,6 +247,26 @@ def test_a_method_without_an_answer_leaves_its_row_empty_and_says_why_once(
     assert of_bem[1]["change_F"] == of_bem[1]["key"] == ""
 
 
+def test_frames_without_any_answer_are_empty_unless_all_are(fringe_command: Command, scene: Path) -> None:
+    motion_file = scene.with_name("scene.motion.toml")
+    motion_file.write_text(MOTION.replace("0.1]", "0]"))
+    asked = ("sweep", scene, "--method", "boundary-elements", "--rtol", "0.1")
+    done = fringe_command(*asked)
+    assert done.returncode == 3 and "no answer in frames 2: " in done.stderr
+    assert [row["answered_by"] for row in rows(done.stdout)] == ["boundary-elements", "", "boundary-elements"]
+    found = fringe.Scene.load(str(scene)).readings_of(str(motion_file), "boundary-elements", rtol=0.1)
+    assert np.isnan(found.change[:, 0]).tolist() == [False, True, False]
+    motion_file.write_text(
+        MOTION.split("[[frame]]")[0] + "[[frame]]" + MOTION.split("[[frame]]")[1].replace("0.3", "0")
+    )
+    output = scene.with_name("s.csv")
+    done = fringe_command(*asked, "--output", output)
+    assert (done.returncode, done.stdout, output.exists()) == (2, "", False)
+    assert "frame 1 (far): " in done.stderr
+    with pytest.raises(fringe.InputError):
+        fringe.Scene.load(str(scene)).readings_of(str(motion_file), "boundary-elements", rtol=0.1)
+
+
 def test_a_method_that_is_none_is_refused(fringe_command: Command, scene: Path) -> None:
     done = fringe_command("sweep", scene, "--method", "exact,bem")
     assert (done.returncode, done.stdout) == (2, "")
@@ -276,20 +296,6 @@ def test_a_frame_that_is_none_is_refused(
     done = fringe_command("capacitance", scene, *options)
     assert (done.returncode, done.stdout) == (2, "")
     assert reason in done.stderr
-
-
-def test_a_frame_that_cannot_be_answered_is_named_and_the_frames_before_it_are_kept(
-    fringe_command: Command, scene: Path
-) -> None:
-    motion_file = scene.with_name("scene.motion.toml")
-    motion_file.write_text(MOTION.replace("0.03", "-0.005"))  # the hand is in the sensor
-    target = scene.with_name("sweep.csv")
-    done = fringe_command(
-        "sweep", scene, "--method", "boundary-elements", "--rtol", "0.1", "--output", target
-    )
-    assert done.returncode == 2
-    assert "scene.toml: frame 3 (near): " in done.stderr
-    assert len(rows(target.read_text())) == 2
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,8 @@ class LiveScene {
   const MaxwellMatrix& maxwell(const EvaluationOptions& options = {});
 
   /// Returns the readings in each frame of a motion, or in those answered by the end of `max_seconds`; the
-  /// scene keeps its present poses. The reduced method answers many frames at once, prepared for
+  /// scene keeps its present poses. A frame that the method refuses has readings without numbers; if all are,
+  /// the first one's InputError is thrown. The reduced method answers many frames at once, prepared for
   /// all of them, on up to so many threads (0: as many as this process may run at once), with the same bits
   /// for any number; others answer one frame after the other.
   std::vector<std::vector<ReadingAnswer>> readings_of(const std::vector<Frame>& motion,

@@ -23,6 +23,20 @@ constexpr double error_per_error = 10;
 /// Error of the nodes' forces, and of what the change does not tell, relative.
 constexpr double node_error = 4e-3;
 
+/// Error of a torque relative to the force times its farthest distance, which is left where the torques of a
+/// body's parts cancel: a ball about its centre showed a quarter of it.
+constexpr double moment_error = 1e-3;
+
+/// Returns a ball around the one of two sets of points that needs the smaller one.
+BodyBall smaller_ball(const Eigen::Matrix3Xd& a, const Eigen::Matrix3Xd& b) {
+  const auto ball = [](const Eigen::Matrix3Xd& points) -> BodyBall {
+    const Vector3d low = points.rowwise().minCoeff(), high = points.rowwise().maxCoeff();
+    return {(low + high) / 2, (high - low).norm() / 2};
+  };
+  const BodyBall first = ball(a), second = ball(b);
+  return first.radius < second.radius ? first : second;
+}
+
 /// Computes for every reading the force and torque between two sets of point charges: the derivatives of the
 /// change as the first moves.
 std::vector<Wrench> wrenches_between(const LinkCharges& a, const LinkCharges& b, const FormColumns& columns,
@@ -76,16 +90,6 @@ std::vector<Wrench> wrenches_between(const LinkCharges& a, const LinkCharges& b,
   return result;
 }
 
-/// Estimates the errors of derivatives by that of the change. Those of a kind have the same.
-PoseDerivatives errors_of(const PoseDerivatives& derivatives, const Estimate& change) {
-  const double relative =
-      error_per_error * change.error.value_or(0) / std::abs(change.value.value_or(0)) + node_error;
-  PoseDerivatives errors;
-  errors << Vector3d::Constant(relative * derivatives.head<3>().norm()),
-      Vector3d::Constant(relative * derivatives.tail<3>().norm());
-  return errors;
-}
-
 }  // namespace
 
 FormColumns form_columns(const std::vector<ChargedReading>& readings) {
@@ -118,12 +122,20 @@ FormColumns form_columns(const std::vector<ChargedReading>& readings) {
   return result;
 }
 
-void write_link_derivatives(const LinkPoses& poses, const std::vector<std::vector<PairWrench>>& pairs,
-                            std::vector<ReadingAnswer>& answers) {
-  for (std::size_t k = 0; k < answers.size(); ++k) {
-    answers[k].derivatives = derivatives_by_link(poses, pairs[k]);
-    for (LinkDerivatives& of_link : answers[k].derivatives)
-      of_link.error = errors_of(of_link.change, answers[k].change);
+void write_link_derivatives(const LinkPoses& poses, std::span<const PairWrench> pairs,
+                            ReadingAnswer& answer) {
+  answer.derivatives.clear();
+  if (!answer.change.value || !std::isfinite(*answer.change.value) || !answer.change.error)
+    return;
+  answer.derivatives = derivatives_by_link(poses, pairs);
+  const std::vector<double> moments = moments_by_link(poses, pairs);
+  const double relative =
+      error_per_error * *answer.change.error / std::abs(*answer.change.value) + node_error;
+  // Those of a kind have the same error.
+  for (std::size_t k = 0; k < moments.size(); ++k) {
+    auto& [name, derivatives, errors] = answer.derivatives[k];
+    errors.emplace() << Vector3d::Constant(relative * derivatives.head<3>().norm()),
+        Vector3d::Constant(relative * derivatives.tail<3>().norm() + moment_error * moments[k]);
   }
 }
 
@@ -141,13 +153,15 @@ void write_derivatives(const ChargeNodes& nodes, const ChargedBodies& bodies, co
     for (std::size_t b = a + 1; b < nodes.links.size(); ++b) {
       const std::vector<Wrench> found =
           wrenches_between(nodes.links[a], nodes.links[b], columns, readings, threads);
+      const BodyBall smaller = smaller_ball(nodes.links[a].points, nodes.links[b].points);
       for (std::size_t k = 0; k < readings; ++k)
-        pairs[k].push_back({nodes.links[a].link, nodes.links[b].link, found[k]});
+        pairs[k].push_back({nodes.links[a].link, nodes.links[b].link, found[k], smaller});
     }
   for (const auto& [a, b] : nodes.too_close)
     for (std::vector<PairWrench>& of_reading : pairs)
       of_reading.push_back(unknown_wrench(nodes.links[a].link, nodes.links[b].link));
-  write_link_derivatives(poses, pairs, answers);
+  for (std::size_t k = 0; k < readings; ++k)
+    write_link_derivatives(poses, pairs[k], answers[k]);
 }
 
 }  // namespace fringe::detail

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include <Eigen/Core>
@@ -23,10 +24,10 @@ struct FormColumns {
 
 FormColumns form_columns(const std::vector<ChargedReading>& readings);
 
-/// Writes the derivatives of the readings' changes with respect to the poses of all links, by what every pair
-/// of bodies contributes to each reading, with estimates of their errors. The world poses must be up to date.
-void write_link_derivatives(const LinkPoses& poses, const std::vector<std::vector<PairWrench>>& pairs,
-                            std::vector<ReadingAnswer>& answers);
+/// Writes the derivatives of a reading's change with respect to the poses of all links, by what every pair of
+/// bodies contributes, with estimates of their errors; none if the change is not known or infinite. The world
+/// poses must be up to date.
+void write_link_derivatives(const LinkPoses& poses, std::span<const PairWrench> pairs, ReadingAnswer& answer);
 
 /// Returns what a pair contributes of which the forces are not known.
 PairWrench unknown_wrench(std::optional<std::size_t> link, std::optional<std::size_t> other);

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "bem/reading_derivatives.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/reading.hpp"
 #include "numeric/infinity.hpp"
@@ -92,22 +93,12 @@ void add_unknown_pairs(const ChargedBodies& bodies, std::vector<PairWrench>& pai
       pairs.push_back({body.link, first, {unknown, unknown}});
 }
 
-/// Writes the derivatives of a change that is known and finite, and their errors.
-/// @param pairs what the pairs of links contribute
-void write_derivatives_of(const LinkPoses& poses, std::span<const PairWrench> pairs, ReadingAnswer& answer) {
-  /// Ratio of the relative errors of derivatives and changes, that of boundary elements.
-  constexpr double error_per_error = 10;
-  answer.derivatives.clear();
-  // In contact there are none; and of a change that may be anything nothing is known.
-  if (!answer.change.value || std::isinf(*answer.change.value) || !answer.change.error)
-    return;
-  answer.derivatives = derivatives_by_link(poses, pairs);
-  const double relative = error_per_error * *answer.change.error / std::abs(*answer.change.value);
-  for (LinkDerivatives& of_link : answer.derivatives) {
-    PoseDerivatives& error = of_link.error.emplace();
-    error << Vector3d::Constant(relative * of_link.change.head<3>().norm()),
-        Vector3d::Constant(relative * of_link.change.tail<3>().norm());
-  }
+/// Returns a ball around a group, in the world.
+BodyBall ball_around(const RigidGroup& group, const LinkPoses& poses) {
+  Eigen::AlignedBox3d box;
+  for (const Eigen::AlignedBox3d& own : group.boxes)
+    box.extend(own);
+  return {poses.world_pose(group.frame) * box.center(), box.diagonal().norm() / 2};
 }
 
 }  // namespace
@@ -424,14 +415,16 @@ void ArticulatedModel::write_derivatives(std::vector<ReadingAnswer>& answers) {
   for (const RigidGroup& link : links_)
     add_unknown_pairs(link.bodies, pairs);
   const std::size_t first = pairs.size();
-  for (const GroupWrenches& of : wrenches)
-    pairs.push_back({of.first == LinkedMachine::none ? targets_->frame : links_[of.first].frame,
-                     links_[of.second].frame,
-                     {}});
+  for (const GroupWrenches& of : wrenches) {
+    const RigidGroup &first_group = of.first == LinkedMachine::none ? *targets_ : links_[of.first],
+                     &second_group = links_[of.second];
+    const BodyBall one = ball_around(first_group, *poses_), other = ball_around(second_group, *poses_);
+    pairs.push_back({first_group.frame, second_group.frame, {}, one.radius < other.radius ? one : other});
+  }
   for (std::size_t k = 0; k < answers.size(); ++k) {
     for (std::size_t pair = 0; pair < wrenches.size(); ++pair)
       pairs[first + pair].wrench = unit_ * wrenches[pair].of_readings[k];
-    write_derivatives_of(*poses_, pairs, answers[k]);
+    write_link_derivatives(*poses_, pairs, answers[k]);
   }
 }
 

@@ -11,6 +11,7 @@
 #include "fringe/error.hpp"
 #include "fringe/interruption.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/reading.hpp"
 #include "geometry/link_motion.hpp"
 #include "io/prepared_files.hpp"
 #include "numeric/time_limit.hpp"
@@ -79,16 +80,25 @@ class LiveScene::Implementation {
     std::vector<std::vector<ReadingAnswer>> answers = answers_together(frames, pose, options, threads);
     const bool is_auto = std::holds_alternative<Auto>(method_of(options));
     const double rtol = rtol_of(options);
+    std::string refused;
+    bool is_any_answered = !answers.empty();
     for (std::size_t frame = 0; frame < frames; ++frame) {
       if (frame < answers.size() && (!is_auto || detail::are_within(answers[frame], rtol)))
         continue;
       pose(frame);
       try {
         const std::vector<ReadingAnswer>& found = evaluate(each, false).readings;
+        is_any_answered = true;
         if (frame < answers.size())
           answers[frame] = found;
         else
           answers.push_back(found);
+      } catch (const InputError& error) {
+        // Boundary elements do not answer in contact, for instance; other frames have answers.
+        if (refused.empty())
+          refused = error.what();
+        if (frame == answers.size())
+          answers.push_back(without_answers());
       } catch (const Interrupted&) {
         // The frames answered by the end of the time are returned.
         if (!limit || !limit->is_over() || answers.empty())
@@ -96,7 +106,17 @@ class LiveScene::Implementation {
         break;
       }
     }
+    if (!is_any_answered && !refused.empty())
+      throw InputError(refused);
     return answers;
+  }
+
+  /// Returns the names of the readings with nothing known of them.
+  std::vector<ReadingAnswer> without_answers() const {
+    std::vector<ReadingAnswer> result;
+    for (const Reading& reading : fringe::readings(scene_))
+      result.push_back({reading.name, {}, {}, {}, {}, {}});
+    return result;
   }
 
   const SceneCollision& collide() {
