@@ -71,7 +71,7 @@ def _model_error(material: Material) -> list[Markup]:
     if not rows:
         return []
     plots = [plots_of_errors.model_against_reference(rows)]
-    # What the error is plotted over describes one plate before another; other set-ups have none of it.
+    # Only set-ups of one plate before another have the lengths and angles over which the error is plotted.
     if any(row.set_up is not None for row in rows):
         plots += plots_of_errors.errors_over_set_ups(rows)
     return [page.plot_section(plot) for plot in plots]

@@ -54,7 +54,7 @@ STUDY: Document = {
         },
     ],
 }
-# What the corpus of wrong input, whose scenes have no file, cannot spoil.
+# Values that the corpus of wrong input does not spoil: its scenes have no mesh file and none of these shapes.
 WRONG_SCENES: list[tuple[schemas.Place, Any]] = [
     (("format",), 2),
     (("format",), 0),

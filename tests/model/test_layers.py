@@ -10,8 +10,8 @@ ROOT = Path(__file__).resolve().parents[2]
 SOURCES = ROOT / "model" / "src"
 HEADERS = ROOT / "model" / "include"
 
-# From the bottom to the top. Vector registers need nothing; arithmetic, products of matrices and quadrature rules compute with them; shapes
-# and poses are made of both. Files, integrals over triangles and collisions know shapes, but not each other. Boundary elements integrate with the
+# The layers from the bottom to the top. Vector registers need nothing; arithmetic, products of matrices and quadrature rules compute with
+# them; shapes and poses are made of both. Files, integrals over triangles and collisions know shapes, but not each other. Boundary elements integrate with the
 # quadratures of the integrals and measure gaps by collision; the pair formula needs no more; the reduced method compresses boundary elements. A sensing cone is a shape
 # that collision measures; a scene asks them all.
 LAYERS = (

@@ -25,6 +25,14 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
+/// Shortest edge, in metres: capacitances, forces and their squares stay far from the smallest numbers.
+constexpr double shortest_edge = 1e-30;
+
+void refuse_shorter(const std::string& name, double edge) {
+  if (edge < shortest_edge)
+    throw InputError(fmt::format("{}: an edge of {:g} m is shorter than {:g} m", name, edge, shortest_edge));
+}
+
 ChargedFace face_of(const Rectangle& rectangle) {
   const double length_u = rectangle.edge_u.norm(), length_v = rectangle.edge_v.norm();
   const Vector3d axis_u = rectangle.edge_u / length_u;
@@ -87,9 +95,11 @@ struct SurfaceOfObject {
 
  private:
   void validate_sizes(std::initializer_list<double> sizes) const {
-    for (const double size : sizes)
+    for (const double size : sizes) {
       if (!std::isfinite(size) || size <= 0)
         throw InputError(fmt::format("{}: a size of {} is not positive", name, size));
+      refuse_shorter(name, size);
+    }
   }
 };
 
@@ -284,6 +294,8 @@ ChargedBodies bodies_on_links(const Scene& scene) {
       } catch (const InputError& error) {
         throw InputError(fmt::format("{}: {}", name, error.what()));
       }
+      for (const Vector3d& edge : {plate.edge_u, plate.edge_v})
+        refuse_shorter(name, edge.stableNorm());
       result.bodies.push_back({result.conductors.size(), 0, FlatPlate{face_of(plate)}, name, sensor.link});
     }
     result.conductors.push_back({sensor.name, Role::sensor, {sensor.name}});

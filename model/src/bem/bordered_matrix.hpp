@@ -10,8 +10,7 @@ namespace fringe::detail {
 /// hierarchical matrix. Vectors have the functions first, then the unknowns in the order of the tree.
 struct BorderedMatrix {
   Eigen::MatrixXd functions;  ///< of the functions with each other
-  Eigen::MatrixXf
-      coupling;  ///< of the functions (rows) with the unknowns, rounded like the elements of these
+  Eigen::MatrixXf coupling;   ///< of the functions (rows) with the unknowns; rounded like the unknowns' own
   const HierarchicalMatrix& unknowns;
   /// Zero for functions and unknowns that are left out, else one; without elements, all are present.
   Eigen::VectorXd present;

@@ -5,14 +5,11 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <tbb/info.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include "fringe/error.hpp"
 #include "integral/batch/chunks.hpp"
 #include "integral/derivative/plate_wrench.hpp"
-#include "numeric/loop_order.hpp"
+#include "numeric/parallel.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe {
@@ -33,24 +30,12 @@ void validate(const BatchOptions& options) {
 /// Calls work(i) for 0 ≤ i < count, in parallel unless there is little work.
 template <class Work>
 void for_each_chunk(std::size_t count, int threads, const Work& work) {
-  if (threads == 1 || count <= chunks_per_task) {
-    for (std::size_t i = 0; i < count; ++i)
-      work(i);
-    return;
-  }
-  const int offered = tbb::info::default_concurrency();
-  tbb::task_arena arena(threads == 0 ? offered : std::min(threads, offered));
-  const LoopOrder order;
-  arena.execute([&] {
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, chunks_per_task),
-                      [&](const tbb::blocked_range<std::size_t>& range) {
-                        order.part_begins();
-                        for (std::size_t i = range.begin(); i < range.end(); ++i)
-                          work(i);
-                        order.part_ends();
-                      });
-  });
-  order.loop_ended();
+  parallel_for((count + chunks_per_task - 1) / chunks_per_task, static_cast<std::size_t>(threads),
+               [&](std::size_t part) {
+                 const std::size_t first = part * chunks_per_task;
+                 for (std::size_t i = first; i < std::min(first + chunks_per_task, count); ++i)
+                   work(i);
+               });
 }
 
 /// The quadrature choices for a tolerance: prepared for this call, or the shared ones for full precision.

@@ -78,7 +78,7 @@ def test_the_value_lies_by_the_shares_in_the_gaps_and_the_errors_add_up() -> Non
     lower, shift = upper - gaps.sum(axis=0) - outside, 0.03 * gaps
     found = estimated(BoundedMatrix(lower, upper, gaps, shift), Shares(of_upper, error))
     np.testing.assert_allclose(found.value, truth, rtol=1e-12)
-    # What curved surfaces change is no part of the gap, and counts as a whole.
+    # The shift by curved surfaces counts as a whole: the gap does not contain it.
     of_gaps = 0.1 * np.abs(gaps[0]) + 0.2 * np.abs(gaps[1]) + 0.3 * outside
     np.testing.assert_allclose(found.error, of_gaps + np.abs(shift).sum(axis=0))
 

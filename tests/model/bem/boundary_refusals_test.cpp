@@ -84,6 +84,10 @@ TEST(BoundaryElementRefusals, InvalidRectanglesSizesAndPoses) {
               }),
               HasSubstr("object \"target\": a size of 0 is not positive"));
   EXPECT_THAT(refusal([](Scene& scene) {
+                scene.sensors[0].plates[0].edge_u = {1e-100, 0, 0};
+              }),
+              HasSubstr("sensor \"front\" plates[0]: an edge of 1e-100 m is shorter than 1e-30 m"));
+  EXPECT_THAT(refusal([](Scene& scene) {
                 scene.objects[0].pose = at(0, 0, std::numeric_limits<double>::quiet_NaN());
               }),
               HasSubstr("object \"target\": its pose is not finite"));
