@@ -12,17 +12,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tests import scenes
 from tests.processes import marked
 from tests.waiting import heed_signals, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 WRAP = str(ROOT / "build" / "bin" / "fringe-wrap")
-SCENE = """
-[[object]]
-name = "tube"
-shape = { type = "mesh", file = "tube.obj" }
-potential = "electrode"
-"""
+SCENE = scenes.body("tube", "mesh", file="tube.obj", potential="electrode")
 # Smallest hollow (m) that the wrap is to follow: it takes far longer than the test.
 ALPHA = "2e-4"
 
