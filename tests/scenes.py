@@ -6,7 +6,7 @@ import json
 from typing import Any
 
 _OF_SHAPES = set(
-    "size radius height length segments rounding semi_axes inner_radius outer_radius degrees vertices file scale".split()
+    "size radius height length segments rounding semi_axes inner_radius outer_radius degrees vertices file scale age posture".split()
 )
 
 

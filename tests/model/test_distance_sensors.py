@@ -115,8 +115,9 @@ def test_sense_follows_the_links_and_agrees_with_cone_closest(scene: fringe.Scen
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
-def test_sense_as_table(fringe_command: Command, path: Path) -> None:
-    done = fringe_command("sense", path)
+@pytest.mark.parametrize("method", METHODS)
+def test_sense_as_table(fringe_command: Command, path: Path, method: str) -> None:
+    done = fringe_command("sense", path, "--method", method)
     assert (done.returncode, done.stderr) == (0, "")
     _, _, eye, back = done.stdout.splitlines()
     assert eye.split()[:4] == ["eye", "353.553", "mm", "water,"]

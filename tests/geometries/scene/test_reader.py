@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -165,81 +166,48 @@ def test_a_file_that_is_missing_or_no_text_is_refused(tmp_path: Path) -> None:
         reader.load(tmp_path / "binary.toml")
 
 
-IN_METRES = """
+# Of every kind of length: in millimetres where L follows, and per millimetre where P does.
+LENGTHS = """
 [room]
-size = [4, 3, 2.5]
-translation = [0, 0, 1.25]
+size = [4000L, 3000L, 2500L]
+translation = [0, 0, 1250L]
 [[link]]
 name = "arm"
-translation = [0, 0, 0.5]
-joint = { name = "slide", type = "prismatic", axis = [0, 0, 1], position = 0.02, lower = -0.03, upper = 0.04 }
+translation = [0, 0, 500L]
+joint = { name = "slide", type = "prismatic", axis = [0, 0, 1], position = 20L, lower = -30L, upper = 40L }
 [[link]]
 name = "wheel"
-joint = { name = "turn", type = "revolute", axis = [0, 0, 1], mimic = { joint = "slide", multiplier = 500, offset = 0.25 } }
+joint = { name = "turn", type = "revolute", axis = [0, 0, 1], mimic = { joint = "slide", multiplier = 0.5P, offset = 0.25 } }
 [[link]]
 name = "rack"
-joint = { name = "push", type = "prismatic", axis = [0, 0, 1], mimic = { joint = "turn", multiplier = 0.008, offset = 0.003 } }
+joint = { name = "push", type = "prismatic", axis = [0, 0, 1], mimic = { joint = "turn", multiplier = 8L, offset = 3L } }
 [[sensor]]
 name = "front"
-plates = [ { corner = [-0.05, 0.001, 0.002], edge_u = [0.1, 0, 0], edge_v = [0, 0.03, 0] } ]
+plates = [ { corner = [-50L, 1L, 2L], edge_u = [100L, 0, 0], edge_v = [0, 30L, 0] } ]
 [[distance_sensor]]
 name = "eye"
-apex = [0.001, 0.002, 0.003]
+apex = [1L, 2L, 3L]
 direction = [0, 0, 2]
 full_angle_degrees = 40
-range = 0.8
+range = 800L
 [[object]]
 name = "ball"
-shape = { type = "sphere", radius = 0.05 }
-translation = [0, 0, 0.02]
+shape = { type = "sphere", radius = 50L }
+translation = [0, 0, 20L]
 [[object]]
 name = "ring"
-shape = { type = "arc", inner_radius = 0.03, outer_radius = 0.04, height = 0.1, degrees = 100 }
+shape = { type = "arc", inner_radius = 30L, outer_radius = 40L, height = 100L, degrees = 100 }
 [[object]]
 name = "sheet"
-shape = { type = "plate", size = [0.1, 0.2] }
+shape = { type = "plate", size = [100L, 200L] }
 [[object]]
 name = "die"
-shape = { type = "cube", size = 0.07 }
+shape = { type = "cube", size = 70L }
 """
-IN_MILLIMETRES = """
-units = "mm"
-[room]
-size = [4000, 3000, 2500]
-translation = [0, 0, 1250]
-[[link]]
-name = "arm"
-translation = [0, 0, 500]
-joint = { name = "slide", type = "prismatic", axis = [0, 0, 1], position = 20, lower = -30, upper = 40 }
-[[link]]
-name = "wheel"
-joint = { name = "turn", type = "revolute", axis = [0, 0, 1], mimic = { joint = "slide", multiplier = 0.5, offset = 0.25 } }
-[[link]]
-name = "rack"
-joint = { name = "push", type = "prismatic", axis = [0, 0, 1], mimic = { joint = "turn", multiplier = 8, offset = 3 } }
-[[sensor]]
-name = "front"
-plates = [ { corner = [-50, 1, 2], edge_u = [100, 0, 0], edge_v = [0, 30, 0] } ]
-[[distance_sensor]]
-name = "eye"
-apex = [1, 2, 3]
-direction = [0, 0, 2]
-full_angle_degrees = 40
-range = 800
-[[object]]
-name = "ball"
-shape = { type = "sphere", radius = 50 }
-translation = [0, 0, 20]
-[[object]]
-name = "ring"
-shape = { type = "arc", inner_radius = 30, outer_radius = 40, height = 100, degrees = 100 }
-[[object]]
-name = "sheet"
-shape = { type = "plate", size = [100, 200] }
-[[object]]
-name = "die"
-shape = { type = "cube", size = 70 }
-"""
+IN_MILLIMETRES = 'units = "mm"\n' + re.sub("[LP]", "", LENGTHS)
+IN_METRES = re.sub(
+    r"(-?[0-9.]+)([LP])", lambda m: repr(float(m[1]) / 1000 if m[2] == "L" else float(m[1]) * 1000), LENGTHS
+)
 
 
 def test_lengths_may_be_in_millimetres() -> None:
