@@ -13,8 +13,7 @@ import numpy as np
 import pytest
 
 from tests import scenes
-from tests.processes import marked
-from tests.waiting import heed_signals, wait_until
+from tests.waiting import heed_signals, marked, wait_until
 
 ROOT = Path(__file__).resolve().parents[2]
 WRAP = str(ROOT / "build" / "bin" / "fringe-wrap")

@@ -1,4 +1,4 @@
-"""Scene files: what is read, and how a refusal names file, line, key and reason; each key is spoiled in turn by tests/bad_input."""
+"""Scene files: what is read, the canonical text that is written and whose hash is the identity, and how a refusal names file, line, key and reason; each key is spoiled in turn by tests/bad_input."""
 
 from __future__ import annotations
 
@@ -6,13 +6,16 @@ import re
 from pathlib import Path
 
 import pytest
+import tomli_w
 
 from geometries.common.errors import InputError
 from geometries.scene import reader, rectangles
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
-from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Reading, Room, Sensor
+from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Reading, Room, Scene, Sensor
 from geometries.scene.shapes import Cuboid, PlateShape
-from geometries.scene.writer import canonical
+from geometries.scene.writer import canonical, identity
+from geometries.studies import families
+from tests.geometries.schemas import WHOLE
 
 PLATE = "{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }"
 SENSOR = f'[[sensor]]\nname = "s"\nplates = [{PLATE}]\n'
@@ -241,3 +244,37 @@ def test_objects_may_ask_for_collisions_with_the_parent_of_their_link() -> None:
     asked = reader.loads(body + "collides_with_parent = true\n")
     assert asked.objects[0].collides_with_parent
     assert reader.loads(canonical(asked)) == asked
+
+
+def scenes() -> list[Scene]:
+    tilted = families.corner((0.073, 0.119), (0.1, 0.1), (0.01, 0.02), 0.003, 17.2, 33.0)
+    return [reader.loads(tomli_w.dumps(WHOLE)), families.parallel((0.1, 0.1), (0.2, 0.2), 0.0137), tilted]
+
+
+@pytest.mark.parametrize("scene", scenes(), ids=["full", "parallel", "corner"])
+def test_the_canonical_text_loads_to_an_equal_scene_and_is_its_own_canonical_text(scene: Scene) -> None:
+    text = canonical(scene)
+    again = reader.loads(text)
+    assert again == scene
+    assert canonical(again) == text
+
+
+def test_order_of_keys_integers_defaults_and_the_sign_of_zero_do_not_change_the_identity() -> None:
+    plain = (
+        '[[sensor]]\nname = "s"\nplates = [{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }]'
+    )
+    wordy = """
+        [medium]
+        relative_permittivity = 1.0
+        [[sensor]]
+        plates = [{ edge_v = [0.0, 1.0, -0.0], corner = [0.0, -0.0, 0.0], edge_u = [1e0, 0, 0] }]
+        coupling_capacitance = 5e-12
+        input_voltage = 2.5
+        name = "s"
+    """
+    assert identity(reader.loads(plain)) == identity(reader.loads(wordy))
+
+
+def test_the_last_bit_of_a_number_changes_the_identity() -> None:
+    ids = {identity(families.parallel((0.1, 0.1), (0.1, 0.1), gap)) for gap in (0.3, 0.1 + 0.2)}
+    assert len(ids) == 2
