@@ -68,11 +68,7 @@ def test_tables_are_replaced_and_nothing_else() -> None:
         return printed
 
     new = measurements.updated(PAGE, program)
-    programs = (
-        "boundary_elements_benchmark",
-        "boundary_element_scenes_benchmark",
-        "reduced_benchmark",
-    )
+    programs = ("boundary_elements_benchmark", "boundary_element_scenes_benchmark", "reduced_benchmark")
     assert asked == [f"build/bin/{program}" for program in programs]
     assert [new.count(table + "<!-- end -->") for table in measurements.tables(printed)] == [3, 3, 1]
 

@@ -139,10 +139,7 @@ def prism(outline: Array, hole: Array | None = None) -> Array:
     else:
         flat = []
         for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)):
-            flat += [
-                np.array([outline[i], outline[j], hole[j]]),
-                np.array([outline[i], hole[j], hole[i]]),
-            ]
+            flat += [np.array([outline[i], outline[j], hole[j]]), np.array([outline[i], hole[j], hole[i]])]
     top = [list(np.column_stack([three, np.ones(3)])) for three in flat]
     bottom = [list(np.column_stack([three, np.zeros(3)])[::-1]) for three in flat]
     walls = wall(outline) + ([] if hole is None else wall(hole[::-1]))
