@@ -1,4 +1,4 @@
-"""Scenes that tests of several folders share, and the text of scenes from their tables."""
+"""Scenes that tests of several folders share, and the text of scenes and sweeps from their tables."""
 
 from __future__ import annotations
 
@@ -28,6 +28,11 @@ def eye(
     """The text of a distance sensor."""
     keys |= {"apex": apex, "direction": direction, "full_angle_degrees": degrees, "range": reach}
     return table("distance_sensor", name=name, **keys)
+
+
+def sweep(family: str, **keys: Any) -> str:
+    """The text of a sweep of a study; of squares of 10 cm unless it says otherwise."""
+    return table("sweep", family=family, **{"sensor_size": [0.1, 0.1], "target_size": [0.1, 0.1], **keys})
 
 
 def link(name: str, **keys: Any) -> str:

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from analysis.__main__ import main
+from tests import scenes
 from tests.bad_input.case import SCENE, SENSOR, body
 
 HEAD = """
@@ -19,13 +20,7 @@ max_seconds = 60
 [model]
 methods = ["exact"]
 """
-SWEEP = """
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = 0.05
-"""
+SWEEP = scenes.sweep("parallel", gap=0.05)
 WHOLE = HEAD + SWEEP
 # The faulty text of a study, and what the message has to name. tests/geometries tries every key of studies and motions.
 STUDIES = {

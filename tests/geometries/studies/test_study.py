@@ -14,6 +14,7 @@ from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.studies import families, schema, study
 from geometries.studies.machines import MACHINES
+from tests import scenes
 
 HEAD = """
 name = "n"
@@ -24,18 +25,8 @@ max_seconds = 60
 [model]
 methods = ["exact", "split:4"]
 """
-SWEEP = """
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = 0.02
-"""
-SCENE = """
-[[sweep]]
-family = "scene"
-file = "arm.toml"
-"""
+SWEEP = scenes.sweep("parallel", gap=0.02)
+SCENE = scenes.table("sweep", family="scene", file="arm.toml")
 EDGE = SWEEP.replace("parallel", "edge") + "height = 0\n"
 
 
@@ -142,14 +133,7 @@ def test_an_experiment_is_one_of_the_thesis() -> None:
         study.loads('experiment = "7"\n' + HEAD + SWEEP)
 
 
-BOX = """
-[[sweep]]
-family = "box"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-thickness = 0.04
-gap = 0.02
-"""
+BOX = scenes.sweep("box", thickness=0.04, gap=0.02)
 
 
 def test_a_text_is_a_parameter_like_any_other() -> None:
@@ -190,26 +174,16 @@ def test_a_changed_parameter_of_one_family_changes_only_its_own_identities() -> 
     assert len(before & after) == 2 and len(before - after) == 1
 
 
-ARM = """
-[[link]]
-name = "arm"
-[[sensor]]
-name = "front"
-link = "arm"
-plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "target"
-shape = { type = "cube", size = 0.1 }
-translation = [0, 0, 0.2]
-"""
-MOTION = """
-[[frame]]
-name = "far"
-poses = [ { link = "arm", translation = [0, 0, -0.1] } ]
-[[frame]]
-name = "turned"
-poses = [ { link = "arm", rotation = { axis = [0, 0, 1], degrees = 30 } } ]
-"""
+ARM = (
+    scenes.link("arm")
+    + scenes.sensor("front", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], link="arm")
+    + scenes.body("target", "cube", size=0.1, translation=[0, 0, 0.2])
+)
+MOTION = scenes.table(
+    "frame", name="far", poses=[{"link": "arm", "translation": [0, 0, -0.1]}]
+) + scenes.table(
+    "frame", name="turned", poses=[{"link": "arm", "rotation": {"axis": [0, 0, 1], "degrees": 30}}]
+)
 
 
 def scene_study(folder: Path, sweep: str = SCENE, scene: str = ARM) -> study.Study:
