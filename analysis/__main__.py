@@ -7,6 +7,7 @@ import signal
 import sys
 from pathlib import Path
 from types import FrameType
+from typing import Any
 
 from analysis import measure
 from geometries.common import installation
@@ -28,6 +29,172 @@ _MEASURED_TOGETHER = {"corrections"}
 """The topics that have one answer, which is computed at one time."""
 # What shells report for a command that was interrupted.
 _INTERRUPTED = 130
+
+
+def _potential(text: str) -> float | None:
+    """Returns the capacitance to ground (F): none for a grounded probe, 0 for a floating one."""
+    return (
+        {"grounded": None, "floating": 0.0}[text]
+        if text in ("grounded", "floating")
+        else positive_number(text)
+    )
+
+
+def _seed(text: str) -> int:
+    if not text.isdecimal():
+        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least 0")
+    return int(text)
+
+
+def _share(text: str) -> float:
+    return 1.0 if text == "1" else _relative(text)
+
+
+def _relative(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0 < value < 1:
+        raise argparse.ArgumentTypeError(f"{text!r} is not a number between 0 and 1")
+    return value
+
+
+Option = tuple[str, dict[str, Any]]
+"""An option or argument with what `add_argument` is told of it."""
+Command = tuple[str, tuple[Option | list[Option], ...]]
+"""What a command does, and its options; of those in a list one at most may be given."""
+
+
+def _option(name: str, metavar: str, does: str, **more: Any) -> Option:
+    return name, {"metavar": metavar, "help": does, **more}
+
+
+def _path(name: str, metavar: str, does: str, **more: Any) -> Option:
+    return _option(name, metavar, does, type=Path, **more)
+
+
+def _switch(name: str, does: str) -> Option:
+    return name, {"action": "store_true", "help": does}
+
+
+def _repeated(name: str, metavar: str, does: str) -> Option:
+    return _option(name, metavar, does, action="append", default=[])
+
+
+def _jobs(at_a_time: str) -> Option:
+    return _option(
+        "--jobs", "N", f"{at_a_time} at a time (default: by cores and memory)", type=positive_integer
+    )
+
+
+_VERIFY = _switch(
+    "--verify",
+    "also verify the reference, as the command verify does, in the folder verification beside the results",
+)
+_SCENE = _option("scene", "SCENE", "a name in geometries/scenes, or a file")
+_BEFORE_TOPICS: dict[str, Command] = {
+    "run": ("compute a study's missing answers, then report", (
+        _option("study", "STUDY", "a name in geometries/studies, or a file"),
+        _path("--results", "DIR", "where to keep the results (default: results/<study>, in the current folder for a study that is not the repository's)"),
+        _jobs("solves"),
+        _switch("--measure-model", "also measure the model by itself: run time against error, stability, collisions (five minutes; kept with the results)"),
+        _VERIFY,
+    )),
+    "nightly": ("run a study by Snakemake, add it to the trends, and tell what has changed", (
+        _option("study", "STUDY", "default: nightly", nargs="?", default="nightly"),
+        _path("--results", "DIR", "default: results/<study>"),
+        _option("--jobs", "N", "jobs at a time on this machine", type=positive_integer),
+        _option("--profile", "PROFILE", "run on a cluster: slurm, or the folder of another profile of Snakemake"),
+        _option("--job-seconds", "S", "expected length of a job (default: 60 here, 600 on a cluster)", type=positive_integer),
+        _VERIFY,
+    )),
+    "job": ("solve the cases of one job's file; Snakemake calls this", (("file", {"type": Path, "metavar": "FILE"}),)),
+    "diff": ("compare two results; status 1 if any value moved by more than its error", (
+        _path("old", "OLD", "a folder of results, or a table.csv"),
+        _path("new", "NEW", "likewise"),
+        _path("--output", "JSON", "also write all of it to this file"),
+    )),
+    "trends": ("tell what has changed over the nights, make their page, or find the commit of a change", (
+        _path("results", "RESULTS", "a folder of results (default: results/nightly)", nargs="?"),
+        [
+            _option("--count", "COMMITS", "first add the instruction counts of these commits, as HEAD~10..HEAD, each built in a working tree of its own (minutes each)"),
+            _option("--bisect", "VALUE", "find the commit of the last change of this value, as `trends` names it, by building commits in a working tree of their own"),
+        ],
+    )),
+    "report": ("write table.csv, report.html and its pages from stored answers", (
+        _path("results", "RESULTS", "a folder that `run` has filled"),
+    )),
+}  # fmt: skip
+_AFTER_TOPICS: dict[str, Command] = {
+    "documentation": ("make a site of all notes, algorithms and references (the model must be built)", (
+        _path("--output", "DIR", "where to write the site (default: results/documentation)"),
+    )),
+    "show": ("write one page with a scene, its sensors' readings and its motion", (
+        _SCENE,
+        _path("--motion", "FILE", "the frames of its motion (default: SCENE.motion.toml beside it, if any)"),
+        _path("--output", "FILE", "the page (default: <scene>.html in the current folder; results/show/<scene>.html for scenes of the repository)"),
+        _switch("--readings", "plot the changes of the readings along the motion: model, formula and reduced method in every frame, boundary elements in those of the motion file"),
+        _option("--between", "N", "frames shown between two of the motion file, with --readings (default: 8)", type=positive_integer),
+        _option("--rtol", "R", "relative error asked of boundary elements, with --readings (default: 1e-2)", type=_relative),
+    )),
+    "live": ("write one page on which a scene can be moved: the library in it computes readings, distances and collisions in every frame", (
+        _SCENE,
+        _path("--motion", "FILE", "the frames of a path (default: SCENE.motion.toml beside it, if any)"),
+        [
+            _option("--rtol", "R", "relative error asked of the reference readings along the paths, by boundary elements (default: 1e-2)", type=_relative, default=1e-2),
+            _switch("--no-reference", "solve no reference readings"),
+        ],
+        _path("--output", "FILE", "the page (default: <scene>.html in the current folder; results/live/<scene>.html for scenes of the repository)"),
+    )),
+    "sweep": ("write a table and a page of the readings in every frame of a motion, and where they cross their thresholds", (
+        _SCENE,
+        _path("--motion", "FILE", "the frames of its motion (default: SCENE.motion.toml beside it)"),
+        _option("--method", "A,B,…", "methods of fringe sweep (default: exact,formula,auto,boundary-elements)"),
+        _option("--rtol", "R", "relative error asked of those methods that state one (default: 1e-2)", type=float),
+        _path("--output", "FILE.html", "the page, with the table beside it; frames that the table holds are not computed again (default: results/sweep/<scene>.html)"),
+    )),
+    "coverage": ("survey from which distance a probe is noticed at every place around a machine: a page, a table and a file for ParaView", (
+        _SCENE,
+        _repeated("--probe", "PROBE", "sphere:R, capsule:R:L, box:X:Y:Z (metres), mesh:FILE, finger, fist, hand or infant; may be repeated (default: sphere:0.02 and the four named ones)"),
+        _repeated("--reading", "NAME", "a reading; may be repeated (default: all)"),
+        _option("--grid", "M", "side of the square of surface for each place, in metres (default: about 2,000 places)", type=positive_number),
+        _option("--potential", "P", "of the probe: grounded (default), floating, or a capacitance to ground in F", type=_potential),
+        _option("--threshold", "F", "least change that is noticed (default: that of each reading, or five times its noise, or 2.5e-15)", type=positive_number),
+        _option("--method", "A,B,…", "methods to compare with at a few places, those of fringe capacitance, formula and small-probe (default: exact,formula,small-probe); none: no comparison"),
+        _path("--output", "FILE.html", "the page, with table and file beside it (default: results/coverage/<scene>.html)"),
+    )),
+    "honesty": ("ask every method for random scenes of every kind, and print how often its stated errors hold (hours; finished scenes are kept); status 1 if they hold less often than they should", (
+        _option("--scenes", "N", "how many scenes (default: 416, 32 of each kind)", type=positive_integer),
+        _option("--first", "SEED", "the first scene's seed (default: 0)", type=_seed),
+        _option("--kinds", "A,B,…", "kinds of scenes (default: all)"),
+        _option("--methods", "A,B,…", "methods that are asked (default: all)"),
+        [
+            _option("--field-solver", "SHARE", "part of the scenes for which the field solver is asked, up to a minute each (default: 0.05)", type=_share),
+            _switch("--no-field-solver", "do not ask the field solver"),
+        ],
+        _option("--seconds", "S", "most processor time for an answer of the model (default: 10)", type=positive_number),
+        _option("--only", "SEED", "print this scene and all answers instead", type=_seed),
+        _path("--results", "DIR", "where to keep the answers (default: results/honesty)"),
+        _jobs("scenes"),
+    )),
+    "golden": ("record answers, stated errors and times of boundary elements, the reduced method and the formula in set-ups with stored truths (six minutes), and compare them with an older record; status 1 if an answer left its error, or an error widened", (
+        _path("file", "FILE", "the record, as JSON; its folder must be there"),
+        _path("--against", "OLD", "an older record of the same cases"),
+        _option("--only", "PATTERN", "only cases whose names hold this, in which * stands for anything, as in machines/*reduced", default=""),
+        _switch("--times", "fail, not only warn, where a method takes 10 %% longer"),
+    )),
+}  # fmt: skip
+
+
+def _topics() -> dict[str, Command]:
+    """Returns the commands of the topics."""
+    kept = "where to keep the answers (default: results/{})"
+    outputs = {name: _path("--output", "DIR", kept.format(_FOLDERS.get(name, name))) for name in TOPICS}
+    return {
+        name: (does, (outputs[name], *([] if name in _MEASURED_TOGETHER else [_jobs("answers")])))
+        for name, does in TOPICS.items()
+    }
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -59,344 +226,17 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "reported; 1 a case failed or has no answer by any method, a value moved, or anything else.",
     )
     commands = parser.add_subparsers(dest="command", required=True)
-    run = commands.add_parser("run", help="compute a study's missing answers, then report")
-    run.add_argument("study", metavar="STUDY", help="a name in geometries/studies, or a file")
-    run.add_argument(
-        "--results",
-        type=Path,
-        metavar="DIR",
-        help="where to keep the results (default: results/<study>, in the current folder for a study that is not the repository's)",
-    )
-    _add_jobs(run, "solves")
-    run.add_argument(
-        "--measure-model",
-        action="store_true",
-        help="also measure the model by itself: run time against error, stability, collisions (five minutes; kept with the results)",
-    )
-    _add_verify(run)
-    _add_nightly(commands)
-    report = commands.add_parser(
-        "report", help="write table.csv, report.html and its pages from stored answers"
-    )
-    report.add_argument("results", type=Path, metavar="RESULTS", help="a folder that `run` has filled")
-    for name, does in TOPICS.items():
-        _add_topic(commands.add_parser(name, help=does), name)
-    documentation = commands.add_parser(
-        "documentation", help="make a site of all notes, algorithms and references (the model must be built)"
-    )
-    documentation.add_argument(
-        "--output", type=Path, metavar="DIR", help="where to write the site (default: results/documentation)"
-    )
-    show = commands.add_parser(
-        "show", help="write one page with a scene, its sensors' readings and its motion"
-    )
-    _add_scene(show)
-    _add_motion(show, "the frames of its motion (default: SCENE.motion.toml beside it, if any)")
-    _add_page(
-        show,
-        "the page (default: <scene>.html in the current folder; results/show/<scene>.html for scenes of the repository)",
-    )
-    show.add_argument(
-        "--readings",
-        action="store_true",
-        help="plot the changes of the readings along the motion: model, formula and reduced method in every frame, boundary elements "
-        "in those of the motion file",
-    )
-    show.add_argument(
-        "--between",
-        type=positive_integer,
-        metavar="N",
-        help="frames shown between two of the motion file, with --readings (default: 8)",
-    )
-    show.add_argument(
-        "--rtol",
-        type=_relative,
-        metavar="R",
-        help="relative error asked of boundary elements, with --readings (default: 1e-2)",
-    )
-    _add_live(commands)
-    _add_sweep(commands)
-    _add_coverage(commands)
-    _add_honesty(commands)
-    _add_golden(commands)
-    measure.add_arguments(
-        commands.add_parser(
-            "measure", help="make what is stored with the project anew, or measure what a note tells"
-        )
-    )
+    for name, (does, options) in (_BEFORE_TOPICS | _topics() | _AFTER_TOPICS).items():
+        command = commands.add_parser(name, help=does)
+        # What is measured at one time has no such option.
+        command.set_defaults(jobs=None)
+        for each in options:
+            among = command.add_mutually_exclusive_group() if isinstance(each, list) else command
+            for word, more in each if isinstance(each, list) else [each]:
+                among.add_argument(word, **more)
+    what = "make what is stored with the project anew, or measure what a note tells"
+    measure.add_arguments(commands.add_parser("measure", help=what))
     return parser
-
-
-def _add_golden(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    golden = commands.add_parser(
-        "golden",
-        help="record answers, stated errors and times of boundary elements, the reduced method and the formula in set-ups with stored truths (six minutes), "
-        "and compare them with an older record; status 1 if an answer left its error, or an error widened",
-    )
-    golden.add_argument(
-        "file", type=Path, metavar="FILE", help="the record, as JSON; its folder must be there"
-    )
-    golden.add_argument("--against", type=Path, metavar="OLD", help="an older record of the same cases")
-    golden.add_argument(
-        "--only",
-        default="",
-        metavar="PATTERN",
-        help="only cases whose names hold this, in which * stands for anything, as in machines/*reduced",
-    )
-    golden.add_argument(
-        "--times", action="store_true", help="fail, not only warn, where a method takes 10 %% longer"
-    )
-
-
-def _add_honesty(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    honesty = commands.add_parser(
-        "honesty",
-        help="ask every method for random scenes of every kind, and print how often its stated errors hold (hours; finished scenes are kept); "
-        "status 1 if they hold less often than they should",
-    )
-    honesty.add_argument(
-        "--scenes", type=positive_integer, metavar="N", help="how many scenes (default: 416, 32 of each kind)"
-    )
-    honesty.add_argument("--first", type=_seed, metavar="SEED", help="the first scene's seed (default: 0)")
-    honesty.add_argument("--kinds", metavar="A,B,…", help="kinds of scenes (default: all)")
-    honesty.add_argument("--methods", metavar="A,B,…", help="methods that are asked (default: all)")
-    field = honesty.add_mutually_exclusive_group()
-    field.add_argument(
-        "--field-solver",
-        type=_share,
-        metavar="SHARE",
-        help="part of the scenes for which the field solver is asked, up to a minute each (default: 0.05)",
-    )
-    field.add_argument("--no-field-solver", action="store_true", help="do not ask the field solver")
-    honesty.add_argument(
-        "--seconds",
-        type=positive_number,
-        metavar="S",
-        help="most processor time for an answer of the model (default: 10)",
-    )
-    honesty.add_argument(
-        "--only", type=_seed, metavar="SEED", help="print this scene and all answers instead"
-    )
-    honesty.add_argument(
-        "--results", type=Path, metavar="DIR", help="where to keep the answers (default: results/honesty)"
-    )
-    _add_jobs(honesty, "scenes")
-
-
-def _seed(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r} is not a whole number of at least 0")
-    return int(text)
-
-
-def _share(text: str) -> float:
-    return 1.0 if text == "1" else _relative(text)
-
-
-def _add_live(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    live = commands.add_parser(
-        "live",
-        help="write one page on which a scene can be moved: the library in it computes readings, distances and collisions in every frame",
-    )
-    _add_scene(live)
-    _add_motion(live, "the frames of a path (default: SCENE.motion.toml beside it, if any)")
-    reference = live.add_mutually_exclusive_group()
-    reference.add_argument(
-        "--rtol",
-        type=_relative,
-        default=1e-2,
-        metavar="R",
-        help="relative error asked of the reference readings along the paths, by boundary elements (default: 1e-2)",
-    )
-    reference.add_argument("--no-reference", action="store_true", help="solve no reference readings")
-    _add_page(
-        live,
-        "the page (default: <scene>.html in the current folder; results/live/<scene>.html for scenes of the repository)",
-    )
-
-
-def _add_coverage(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    coverage = commands.add_parser(
-        "coverage",
-        help="survey from which distance a probe is noticed at every place around a machine: a page, a table and a file for ParaView",
-    )
-    _add_scene(coverage)
-    coverage.add_argument(
-        "--probe",
-        action="append",
-        default=[],
-        metavar="PROBE",
-        help="sphere:R, capsule:R:L, box:X:Y:Z (metres), mesh:FILE, finger, fist, hand or infant; may be repeated (default: sphere:0.02 and the four named ones)",
-    )
-    coverage.add_argument(
-        "--reading",
-        action="append",
-        default=[],
-        metavar="NAME",
-        help="a reading; may be repeated (default: all)",
-    )
-    coverage.add_argument(
-        "--grid",
-        type=positive_number,
-        metavar="M",
-        help="side of the square of surface for each place, in metres (default: about 2,000 places)",
-    )
-    coverage.add_argument(
-        "--potential",
-        type=_potential,
-        metavar="P",
-        help="of the probe: grounded (default), floating, or a capacitance to ground in F",
-    )
-    coverage.add_argument(
-        "--threshold",
-        type=positive_number,
-        metavar="F",
-        help="least change that is noticed (default: that of each reading, or five times its noise, or 2.5e-15)",
-    )
-    coverage.add_argument(
-        "--method",
-        metavar="A,B,…",
-        help="methods to compare with at a few places, those of fringe capacitance, formula and small-probe (default: exact,formula,small-probe); none: no comparison",
-    )
-    _add_page(
-        coverage,
-        "the page, with table and file beside it (default: results/coverage/<scene>.html)",
-        "FILE.html",
-    )
-
-
-def _potential(text: str) -> float | None:
-    """Returns the capacitance to ground (F): none for a grounded probe, 0 for a floating one."""
-    return (
-        {"grounded": None, "floating": 0.0}[text]
-        if text in ("grounded", "floating")
-        else positive_number(text)
-    )
-
-
-def _add_sweep(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    sweep = commands.add_parser(
-        "sweep",
-        help="write a table and a page of the readings in every frame of a motion, and where they cross their thresholds",
-    )
-    _add_scene(sweep)
-    _add_motion(sweep, "the frames of its motion (default: SCENE.motion.toml beside it)")
-    sweep.add_argument(
-        "--method",
-        metavar="A,B,…",
-        help="methods of fringe sweep (default: exact,formula,auto,boundary-elements)",
-    )
-    sweep.add_argument(
-        "--rtol",
-        type=float,
-        metavar="R",
-        help="relative error asked of those methods that state one (default: 1e-2)",
-    )
-    _add_page(
-        sweep,
-        "the page, with the table beside it; frames that the table holds are not computed again (default: results/sweep/<scene>.html)",
-        "FILE.html",
-    )
-
-
-def _add_nightly(commands: argparse._SubParsersAction[argparse.ArgumentParser]) -> None:
-    nightly = commands.add_parser(
-        "nightly", help="run a study by Snakemake, add it to the trends, and tell what has changed"
-    )
-    nightly.add_argument("study", metavar="STUDY", nargs="?", default="nightly", help="default: nightly")
-    nightly.add_argument("--results", type=Path, metavar="DIR", help="default: results/<study>")
-    nightly.add_argument("--jobs", type=positive_integer, metavar="N", help="jobs at a time on this machine")
-    nightly.add_argument(
-        "--profile",
-        metavar="PROFILE",
-        help="run on a cluster: slurm, or the folder of another profile of Snakemake",
-    )
-    nightly.add_argument(
-        "--job-seconds",
-        type=positive_integer,
-        metavar="S",
-        help="expected length of a job (default: 60 here, 600 on a cluster)",
-    )
-    _add_verify(nightly)
-    job = commands.add_parser("job", help="solve the cases of one job's file; Snakemake calls this")
-    job.add_argument("file", type=Path, metavar="FILE")
-    difference = commands.add_parser(
-        "diff", help="compare two results; status 1 if any value moved by more than its error"
-    )
-    difference.add_argument("old", type=Path, metavar="OLD", help="a folder of results, or a table.csv")
-    difference.add_argument("new", type=Path, metavar="NEW", help="likewise")
-    difference.add_argument("--output", type=Path, metavar="JSON", help="also write all of it to this file")
-    trends = commands.add_parser(
-        "trends",
-        help="tell what has changed over the nights, make their page, or find the commit of a change",
-    )
-    trends.add_argument(
-        "results",
-        type=Path,
-        metavar="RESULTS",
-        nargs="?",
-        help="a folder of results (default: results/nightly)",
-    )
-    back = trends.add_mutually_exclusive_group()
-    back.add_argument(
-        "--count",
-        metavar="COMMITS",
-        help="first add the instruction counts of these commits, as HEAD~10..HEAD, each built in a working tree of its own (minutes each)",
-    )
-    back.add_argument(
-        "--bisect",
-        metavar="VALUE",
-        help="find the commit of the last change of this value, as `trends` names it, by building commits in a working tree of their own",
-    )
-
-
-def _add_topic(command: argparse.ArgumentParser, name: str) -> None:
-    folder = _FOLDERS.get(name, name)
-    command.add_argument(
-        "--output", type=Path, metavar="DIR", help=f"where to keep the answers (default: results/{folder})"
-    )
-    command.set_defaults(jobs=None)
-    if name not in _MEASURED_TOGETHER:
-        _add_jobs(command, "answers")
-
-
-def _add_scene(command: argparse.ArgumentParser) -> None:
-    command.add_argument("scene", metavar="SCENE", help="a name in geometries/scenes, or a file")
-
-
-def _add_motion(command: argparse.ArgumentParser, what: str) -> None:
-    command.add_argument("--motion", type=Path, metavar="FILE", help=what)
-
-
-def _add_page(command: argparse.ArgumentParser, what: str, metavar: str = "FILE") -> None:
-    command.add_argument("--output", type=Path, metavar=metavar, help=what)
-
-
-def _add_jobs(command: argparse.ArgumentParser, at_a_time: str) -> None:
-    command.add_argument(
-        "--jobs",
-        type=positive_integer,
-        metavar="N",
-        help=f"{at_a_time} at a time (default: by cores and memory)",
-    )
-
-
-def _add_verify(command: argparse.ArgumentParser) -> None:
-    command.add_argument(
-        "--verify",
-        action="store_true",
-        help="also verify the reference, as the command verify does, in the folder verification beside the results",
-    )
-
-
-def _relative(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 0 < value < 1:
-        raise argparse.ArgumentTypeError(f"{text!r} is not a number between 0 and 1")
-    return value
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

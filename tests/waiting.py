@@ -40,3 +40,18 @@ def aged(path: Path) -> int:
     """Puts the last change of a file into the past, so that the next one has another time however coarse the clock is; returns it in ns."""
     os.utime(path, ns=(10**18, 10**18))
     return path.stat().st_mtime_ns
+
+
+def marked(folder: Path) -> dict[int, str]:
+    """Returns the processes, with their command lines, that have this folder, or one within it, for their temporary files: what they
+    start has, too."""
+    mark = f"TMPDIR={folder}".encode()
+    found = {}
+    for process in Path("/proc").iterdir():
+        try:
+            if process.name.isdecimal() and mark in (process / "environ").read_bytes():
+                found[int(process.name)] = (process / "cmdline").read_bytes().replace(b"\0", b" ").decode()
+        except OSError:
+            # It has ended, or is another user's.
+            continue
+    return found

@@ -107,13 +107,7 @@ def floating(chance: Chance) -> Scene:
     shape = angular(chance) if chance.random() < 0.7 else round_body(chance)
     to_ground = chance.choice((0.0, logarithmic(chance, 1e-14, 1e-10)))
     target = before(
-        TARGET,
-        shape,
-        _gap(chance),
-        aside(chance),
-        turn(chance),
-        potential="floating",
-        to_ground=to_ground,
+        TARGET, shape, _gap(chance), aside(chance), turn(chance), potential="floating", to_ground=to_ground
     )
     return on_machine(chance, Scene(sensors=(sensor(chance),), objects=(target,)), HOUSING, GUARD)
 
@@ -122,10 +116,7 @@ def guarded(chance: Chance) -> Scene:
     """A sensor before its guard and a housing, read with the guard driven, grounded, and driven alone."""
     target = before(TARGET, angular(chance), _gap(chance), aside(chance), turn(chance))
     scene = around(Scene(sensors=(sensor(chance),), objects=(target,)), GUARD)
-    more = (
-        Reading("guard grounded", "front", ("front",)),
-        Reading("from the guard", "front", ("guard",)),
-    )
+    more = (Reading("guard grounded", "front", ("front",)), Reading("from the guard", "front", ("guard",)))
     return replace(scene, readings=(*scene.readings, *more))
 
 

@@ -11,19 +11,9 @@ import sys
 
 from geometries.common.children import ending_with_this
 
-_ON_ITS_WAY = {
-    "PENDING",
-    "CONFIGURING",
-    "RUNNING",
-    "COMPLETING",
-    "SUSPENDED",
-    "REQUEUED",
-    "REQUEUE_HOLD",
-    "RESIZING",
-    "SIGNALING",
-    "STAGE_OUT",
-    "STOPPED",
-}
+_ON_ITS_WAY = set(
+    "PENDING CONFIGURING RUNNING COMPLETING SUSPENDED REQUEUED REQUEUE_HOLD RESIZING SIGNALING STAGE_OUT STOPPED".split()
+)
 
 
 def word(printed: str) -> str:

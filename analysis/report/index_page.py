@@ -92,9 +92,7 @@ def how_wrong(results: Results, rows: list[Row], cases: str) -> list[Answer]:
             _how_wrong([case.id for own in kinds.values() for case in own], rows),
             [
                 Picture(
-                    f"{cases}/{shown.id}/{page.CASE_PAGE}",
-                    drawing.of_scene(shown.scene, shown.name),
-                    words,
+                    f"{cases}/{shown.id}/{page.CASE_PAGE}", drawing.of_scene(shown.scene, shown.name), words
                 )
                 for words, own in kinds.items()
                 for shown in [next((case for case in own if case.slice), own[0])]

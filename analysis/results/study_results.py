@@ -15,16 +15,7 @@ from analysis.results.truth import Truth
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
-from geometries.studies.study import (
-    BOTH,
-    BOUNDARY_ELEMENTS,
-    EMPTY,
-    FIELD,
-    Case,
-    Parameter,
-    Study,
-    empty_case,
-)
+from geometries.studies.study import BOTH, BOUNDARY_ELEMENTS, EMPTY, FIELD, Case, Parameter, Study, empty_case
 
 MANIFEST = "study.json"
 SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"

@@ -22,13 +22,7 @@ _DIGITS = 5
 """Decimals of a coordinate in metres: hundredths of a millimetre are finer than any screen."""
 
 
-def collect(
-    path: Path,
-    scene: Scene,
-    frames: Sequence[Frame],
-    model: Any,
-    between: int = 0,
-) -> Document:
+def collect(path: Path, scene: Scene, frames: Sequence[Frame], model: Any, between: int = 0) -> Document:
     """Collects everything that the page needs, as JSON. `model` is the module fringe; InputError for what it refuses.
 
     `between` frames are added between every two of the motion.

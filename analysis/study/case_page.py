@@ -163,10 +163,7 @@ def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
 
 def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> Markup:
     rows = [
-        [
-            name,
-            *(picofarads(answer.maxwell[i, j], answer.error[i, j]) for j in range(len(answer.conductors))),
-        ]
+        [name, *(picofarads(answer.maxwell[i, j], answer.error[i, j]) for j in range(len(answer.conductors)))]
         for i, name in enumerate(answer.conductors)
     ]
     return page.table(["", *answer.conductors], rows)

@@ -100,11 +100,7 @@ def _is_complete(folder: Path) -> bool:
 
 
 def _write(
-    material: Material,
-    nights: Markup | None,
-    scenes: list[tuple[ScenePage, str]],
-    inputs: str,
-    whole: str,
+    material: Material, nights: Markup | None, scenes: list[tuple[ScenePage, str]], inputs: str, whole: str
 ) -> None:
     """Writes the table, the pages, and last the report itself, which marks all of them as complete. `nights` is the finding of the
     trends, if there are any, and `scenes` are the pages of scenes, with their files."""

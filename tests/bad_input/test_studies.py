@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from analysis.__main__ import main
+from tests import scenes
 from tests.bad_input.case import SCENE, SENSOR, body
 
 HEAD = """
@@ -19,32 +20,19 @@ max_seconds = 60
 [model]
 methods = ["exact"]
 """
-SWEEP = """
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = 0.05
-"""
+SWEEP = scenes.sweep("parallel", gap=0.05)
 WHOLE = HEAD + SWEEP
-# The faulty text of a study, and what the message has to name. tests/geometries/studies tests every key.
+# The faulty text of a study, and what the message has to name. tests/geometries tries every key of studies and motions.
 STUDIES = {
     "nothing": ("", "reference"),
     "prose": ("this is a letter\n", ""),
     "NUL": (WHOLE + "\0", ""),
-    "no sweep": (HEAD, "sweep"),
-    "no name": (WHOLE.replace('name = "bad"', ""), "name"),
-    "a name that is a path": (WHOLE.replace('"bad"', '"../bad"'), "name"),
-    "a name that is the folder above": (WHOLE.replace('"bad"', '".."'), "name"),
     "a name with NUL": (WHOLE.replace('"bad"', '"b\\u0000d"'), "name"),
     "a name longer than any": (WHOLE.replace('"bad"', f'"{"b" * 300}"'), "name"),
     "an unknown key": ("colour = 1\n" + WHOLE, "colour"),
     "an accuracy that is no number": (WHOLE.replace("1e-2", "nan"), "rtol"),
     "time without end": (WHOLE.replace("60", "inf"), "max_seconds"),
-    "an unknown method": (WHOLE.replace('"exact"', '"exact", "guess"'), "guess"),
-    "an unknown experiment": ('experiment = "VII"\n' + WHOLE, "VII"),
     "a gap below zero among others": (WHOLE.replace("0.05", "[0.1, -1]"), "gap"),
-    "a gap that is not finite": (WHOLE.replace("0.05", "[0.1, inf]"), "gap"),
     "sizes of no length": (WHOLE.replace("sensor_size = [0.1, 0.1]", "sensor_size = []"), "sensor_size"),
     "a range of a thousand million": (WHOLE.replace("0.05", "{ linspace = [0.1, 0.2, 1000000000] }"), "linspace"),
     "ranges whose product is too large": (
@@ -59,12 +47,8 @@ FRAME = '[[frame]]\nposes = [ { link = "arm", translation = [0, 0, 0.4] } ]\n'
 MOTIONS = {
     "nothing": ("", "frame"),
     "prose": ("this is a letter\n", ""),
-    "an unknown link": (FRAME.replace('"arm"', '"leg"'), "leg"),
-    "a link twice": (FRAME.replace("0.4] }", '0.4] }, { link = "arm" }'), "link"),
-    "an unknown key": (FRAME + "colour = 1\n", "colour"),
     "a translation of two numbers": (FRAME.replace("[0, 0, 0.4]", "[0, 0]"), "translation"),
     "a translation that is not finite": (FRAME.replace("0.4", "nan"), "translation"),
-    "frames that are no list": ("frame = 1\n", "frame"),
 }
 
 

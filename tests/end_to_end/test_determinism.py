@@ -10,27 +10,19 @@ from typing import Any
 
 import pytest
 
+from tests import scenes
 from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
 ARM = ROOT / "geometries" / "scenes" / "x_ray_arm.toml"
 # A sphere of so many triangles is evaluated in batches by several threads.
-SPHERE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] },
-           { corner = [0.06, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[distance_sensor]]
-name = "eye"
-apex = [0, 0, 0]
-direction = [0, 0, 1]
-full_angle_degrees = 40
-range = 0.8
-[[object]]
-name = "ball"
-shape = { type = "sphere", radius = 0.1, segments = 200 }
-translation = [0.01, 0.02, 0.2]
-"""
+SPHERE = (
+    scenes.sensor(
+        "front", [[-0.05, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]], [[0.06, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]]
+    )
+    + scenes.eye("eye", [0, 0, 0], [0, 0, 1], 40, 0.8)
+    + scenes.body("ball", "sphere", radius=0.1, segments=200, translation=[0.01, 0.02, 0.2])
+)
 PLATES = SPHERE.replace(
     'type = "sphere", radius = 0.1, segments = 200', 'type = "cuboid", size = [0.1, 0.1, 0.05]'
 )

@@ -18,7 +18,7 @@ from tests.end_to_end.test_options import COMMANDS, options_of
 from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
-HAND = "analysis/documentation/hand.toml"
+HAND = "model/examples/hand.toml"
 GOOGLE = "--benchmark_min_time=0 --benchmark_filter="
 # Command → how it is run here, in the place of what takes longer; {out} is an empty folder.
 SMALL = {

@@ -13,34 +13,29 @@ from analysis.pipeline.model_stage import model_module
 from fem_reference.answer.reference import solve_conductors
 from fem_reference.bodies.conductors import conductors
 from geometries.scene import reader
+from tests import scenes
 
 ROOT = Path(__file__).resolve().parents[2]
 EXAMPLE = ROOT / "geometries" / "scenes" / "round_electrode.toml"
 # Without round bodies, so that both solve the same.
-SCENE = """
-[[object]]
-name = "electrode"
-potential = "electrode"
-shape = { type = "polygon", vertices = [[0, 0], [0.04, 0], [0.04, 0.04], [0.02, 0.04], [0.02, 0.02], [0, 0.02]] }
-[[object]]
-name = "triangle"
-potential = "electrode"
-shape = { type = "polygon", vertices = [[0, 0], [0.03, 0.01], [-0.01, 0.03]] }
-translation = [-0.01, 0.03, 0.01]
-[[object]]
-name = "target"
-target = true
-shape = { type = "box", size = [0.05, 0.04, 0.03] }
-translation = [0.02, 0.02, 0.05]
-[[reading]]
-name = "own"
-sense = "electrode"
-drive = ["electrode"]
-[[reading]]
-name = "transmitted"
-sense = "electrode"
-drive = ["triangle"]
-"""
+SCENE = (
+    scenes.body(
+        "electrode",
+        "polygon",
+        vertices=[[0, 0], [0.04, 0], [0.04, 0.04], [0.02, 0.04], [0.02, 0.02], [0, 0.02]],
+        potential="electrode",
+    )
+    + scenes.body(
+        "triangle",
+        "polygon",
+        vertices=[[0, 0], [0.03, 0.01], [-0.01, 0.03]],
+        potential="electrode",
+        translation=[-0.01, 0.03, 0.01],
+    )
+    + scenes.body("target", "box", size=[0.05, 0.04, 0.03], target=True, translation=[0.02, 0.02, 0.05])
+    + scenes.table("reading", name="own", sense="electrode", drive=["electrode"])
+    + scenes.table("reading", name="transmitted", sense="electrode", drive=["triangle"])
+)
 
 
 @pytest.mark.night

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests import scenes
 from tests.end_to_end.importing import ROOT, fringe_import
 from tests.scenes import GUARDED_SENSOR
 from tests.waiting import DEADLINE
@@ -54,22 +55,10 @@ shape = { type = "cone", radius = 0.01, height = 0.02, segments = 3 }
 translation = [0.2, 0, 0]
 potential = "grounded"
 """
-FOIL = """
-[[object]]
-name = "foil"
-shape = { type = "plate", size = [0.05, 0.05] }
-translation = [0, 0, -0.05]
-potential = "floating"
-"""
+FOIL = scenes.body("foil", "plate", size=[0.05, 0.05], translation=[0, 0, -0.05], potential="floating")
 # Of plates and boxes, whose matrix takes milliseconds.
-PLAIN = (
-    GUARDED_SENSOR.replace("guard", "guard, left")
-    + """
-[[object]]
-name = "palm"
-shape = { type = "cuboid", size = [0.08, 0.1, 0.02] }
-translation = [0, 0, 0.06]
-"""
+PLAIN = GUARDED_SENSOR.replace("guard", "guard, left") + (
+    scenes.body("palm", "cuboid", size=[0.08, 0.1, 0.02], translation=[0, 0, 0.06])
 )
 
 

@@ -245,10 +245,7 @@ def model(nodes: list[dict[str, Any]], **changes: Any) -> dict[str, Any]:
                 "uri": "data:application/octet-stream;base64," + base64.b64encode(data).decode(),
             }
         ],
-        "bufferViews": [
-            {"buffer": 0, "byteLength": 48},
-            {"buffer": 0, "byteOffset": 48, "byteLength": 12},
-        ],
+        "bufferViews": [{"buffer": 0, "byteLength": 48}, {"buffer": 0, "byteOffset": 48, "byteLength": 12}],
         "accessors": [
             {"bufferView": 0, "componentType": 5126, "type": "VEC3", "count": 4},
             {"bufferView": 1, "componentType": 5123, "type": "SCALAR", "count": 6},

@@ -16,6 +16,7 @@ from analysis.__main__ import main
 from analysis.pipeline.model_stage import model_module
 from geometries.common.errors import InputError
 from geometries.studies import study
+from tests import scenes
 from tests.analysis.synthetic import HEAD, PARALLEL
 from tests.waiting import DEADLINE
 
@@ -157,15 +158,7 @@ def test_an_option_reaches_what_it_is_for(
 
 
 FRINGE = Path(__file__).resolve().parents[2] / "build/bin/fringe"
-FORMER_SCENE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "target"
-shape = { type = "plate", size = [0.1, 0.1] }
-translation = [0, 0, 0.03]
-"""
+FORMER_SCENE = scenes.SENSOR + scenes.body("target", "plate", size=[0.1, 0.1], translation=[0, 0, 0.03])
 FORMER_OPTIONS = [
     (("--correction", "none"), "write --method formula"),
     (("--correction", "formula"), "write --method formula"),

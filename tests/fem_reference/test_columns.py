@@ -11,27 +11,14 @@ from fem_reference import maxwell
 from fem_reference.output.documents import table
 from fem_reference.answer.reference import Reference
 from geometries.scene.reader import loads
+from tests import scenes
 
-SCENE = """
-[[sensor]]
-name = "left"
-plates = [ { corner = [-0.11, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-
-[[sensor]]
-name = "right"
-plates = [ { corner = [0.01, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-
-[[object]]
-name = "grounded"
-shape = { type = "plate", size = [0.08, 0.08] }
-translation = [0.02, 0, 0.05]
-
-[[object]]
-name = "floating"
-shape = { type = "plate", size = [0.05, 0.1] }
-translation = [-0.06, 0, 0.06]
-potential = "floating"
-"""
+SCENE = (
+    scenes.sensor("left", [[-0.11, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]])
+    + scenes.sensor("right", [[0.01, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]])
+    + scenes.body("grounded", "plate", size=[0.08, 0.08], translation=[0.02, 0, 0.05])
+    + scenes.body("floating", "plate", size=[0.05, 0.1], translation=[-0.06, 0, 0.06], potential="floating")
+)
 
 
 @cache

@@ -12,23 +12,11 @@ import meshio
 import numpy as np
 import pytest
 
-ROOT = Path(__file__).resolve().parents[2]
-READING = """
-[[reading]]
-name = "front"
-sense = "front"
-drive = ["front"]
-"""
-SCENE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
+from tests import scenes
 
-[[object]]
-name = "target"
-shape = { type = "plate", size = [0.06, 0.06] }
-translation = [0.01, 0, 0.03]
-"""
+ROOT = Path(__file__).resolve().parents[2]
+READING = scenes.table("reading", name="front", sense="front", drive=["front"])
+SCENE = scenes.SENSOR + scenes.body("target", "plate", size=[0.06, 0.06], translation=[0.01, 0, 0.03])
 
 
 def command(*arguments: str | Path) -> subprocess.CompletedProcess[str]:

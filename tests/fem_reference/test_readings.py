@@ -17,26 +17,13 @@ from fem_reference.solve.level import solve_level
 from fem_reference.solve.readings import LevelReadings
 from geometries.common.errors import InputError
 from geometries.scene.reader import loads
+from tests import scenes
 from tests.scenes import GUARDED_SENSOR
 
-READINGS = """
-[[reading]]
-name = "guarded"
-sense = "front"
-drive = ["front", "guard"]
-
-[[reading]]
-name = "transmitted"
-sense = "front"
-drive = ["guard"]
-"""
-TARGET = """
-[[object]]
-name = "hand"
-shape = { type = "plate", size = [0.08, 0.08] }
-translation = [0, 0, 0.05]
-target = true
-"""
+READINGS = scenes.table("reading", name="guarded", sense="front", drive=["front", "guard"]) + scenes.table(
+    "reading", name="transmitted", sense="front", drive=["guard"]
+)
+TARGET = scenes.body("hand", "plate", size=[0.08, 0.08], translation=[0, 0, 0.05], target=True)
 SLAB = TARGET.replace("plate", "cuboid").replace("0.08]", "0.08, 0.02]")
 
 
@@ -117,12 +104,7 @@ def test_people_get_a_table_with_proven_bounds() -> None:
 
 
 def test_a_part_of_a_conductor_cannot_come_and_go() -> None:
-    arm = """
-[[object]]
-name = "arm"
-shape = { type = "cuboid", size = [0.02, 0.02, 0.1] }
-translation = [0, 0, 0.1]
-"""
+    arm = scenes.body("arm", "cuboid", size=[0.02, 0.02, 0.1], translation=[0, 0, 0.1])
     with pytest.raises(InputError, match='object "hand": target: is one conductor with "arm", which stays'):
         conductors(loads(GUARDED_SENSOR + arm + SLAB))
     assert conductors(loads(GUARDED_SENSOR + arm + SLAB.replace("target = true", ""))).targets == {"arm"}

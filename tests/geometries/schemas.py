@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 import json
+import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import jsonschema
 
 import geometries
+from tests import scenes
 
 FOLDER = Path(geometries.__file__).parent / "schemas"
 Document = dict[str, Any]
@@ -18,114 +20,90 @@ Place = tuple[str | int, ...]
 
 PLATE = {"corner": [0, 0, 0], "edge_u": [0.1, 0, 0], "edge_v": [0, 0.1, 0]}
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
-_VECTOR = [0.1, 0.2, 0.3]
-WHOLE: Document = {
-    "units": "m",
-    "medium": {"relative_permittivity": 1.0},
-    "room": {"size": [4.0, 3.0, 2.5], "translation": [0.0, 0.0, 1.25]},
-    "link": [
-        {"name": "base", "translation": _VECTOR, "rotation": {"axis": [0, 0, 1], "degrees": 30.0}},
-        {
-            "name": "arm",
-            "parent": "base",
-            "quaternion": [1.0, 0.0, 0.0, 0.5],
-            "joint": {
-                "name": "elbow",
-                "type": "revolute",
-                "axis": [0.0, 0.0, 1.0],
-                "position": 0.5,
-                "lower": -2.0,
-                "upper": 2.0,
-            },
+WHOLE: Document = tomllib.loads(
+    'units = "m"\n'
+    "medium = { relative_permittivity = 1.0 }\n"
+    "room = { size = [4.0, 3.0, 2.5], translation = [0.0, 0.0, 1.25] }\n"
+    + scenes.link("base", translation=[0.1, 0.2, 0.3], rotation={"axis": [0, 0, 1], "degrees": 30.0})
+    + scenes.link(
+        "arm",
+        parent="base",
+        quaternion=[1.0, 0.0, 0.0, 0.5],
+        joint={
+            "name": "elbow",
+            "type": "revolute",
+            "axis": [0.0, 0.0, 1.0],
+            "position": 0.5,
+            "lower": -2.0,
+            "upper": 2.0,
         },
-        {
-            "name": "finger",
-            "parent": "arm",
-            "joint": {
-                "name": "knuckle",
-                "type": "prismatic",
-                "axis": [0.0, 1.0, 0.0],
-                "mimic": {"joint": "elbow", "multiplier": 0.1, "offset": 0.01},
-            },
+    )
+    + scenes.link(
+        "finger",
+        parent="arm",
+        joint={
+            "name": "knuckle",
+            "type": "prismatic",
+            "axis": [0.0, 1.0, 0.0],
+            "mimic": {"joint": "elbow", "multiplier": 0.1, "offset": 0.01},
         },
-    ],
-    "sensor": [
-        {
-            "name": "front",
-            "link": "arm",
-            "input_voltage": 2.5,
-            "coupling_capacitance": 5e-12,
-            "cover": {"thickness": 0.001, "relative_permittivity": 3.0},
-            "plates": [{"corner": [0.0, 0.0, 0.0], "edge_u": [0.1, 0.0, 0.0], "edge_v": [0.0, 0.1, 0.0]}],
-        }
-    ],
-    "distance_sensor": [
-        {
-            "name": "eye",
-            "link": "arm",
-            "apex": [0.0, 0.0, 0.0],
-            "direction": [0.0, 0.0, 1.0],
-            "full_angle_degrees": 40.0,
-            "range": 0.8,
-        }
-    ],
-    "object": [
-        {
-            "name": "ball",
-            "link": "base",
-            "shape": {"type": "sphere", "radius": 0.05, "segments": 8},
-            "translation": [0.5, 0.0, 0.02],
-            "potential": "floating",
-            "to_ground": 1e-10,
-            "target": True,
-            "collides": True,
-            "collides_with_parent": True,
-        },
-        {
-            "name": "ring",
-            "shape": {
-                "type": "arc",
-                "inner_radius": 0.1,
-                "outer_radius": 0.2,
-                "height": 0.1,
-                "degrees": 90.0,
-                "segments": 8,
-            },
-            "rotation": {"quaternion": [1.0, 0.0, 0.0, 0.5]},
-            "material": {"relative_permittivity": 3.0},
-        },
-        {
-            "name": "post",
-            "shape": {"type": "cylinder", "radius": 0.1, "height": 0.5, "segments": 8},
-            "conductor": "mast",
-        },
-        {
-            "name": "tip",
-            "shape": {"type": "cone", "radius": 0.1, "height": 0.5, "segments": 8},
-            "conductor": "mast",
-        },
-        {"name": "sheet", "shape": {"type": "plate", "size": [0.1, 0.2]}},
-        {"name": "box", "shape": {"type": "cuboid", "size": [0.1, 0.2, 0.3]}},
-        {"name": "die", "shape": {"type": "cube", "size": 0.1}},
-        {
-            "name": "guard",
-            "shape": {"type": "cube", "size": 0.1},
-            "potential": "electrode",
-            "conductor": "shield",
-        },
-        {
-            "name": "limb",
-            "shape": {"type": "capsule", "radius": 0.05, "length": 0.3, "segments": 8},
-        },
-        {"name": "head", "shape": {"type": "ellipsoid", "semi_axes": [0.1, 0.1, 0.2], "segments": 8}},
-        {"name": "soap", "shape": {"type": "box", "size": [0.1, 0.1, 0.2], "rounding": 0.05}},
-        {"name": "nurse", "shape": {"type": "person", "height": 1.7, "age": "adult", "posture": "standing"}},
-        {"name": "coin", "shape": {"type": "disc", "radius": 0.1, "segments": 8}},
-    ],
-    "reading": [
-        {"name": "near", "sense": "front", "drive": ["front", "shield"], "noise": 1e-15, "threshold": 1e-14}
-    ],
-}
+    )
+    + scenes.sensor(
+        "front",
+        [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]],
+        link="arm",
+        input_voltage=2.5,
+        coupling_capacitance=5e-12,
+        cover={"thickness": 0.001, "relative_permittivity": 3.0},
+    )
+    + scenes.table(
+        "distance_sensor",
+        name="eye",
+        link="arm",
+        apex=[0.0, 0.0, 0.0],
+        direction=[0.0, 0.0, 1.0],
+        full_angle_degrees=40.0,
+        range=0.8,
+    )
+    + scenes.body(
+        "ball",
+        "sphere",
+        radius=0.05,
+        segments=8,
+        link="base",
+        translation=[0.5, 0.0, 0.02],
+        potential="floating",
+        to_ground=1e-10,
+        target=True,
+        collides=True,
+        collides_with_parent=True,
+    )
+    + scenes.body(
+        "ring",
+        "arc",
+        inner_radius=0.1,
+        outer_radius=0.2,
+        height=0.1,
+        degrees=90.0,
+        segments=8,
+        rotation={"quaternion": [1.0, 0.0, 0.0, 0.5]},
+        material={"relative_permittivity": 3.0},
+    )
+    + scenes.body("post", "cylinder", radius=0.1, height=0.5, segments=8, conductor="mast")
+    + scenes.body("tip", "cone", radius=0.1, height=0.5, segments=8, conductor="mast")
+    + scenes.body("sheet", "plate", size=[0.1, 0.2])
+    + scenes.body("box", "cuboid", size=[0.1, 0.2, 0.3])
+    + scenes.body("die", "cube", size=0.1)
+    + scenes.body("guard", "cube", size=0.1, potential="electrode", conductor="shield")
+    + scenes.body("limb", "capsule", radius=0.05, length=0.3, segments=8)
+    + scenes.body("head", "ellipsoid", semi_axes=[0.1, 0.1, 0.2], segments=8)
+    + scenes.body("soap", "box", size=[0.1, 0.1, 0.2], rounding=0.05)
+    + scenes.body("nurse", "person", height=1.7, age="adult", posture="standing")
+    + scenes.body("coin", "disc", radius=0.1, segments=8)
+    + scenes.table(
+        "reading", name="near", sense="front", drive=["front", "shield"], noise=1e-15, threshold=1e-14
+    )
+)
 """A scene that needs no file, with the keys that tests/bad_input spoils in turn."""
 SCENE: Document = {
     "format": 1,

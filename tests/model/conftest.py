@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 
+from tests import scenes
 from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -62,12 +63,4 @@ def shown_on_a_terminal() -> Callable[..., str]:
 @pytest.fixture(scope="session")
 def sensor_before_a_housing() -> str:
     """A scene whose grounded box nearly takes up the charge of the sensor before it, as seen from afar."""
-    return """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "housing"
-shape = { type = "cuboid", size = [0.2, 0.2, 0.1] }
-translation = [0, 0, -0.06]
-"""
+    return scenes.SENSOR + scenes.body("housing", "cuboid", size=[0.2, 0.2, 0.1], translation=[0, 0, -0.06])

@@ -13,6 +13,8 @@ import pytest
 from scipy.constants import epsilon_0
 from scipy.special import elliprf
 
+from tests import scenes
+
 
 fringe = pytest.importorskip("fringe")
 
@@ -24,26 +26,12 @@ SET_UPS = json.loads(
     ).read_text()
 )["cases"]
 
-SCENE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-
-[[link]]
-name = "hand"
-
-[[object]]
-name = "palm"
-link = "hand"
-shape = { type = "cuboid", size = [0.08, 0.1, 0.03] }
-translation = [0, 0, 0.05]
-
-[[object]]
-name = "foil"
-shape = { type = "plate", size = [0.05, 0.05] }
-translation = [0, 0, -0.02]
-potential = "floating"
-"""
+SCENE = (
+    scenes.SENSOR
+    + scenes.link("hand")
+    + scenes.body("palm", "cuboid", size=[0.08, 0.1, 0.03], link="hand", translation=[0, 0, 0.05])
+    + scenes.body("foil", "plate", size=[0.05, 0.05], translation=[0, 0, -0.02], potential="floating")
+)
 
 
 @pytest.fixture

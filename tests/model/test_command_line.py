@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from geometries.scene.shapes import Cuboid
+from tests import scenes
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -111,17 +112,14 @@ def two_plates(tmp_path: Path) -> Path:
     """Two 5 cm × 10 cm plates at an angle, and an open sheet above them that shows them its back."""
     path = tmp_path / "two.toml"
     path.write_text(
-        """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.05, 0, 0], edge_v = [0, 0.1, 0] },
-           { corner = [0, -0.05, 0], edge_u = [0.04, 0, 0.03], edge_v = [0, 0.1, 0] } ]
-
-[[object]]
-name = "sheet"
-shape = { type = "plate", size = [0.1, 0.1] }
-translation = [-0.02, 0.01, 0.06]
-"""
+        (
+            scenes.sensor(
+                "front",
+                [[-0.05, -0.05, 0], [0.05, 0, 0], [0, 0.1, 0]],
+                [[0, -0.05, 0], [0.04, 0, 0.03], [0, 0.1, 0]],
+            )
+            + scenes.body("sheet", "plate", size=[0.1, 0.1], translation=[-0.02, 0.01, 0.06])
+        )
     )
     return path
 
@@ -260,25 +258,13 @@ def test_needless_triangles_are_left_out(
     assert answer["maxwell"] == pytest.approx(np.array(clean["maxwell"]), rel=1e-12)
 
 
-BODIES = """
-[[link]]
-name = "arm"
-[[object]]
-name = "ball"
-link = "arm"
-shape = { type = "sphere", radius = 0.1, segments = 16 }
-[[object]]
-name = "box"
-shape = { type = "cuboid", size = [0.1, 0.1, 0.1] }
-translation = [0.14, 0, 0]
-[[object]]
-name = "ring"
-shape = { type = "arc", inner_radius = 0.3, outer_radius = 0.4, height = 0.1, degrees = 300, segments = 30 }
-[[object]]
-name = "air"
-shape = { type = "cube", size = 1 }
-collides = false
-"""
+BODIES = (
+    scenes.link("arm")
+    + scenes.body("ball", "sphere", radius=0.1, segments=16, link="arm")
+    + scenes.body("box", "cuboid", size=[0.1, 0.1, 0.1], translation=[0.14, 0, 0])
+    + scenes.body("ring", "arc", inner_radius=0.3, outer_radius=0.4, height=0.1, degrees=300, segments=30)
+    + scenes.body("air", "cube", size=1, collides=False)
+)
 
 
 def test_collide(fringe_command: Command, tmp_path: Path) -> None:

@@ -13,55 +13,30 @@ from numpy.typing import NDArray
 
 import geometries
 from analysis.pipeline import model_stage
+from tests import scenes
 
 COMMAND = Path(geometries.__file__).parents[1] / "build/bin/fringe"
-ARM = """
-[[link]]
-name = "arm"
-translation = [0.1, 0.05, 0.2]
-rotation = { axis = [1, 2, 3], degrees = 40 }
-
-[[link]]
-name = "wrist"
-parent = "arm"
-joint = { name = "turn", type = "revolute", axis = [0, 1, 0] }
-translation = [0.15, 0.02, 0.03]
-rotation = { axis = [0, 1, 1], degrees = 25 }
-
-[[link]]
-name = "hand"
-translation = [0.25, 0.15, 0.45]
-
-[[sensor]]
-name = "front"
-link = "wrist"
-plates = [
-    { corner = [0, 0, 0], edge_u = [0.05, 0, 0], edge_v = [0, 0.04, 0] },
-    { corner = [0.05, 0, 0], edge_u = [0.05, 0, 0], edge_v = [0, 0.04, 0] },
-]
-
-[[object]]
-name = "palm"
-link = "hand"
-shape = { type = "box", size = [0.1, 0.08, 0.03] }
-target = true
-
-[[object]]
-name = "forearm"
-link = "arm"
-shape = { type = "box", size = [0.05, 0.05, 0.1] }
-target = true
-
-[[object]]
-name = "wall"
-shape = { type = "box", size = [1, 1, 0.1] }
-target = true
-
-[[object]]
-name = "rest"
-link = "hand"
-shape = { type = "box", size = [0.02, 0.02, 0.02] }
-"""
+ARM = (
+    scenes.link("arm", translation=[0.1, 0.05, 0.2], rotation={"axis": [1, 2, 3], "degrees": 40})
+    + scenes.link(
+        "wrist",
+        parent="arm",
+        joint={"name": "turn", "type": "revolute", "axis": [0, 1, 0]},
+        translation=[0.15, 0.02, 0.03],
+        rotation={"axis": [0, 1, 1], "degrees": 25},
+    )
+    + scenes.link("hand", translation=[0.25, 0.15, 0.45])
+    + scenes.sensor(
+        "front",
+        [[0, 0, 0], [0.05, 0, 0], [0, 0.04, 0]],
+        [[0.05, 0, 0], [0.05, 0, 0], [0, 0.04, 0]],
+        link="wrist",
+    )
+    + scenes.body("palm", "box", size=[0.1, 0.08, 0.03], link="hand", target=True)
+    + scenes.body("forearm", "box", size=[0.05, 0.05, 0.1], link="arm", target=True)
+    + scenes.body("wall", "box", size=[1, 1, 0.1], target=True)
+    + scenes.body("rest", "box", size=[0.02, 0.02, 0.02], link="hand")
+)
 LINKS = ("arm", "wrist", "hand")
 
 
@@ -180,48 +155,18 @@ def test_methods_without_derivatives_refuse_them(module: Any, method: str) -> No
         scene.readings(method, derivatives=True)
 
 
-MACHINE = """
-[[link]]
-name = "head"
-
-[[link]]
-name = "hand"
-translation = [0.02, 0.01, 0.05]
-rotation = { axis = [1, 2, 0], degrees = 20 }
-
-[[sensor]]
-name = "front"
-link = "head"
-plates = [{ corner = [-0.03, -0.02, 0], edge_u = [0.06, 0, 0], edge_v = [0, 0.04, 0] }]
-
-[[object]]
-name = "guard"
-link = "head"
-shape = { type = "plate", size = [0.1, 0.08] }
-translation = [0, 0, -0.01]
-potential = "electrode"
-
-[[object]]
-name = "housing"
-shape = { type = "box", size = [0.12, 0.12, 0.05] }
-translation = [0, 0, -0.06]
-
-[[object]]
-name = "palm"
-link = "hand"
-shape = { type = "box", size = [0.08, 0.09, 0.02] }
-target = true
-
-[[reading]]
-name = "self"
-sense = "front"
-drive = ["front"]
-
-[[reading]]
-name = "transmitted"
-sense = "front"
-drive = ["guard"]
-"""
+MACHINE = (
+    scenes.link("head")
+    + scenes.link("hand", translation=[0.02, 0.01, 0.05], rotation={"axis": [1, 2, 0], "degrees": 20})
+    + scenes.sensor("front", [[-0.03, -0.02, 0], [0.06, 0, 0], [0, 0.04, 0]], link="head")
+    + scenes.body(
+        "guard", "plate", size=[0.1, 0.08], link="head", translation=[0, 0, -0.01], potential="electrode"
+    )
+    + scenes.body("housing", "box", size=[0.12, 0.12, 0.05], translation=[0, 0, -0.06])
+    + scenes.body("palm", "box", size=[0.08, 0.09, 0.02], link="hand", target=True)
+    + scenes.table("reading", name="self", sense="front", drive=["front"])
+    + scenes.table("reading", name="transmitted", sense="front", drive=["guard"])
+)
 
 
 def test_by_boundary_elements_they_are_those_of_accurate_changes(module: Any) -> None:
@@ -248,19 +193,11 @@ def test_by_boundary_elements_they_are_those_of_accurate_changes(module: Any) ->
                 assert abs(found[coordinate] - expected) < error + 5e-3 * np.linalg.norm(kind)
 
 
-BALL = """
-[[link]]
-name = "w"
-translation = [0.02, 0.01, 0.06]
-[[sensor]]
-name = "s"
-plates = [{ corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }]
-[[object]]
-name = "ball"
-link = "w"
-shape = { type = "sphere", radius = 0.04 }
-target = true
-"""
+BALL = (
+    scenes.link("w", translation=[0.02, 0.01, 0.06])
+    + scenes.sensor("s", [[-0.05, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]])
+    + scenes.body("ball", "sphere", radius=0.04, link="w", target=True)
+)
 
 
 @pytest.mark.parametrize("method", ["boundary-elements", "reduced"])
@@ -304,36 +241,14 @@ shape = {ball}
         np.testing.assert_allclose(found[:3], expected[:3], atol=1e-2 * np.linalg.norm(expected[:3]))
 
 
-TOUCHING = """
-[[link]]
-name = "head"
-
-[[link]]
-name = "hand"
-translation = [0, 0, 0.2]
-
-[[sensor]]
-name = "front"
-link = "head"
-plates = [{ corner = [0, 0, 0.05], edge_u = [0.05, 0, 0], edge_v = [0, 0.05, 0] }]
-
-[[object]]
-name = "base"
-shape = { type = "box", size = [0.1, 0.1, 0.1] }
-translation = [0, 0, -0.08]
-
-[[object]]
-name = "neck"
-link = "head"
-shape = { type = "box", size = [0.1, 0.1, 0.05] }
-translation = [0, 0, -0.005]
-
-[[object]]
-name = "palm"
-link = "hand"
-shape = { type = "plate", size = [0.1, 0.1] }
-target = true
-"""
+TOUCHING = (
+    scenes.link("head")
+    + scenes.link("hand", translation=[0, 0, 0.2])
+    + scenes.sensor("front", [[0, 0, 0.05], [0.05, 0, 0], [0, 0.05, 0]], link="head")
+    + scenes.body("base", "box", size=[0.1, 0.1, 0.1], translation=[0, 0, -0.08])
+    + scenes.body("neck", "box", size=[0.1, 0.1, 0.05], link="head", translation=[0, 0, -0.005])
+    + scenes.body("palm", "plate", size=[0.1, 0.1], link="hand", target=True)
+)
 
 
 def test_they_are_not_known_between_links_that_touch(module: Any) -> None:

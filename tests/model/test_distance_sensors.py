@@ -11,42 +11,22 @@ import fringe
 import numpy as np
 import pytest
 
+from tests import scenes
+
 METHODS = ["field_of_view", "cone_equation"]
 ORIGIN, UP = np.zeros(3), np.array([0.0, 0, 1])
 ABOVE = np.array([[-3.0, -3, 2], [3, -3, 2], [0, 3, 2]])
 """A triangle 2 above the origin, beyond which the cone goes straight through."""
 
-SCENE = """
-[[link]]
-name = "arm"
-translation = [0, 0, 0.5]
-
-[[distance_sensor]]
-name = "eye"
-link = "arm"
-apex = [0, 0, 0]
-direction = [0, 0, -2]
-full_angle_degrees = 60
-range = 0.8
-
-[[distance_sensor]]
-name = "back"
-link = "arm"
-apex = [0, 0, 0]
-direction = [0, 0, 1]
-full_angle_degrees = 180
-range = 0.8
-
-[[object]]
-name = "floor"
-shape = { type = "plate", size = [2, 2] }
-
-[[object]]
-name = "water"
-shape = { type = "cube", size = 0.1 }
-translation = [0.1, 0, 0.1]
-material = { relative_permittivity = 80 }
-"""
+SCENE = (
+    scenes.link("arm", translation=[0, 0, 0.5])
+    + scenes.eye("eye", [0, 0, 0], [0, 0, -2], 60, 0.8, link="arm")
+    + scenes.eye("back", [0, 0, 0], [0, 0, 1], 180, 0.8, link="arm")
+    + scenes.body("floor", "plate", size=[2, 2])
+    + scenes.body(
+        "water", "cube", size=0.1, translation=[0.1, 0, 0.1], material={"relative_permittivity": 80}
+    )
+)
 
 
 @pytest.mark.parametrize("method", METHODS)
@@ -91,9 +71,14 @@ def test_cone_closest_refuses_wrong_input(wrong: dict[str, object]) -> None:
 
 
 @pytest.fixture
-def scene(tmp_path: Path) -> fringe.Scene:
-    path = tmp_path / "scene.toml"
+def path(tmp_path: Path) -> Path:
+    path = tmp_path / "a scene.toml"
     path.write_text(SCENE)
+    return path
+
+
+@pytest.fixture
+def scene(path: Path) -> fringe.Scene:
     return fringe.Scene.load(path)
 
 
@@ -129,66 +114,29 @@ def test_sense_follows_the_links_and_agrees_with_cone_closest(scene: fringe.Scen
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
-EYES = """
-[[distance_sensor]]
-name = "eye"
-apex = [0, 0, 0.5]
-direction = [0, 0, -1]
-full_angle_degrees = 60
-range = 0.8
 
-[[distance_sensor]]
-name = "back"
-apex = [0, 0, 0.5]
-direction = [0, 0, 1]
-full_angle_degrees = 180
-range = 0.8
-
-[[object]]
-name = "floor"
-shape = { type = "plate", size = [2, 2] }
-"""
-
-
-@pytest.fixture
-def eyes(tmp_path: Path) -> Path:
-    path = tmp_path / "a scene.toml"
-    path.write_text(EYES)
-    return path
-
-
-@pytest.mark.parametrize("method", ["field_of_view", "cone_equation"])
-def test_sense_as_json(fringe_command: Command, eyes: Path, method: str) -> None:
-    done = fringe_command("sense", eyes, "--json", "--method", method)
-    assert (done.returncode, done.stderr) == (0, "")
-    eye, back = json.loads(done.stdout)["distance_sensors"]
-    assert eye.pop("point") == pytest.approx([0, 0, 0], abs=1e-16)
-    # The axis meets the floor on the line between its two triangles.
-    assert eye == {"name": "eye", "distance": 0.5, "object": "floor", "triangle": 0}
-    assert back == {"name": "back", "distance": None, "point": None, "object": None, "triangle": None}
-
-
-def test_sense_as_table(fringe_command: Command, eyes: Path) -> None:
-    done = fringe_command("sense", eyes)
+@pytest.mark.parametrize("method", METHODS)
+def test_sense_as_table(fringe_command: Command, path: Path, method: str) -> None:
+    done = fringe_command("sense", path, "--method", method)
     assert (done.returncode, done.stderr) == (0, "")
     _, _, eye, back = done.stdout.splitlines()
-    assert eye.split()[:4] == ["eye", "500", "mm", "floor,"]
+    assert eye.split()[:4] == ["eye", "353.553", "mm", "water,"]
     assert back.split() == ["back", "sees", "nothing"]
 
 
-def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Command, eyes: Path) -> None:
-    eyes.write_text('[[object]]\nname = "floor"\nshape = { type = "plate", size = [2, 2] }\n')
-    assert json.loads(fringe_command("sense", eyes, "--json").stdout) == {
+def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Command, path: Path) -> None:
+    path.write_text('[[object]]\nname = "floor"\nshape = { type = "plate", size = [2, 2] }\n')
+    assert json.loads(fringe_command("sense", path, "--json").stdout) == {
         "format": 1,
         "distance_sensors": [],
         "remarks": [],
     }
-    assert fringe_command("sense", eyes).stdout == "the scene has no distance sensors\n"
+    assert fringe_command("sense", path).stdout == "the scene has no distance sensors\n"
 
 
-def test_unknown_method_and_missing_file(fringe_command: Command, eyes: Path, tmp_path: Path) -> None:
+def test_unknown_method_and_missing_file(fringe_command: Command, path: Path, tmp_path: Path) -> None:
     for arguments, reason in [
-        ((eyes, "--method", "echo"), 'unknown method "echo"'),
+        ((path, "--method", "echo"), 'unknown method "echo"'),
         ((tmp_path / "none.toml",), "the file does not exist"),
     ]:
         done = fringe_command("sense", *arguments)

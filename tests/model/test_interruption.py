@@ -23,66 +23,37 @@ import fringe
 import numpy as np
 import pytest
 
+from tests import scenes
+
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = ROOT / "build/bin/fringe"
 Command = Callable[..., subprocess.CompletedProcess[str]]
 # After this a test fails in place of waiting for ever.
 HANGING_SECONDS = 600
 
-SENSOR = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.03, -0.02, 0], edge_u = [0.06, 0, 0], edge_v = [0, 0.04, 0] } ]
-"""
+SENSOR = scenes.sensor("front", [[-0.03, -0.02, 0], [0.06, 0, 0], [0, 0.04, 0]])
 # Minutes by every method at its finest.
-LONG = (
-    SENSOR
-    + """
-[[object]]
-name = "arm"
-shape = { type = "cylinder", radius = 0.06, height = 0.5, segments = 48 }
-rotation = { axis = [1, 0, 0], degrees = 90 }
-translation = [0, 0.25, -0.062]
-[[object]]
-name = "hand"
-shape = { type = "sphere", radius = 0.05, segments = 32 }
-translation = [0, 0, 0.17]
-"""
+LONG = SENSOR + (
+    scenes.body(
+        "arm",
+        "cylinder",
+        radius=0.06,
+        height=0.5,
+        segments=48,
+        rotation={"axis": [1, 0, 0], "degrees": 90},
+        translation=[0, 0.25, -0.062],
+    )
+    + scenes.body("hand", "sphere", radius=0.05, segments=32, translation=[0, 0, 0.17])
 )
 # A second by the reduced method.
-SHORT = (
-    SENSOR
-    + """
-[[object]]
-name = "hand"
-shape = { type = "sphere", radius = 0.05, segments = 16 }
-translation = [0, 0, 0.17]
-"""
-)
+SHORT = SENSOR + scenes.body("hand", "sphere", radius=0.05, segments=16, translation=[0, 0, 0.17])
 # A first matrix in about a second, and three times as long to an error of 1e-3.
-REFINED = (
-    SENSOR
-    + """
-[[object]]
-name = "a"
-shape = { type = "cone", radius = 0.05, height = 0.1, segments = 6 }
-translation = [0, 0, 0.07]
-[[object]]
-name = "b"
-shape = { type = "cylinder", radius = 0.05, height = 0.1, segments = 12 }
-translation = [0.15, 0, 0.07]
-[[object]]
-name = "c"
-shape = { type = "cylinder", radius = 0.05, height = 0.1, segments = 12 }
-translation = [-0.15, 0, 0.07]
-"""
+REFINED = SENSOR + (
+    scenes.body("a", "cone", radius=0.05, height=0.1, segments=6, translation=[0, 0, 0.07])
+    + scenes.body("b", "cylinder", radius=0.05, height=0.1, segments=12, translation=[0.15, 0, 0.07])
+    + scenes.body("c", "cylinder", radius=0.05, height=0.1, segments=12, translation=[-0.15, 0, 0.07])
 )
-MOTION = """
-[[frame]]
-name = "first"
-[[frame]]
-name = "second"
-"""
+MOTION = scenes.table("frame", name="first") + scenes.table("frame", name="second")
 
 
 @contextmanager
@@ -234,18 +205,11 @@ def test_on_a_terminal_the_progress_is_shown_and_erased(
     assert re.search(r"\r\x1b\[K(fringe: [^\r]*\r\n)?$", shown)
 
 
-SCENE = """
-[[link]]
-name = "arm"
-[[sensor]]
-name = "front"
-link = "arm"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "ball"
-shape = { type = "sphere", radius = 0.05, segments = 24 }
-translation = [0.01, 0.02, 0.2]
-"""
+SCENE = (
+    scenes.link("arm")
+    + scenes.sensor("front", [[-0.05, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]], link="arm")
+    + scenes.body("ball", "sphere", radius=0.05, segments=24, translation=[0.01, 0.02, 0.2])
+)
 THREADS, POSES = 4, 12
 
 

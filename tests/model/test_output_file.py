@@ -13,38 +13,29 @@ import numpy as np
 import pytest
 
 from analysis.pipeline.model_stage import model_module
+from tests import scenes
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 # Everything is moved, so that a frame that is mistaken for another one shows.
-SCENE = """
-[[link]]
-name = "arm"
-translation = [0.3, 0.1, 0.2]
-rotation = { axis = [1, 1, 0], degrees = 40 }
-
-[[sensor]]
-name = 'a "quoted" <name> & more'
-link = "arm"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.05, 0, 0], edge_v = [0, 0.1, 0] },
-           { corner = [0, -0.05, 0], edge_u = [0.04, 0, 0.03], edge_v = [0, 0.1, 0] } ]
-
-[[sensor]]
-name = "back"
-plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-
-[[object]]
-name = "ball"
-link = "arm"
-shape = { type = "sphere", radius = 0.03, segments = 9 }
-translation = [0, 0, 0.1]
-
-[[object]]
-name = "box"
-shape = { type = "cuboid", size = [0.1, 0.2, 0.05] }
-translation = [0.1, 0.3, 0.4]
-rotation = { axis = [0, 0, 1], degrees = 20 }
-"""
+SCENE = (
+    scenes.link("arm", translation=[0.3, 0.1, 0.2], rotation={"axis": [1, 1, 0], "degrees": 40})
+    + scenes.sensor(
+        'a "quoted" <name> & more',
+        [[-0.05, -0.05, 0], [0.05, 0, 0], [0, 0.1, 0]],
+        [[0, -0.05, 0], [0.04, 0, 0.03], [0, 0.1, 0]],
+        link="arm",
+    )
+    + scenes.sensor("back", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
+    + scenes.body("ball", "sphere", radius=0.03, segments=9, link="arm", translation=[0, 0, 0.1])
+    + scenes.body(
+        "box",
+        "cuboid",
+        size=[0.1, 0.2, 0.05],
+        translation=[0.1, 0.3, 0.4],
+        rotation={"axis": [0, 0, 1], "degrees": 20},
+    )
+)
 SENSORS = ['a "quoted" <name> & more', "back"]
 
 
@@ -156,16 +147,9 @@ def test_a_file_that_cannot_be_written_is_told_and_leaves_nothing(
     assert {path.name for path in scene.parent.iterdir()} == {"scene.toml", "taken.vtu"}
 
 
-TWO = """
-[[object]]
-name = "ball"
-shape = { type = "sphere", radius = 0.1, segments = 24 }
-potential = "electrode"
-[[object]]
-name = "wall"
-shape = { type = "cube", size = 0.05 }
-translation = [0.3, 0, 0]
-"""
+TWO = scenes.body("ball", "sphere", radius=0.1, segments=24, potential="electrode") + scenes.body(
+    "wall", "cube", size=0.05, translation=[0.3, 0, 0]
+)
 
 
 def test_the_potential_is_that_of_the_conductors_on_them_and_of_their_charge_far_away() -> None:

@@ -10,39 +10,27 @@ from pathlib import Path
 import fringe
 import pytest
 
+from tests import scenes
+
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
-SCENE = """
-[[link]]
-name = "hand"
-translation = [0, 0, 0.1]
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.03, -0.04, 0], edge_u = [0.06, 0, 0], edge_v = [0, 0.08, 0] } ]
-[[object]]
-name = "housing"
-shape = { type = "cuboid", size = [0.2, 0.12, 0.05] }
-translation = [0, 0, -0.03]
-[[link]]
-name = "arm"
-[[object]]
-name = "arm, in contact with what does not move along"
-link = "arm"
-shape = { type = "cuboid", size = [0.05, 0.05, 0.1] }
-translation = [0.1, 0, -0.03]
-[[object]]
-name = "hand"
-link = "hand"
-shape = { type = "cuboid", size = [0.05, 0.09, 0.02] }
-target = true
-"""
-MOTION = """
-[[frame]]
-name = "far"
-[[frame]]
-name = "near"
-poses = [ { link = "hand", translation = [0, 0, 0.06] } ]
-"""
+SCENE = (
+    scenes.link("hand", translation=[0, 0, 0.1])
+    + scenes.sensor("front", [[-0.03, -0.04, 0], [0.06, 0, 0], [0, 0.08, 0]])
+    + scenes.body("housing", "cuboid", size=[0.2, 0.12, 0.05], translation=[0, 0, -0.03])
+    + scenes.link("arm")
+    + scenes.body(
+        "arm, in contact with what does not move along",
+        "cuboid",
+        size=[0.05, 0.05, 0.1],
+        link="arm",
+        translation=[0.1, 0, -0.03],
+    )
+    + scenes.body("hand", "cuboid", size=[0.05, 0.09, 0.02], link="hand", target=True)
+)
+MOTION = scenes.table("frame", name="far") + scenes.table(
+    "frame", name="near", poses=[{"link": "hand", "translation": [0, 0, 0.06]}]
+)
 
 
 @pytest.fixture

@@ -10,22 +10,14 @@ import numpy as np
 import pytest
 
 import fringe
+
+from tests import scenes
 from tests.waiting import wait_until
 
 CORNER, EDGE_U, EDGE_V = np.zeros(3), np.array([1.0, 0, 0]), np.array([0, 0.8, 0])
 ABOVE = np.array([[0.1, 0.1, 0.5], [0.6, 0.1, 0.5], [0.1, 0.7, 0.5]])
 
-SCENE = """
-[[link]]
-name = "arm"
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "target"
-link = "arm"
-shape = { type = "plate", size = [0.1, 0.1] }
-"""
+SCENE = scenes.link("arm") + scenes.SENSOR + scenes.body("target", "plate", size=[0.1, 0.1], link="arm")
 
 
 @pytest.fixture
@@ -98,20 +90,12 @@ def test_conductors_are_in_the_world_frame_and_the_sensors_come_first(scene: fri
 
 
 def test_remarks_are_in_the_answers_and_those_on_the_present_poses_at_hand(tmp_path: Path) -> None:
-    text = """
-[[link]]
-name = "arm"
-[[sensor]]
-name = "front"
-plates = [ { corner = [0, 0, -1], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "box"
-shape = { type = "cube", size = 1 }
-[[object]]
-name = "hand"
-link = "arm"
-shape = { type = "sphere", radius = 0.1, segments = 8 }
-"""
+    text = (
+        scenes.link("arm")
+        + scenes.sensor("front", [[0, 0, -1], [0.1, 0, 0], [0, 0.1, 0]])
+        + scenes.body("box", "cube", size=1)
+        + scenes.body("hand", "sphere", radius=0.1, segments=8, link="arm")
+    )
     scene = fringe.Scene.loads(text)
     (remark,) = scene.remarks
     assert remark.startswith('object "box" contains "hand": ')

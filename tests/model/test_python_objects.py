@@ -14,23 +14,16 @@ import fringe
 import numpy as np
 import pytest
 
+from tests import scenes
+
 ROOT = Path(__file__).resolve().parents[2]
 STUBS = ROOT / "model/python/fringe-stubs"
-SCENE = """
-[[link]]
-name = "arm"
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "hand"
-link = "arm"
-shape = { type = "mesh", file = "hand.obj" }
-[[object]]
-name = "table"
-shape = { type = "plate", size = [0.3, 0.3] }
-translation = [0, 0, -0.1]
-"""
+SCENE = (
+    scenes.link("arm")
+    + scenes.SENSOR
+    + scenes.body("hand", "mesh", file="hand.obj", link="arm")
+    + scenes.body("table", "plate", size=[0.3, 0.3], translation=[0, 0, -0.1])
+)
 TRIANGLE = "v -0.03 -0.03 0\nv 0.03 -0.03 0\nv 0 0.03 0\nf 1 2 3\n"
 BALL = '[[object]]\nname = "ball"\nshape = { type = "sphere", radius = 0.02, segments = 8 }\ntranslation = [0, 0, 0.2]\n'
 

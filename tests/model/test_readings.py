@@ -14,6 +14,7 @@ import pytest
 
 import geometries
 from analysis.pipeline import model_stage
+from tests import scenes
 
 SCENE = Path(geometries.__file__).parent / "scenes" / "guarded_sensor.toml"
 COMMAND = Path(geometries.__file__).parents[1] / "build/bin/fringe"
@@ -90,16 +91,10 @@ def test_info_lists_the_readings_and_what_objects_are_to_them() -> None:
 def test_an_error_that_a_method_cannot_tell_is_null(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(
-        """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.04, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.08, 0] } ]
-[[object]]
-name = "wall"
-shape = { type = "plate", size = [10, 10] }
-translation = [0, 0, 0.06]
-target = true
-"""
+        (
+            scenes.sensor("front", [[-0.05, -0.04, 0], [0.1, 0, 0], [0, 0.08, 0]])
+            + scenes.body("wall", "plate", size=[10, 10], translation=[0, 0, 0.06], target=True)
+        )
     )
     command = [COMMAND, "capacitance", scene, "--method", "formula"]
     done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
@@ -113,22 +108,12 @@ target = true
     assert found.error["change"] is None
 
 
-TWO_SENSORS = """
-[[link]]
-name = "hand"
-translation = [0, 0, 0.05]
-[[sensor]]
-name = "<front>"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[sensor]]
-name = "side"
-plates = [ { corner = [0.1, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "palm"
-link = "hand"
-shape = { type = "cuboid", size = [0.08, 0.1, 0.02] }
-target = true
-"""
+TWO_SENSORS = (
+    scenes.link("hand", translation=[0, 0, 0.05])
+    + scenes.sensor("<front>", [[-0.05, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]])
+    + scenes.sensor("side", [[0.1, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]])
+    + scenes.body("palm", "cuboid", size=[0.08, 0.1, 0.02], link="hand", target=True)
+)
 NAMES = ["<front>", "side"]
 NUMBER = r"-?[\d.]+(e-?\d+)?"
 

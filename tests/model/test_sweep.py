@@ -15,33 +15,20 @@ import numpy as np
 import pytest
 
 from geometries.scene import motion, reader
+from tests import scenes
 
 REPOSITORY = Path(reader.__file__).parents[2]
 Command = Callable[..., subprocess.CompletedProcess[str]]
 
-SCENE = """
-[[link]]
-name = "wrist"
-translation = [0, 0, 0.05]
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "hand, left"
-link = "wrist"
-shape = { type = "cuboid", size = [0.08, 0.1, 0.02] }
-translation = [0, 0, 0.01]
-target = true
-[[object]]
-name = "table"
-shape = { type = "cuboid", size = [0.3, 0.3, 0.02] }
-translation = [0, 0, -0.05]
-[[reading]]
-name = "self, front"
-sense = "front"
-drive = ["front"]
-threshold = 100e-15
-"""
+SCENE = (
+    scenes.link("wrist", translation=[0, 0, 0.05])
+    + scenes.SENSOR
+    + scenes.body(
+        "hand, left", "cuboid", size=[0.08, 0.1, 0.02], link="wrist", translation=[0, 0, 0.01], target=True
+    )
+    + scenes.body("table", "cuboid", size=[0.3, 0.3, 0.02], translation=[0, 0, -0.05])
+    + scenes.table("reading", name="self, front", sense="front", drive=["front"], threshold=100e-15)
+)
 HEIGHTS = (0.3, 0.1, 0.03)
 MOTION = "".join(
     f'[[frame]]\nname = "{name}"\nposes = [ {{ link = "wrist", translation = [0, 0, {height}] }} ]\n'
@@ -139,7 +126,7 @@ def test_the_guide_shows_what_the_command_prints(fringe_command: Command, tmp_pa
 
 def test_an_error_around_the_threshold_leaves_it_open(fringe_command: Command, scene: Path) -> None:
     change = answer_at(scene, HEIGHTS[1]).change
-    scene.write_text(SCENE.replace("100e-15", repr(change * (1 + 1e-6))))
+    scene.write_text(SCENE.replace("1e-13", repr(change * (1 + 1e-6))))
     found = rows(fringe_command("sweep", scene, "--method", "boundary-elements", "--rtol", "0.01").stdout)
     assert [row["noticed"] for row in found] == ["no", "unsure", "yes"]
 
@@ -179,7 +166,7 @@ def test_a_stopped_sweep_is_completed_and_its_rows_are_kept(fringe_command: Comm
 
 
 @pytest.mark.parametrize(
-    ("old", "new"), [("size = [0.08, 0.1, 0.02]", "size = [0.08, 0.1, 0.03]"), ("100e-15", "90e-15")]
+    ("old", "new"), [("size = [0.08, 0.1, 0.02]", "size = [0.08, 0.1, 0.03]"), ("1e-13", "9e-14")]
 )
 def test_rows_of_another_scene_are_computed_again(
     fringe_command: Command, scene: Path, old: str, new: str

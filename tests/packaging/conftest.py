@@ -7,19 +7,12 @@ from pathlib import Path
 
 import pytest
 
+from tests import scenes
+
 ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build"
 
-SCENE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-
-[[object]]
-name = "hand"
-shape = { type = "plate", size = [0.073, 0.119] }
-translation = [0.01, 0, 0.03]
-"""
+SCENE = scenes.SENSOR + scenes.body("hand", "plate", size=[0.073, 0.119], translation=[0.01, 0, 0.03])
 
 
 def files_of(prefix: Path) -> set[Path]:

@@ -6,16 +6,7 @@ from dataclasses import dataclass
 
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
-from analysis.topics.company.set_ups import (
-    GUARD,
-    HOUSING,
-    MACHINES,
-    NOTHING,
-    PERSON,
-    TABLE,
-    TO_GROUND,
-    SetUp,
-)
+from analysis.topics.company.set_ups import GUARD, HOUSING, MACHINES, NOTHING, PERSON, TABLE, TO_GROUND, SetUp
 from analysis.topics.spread import Spread, spread
 from geometries.studies.families import FLOATING, GROUNDED
 

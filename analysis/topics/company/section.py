@@ -9,15 +9,7 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import (
-    INK,
-    Panel,
-    figure,
-    log_axis,
-    marks,
-    rows_axis,
-    series_colour,
-)
+from analysis.report.plot import INK, Panel, figure, log_axis, marks, rows_axis, series_colour
 from analysis.results.units import PICOFARAD, percent, picofarads
 from analysis.topics.company.factors import (
     CONNECTIONS,

@@ -110,10 +110,7 @@ def _evaluation(found: Estimates, name: str) -> Evaluation:
 
 
 PAGE = ROOT / "model" / "CORRECTIONS.md"
-_HEADER = (
-    "| | rms | median | 95 % | worst | sealed rms / worst |",
-    "|---|---|---|---|---|---|",
-)
+_HEADER = ("| | rms | median | 95 % | worst | sealed rms / worst |", "|---|---|---|---|---|---|")
 
 
 def errors_table(found: Sequence[Evaluation]) -> list[str]:

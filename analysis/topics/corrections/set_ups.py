@@ -27,15 +27,7 @@ from geometries.scene.writer import canonical
 from geometries.studies import families
 
 SEED = 20240611
-COUNTS = {
-    "parallel": 80,
-    "inclined": 50,
-    "edge": 50,
-    "corner": 50,
-    "straddle": 60,
-    "plates": 90,
-    "boxes": 70,
-}
+COUNTS = {"parallel": 80, "inclined": 50, "edge": 50, "corner": 50, "straddle": 60, "plates": 90, "boxes": 70}
 
 # Lengths in metres: the thesis' sensor, its half, strips.
 _SENSORS = ((0.1, 0.1), (0.1, 0.1), (0.05, 0.05), (0.05, 0.2), (0.08, 0.12))

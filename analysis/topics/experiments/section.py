@@ -35,10 +35,7 @@ def measured(experiment: str) -> Markup:
 
 def measured_parts(labelled: curves.Labelled, swept: str) -> list[Markup]:
     """Returns the ratio of change to mutual, and a figure of both, for curves with their names."""
-    return [
-        page.finding(measured_finding(labelled, swept)),
-        page.figures([_both(labelled, swept)]),
-    ]
+    return [page.finding(measured_finding(labelled, swept)), page.figures([_both(labelled, swept)])]
 
 
 def measured_finding(labelled: curves.Labelled, swept: str) -> str:

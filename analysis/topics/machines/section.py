@@ -268,8 +268,7 @@ def of_parts(found: list[Entry]) -> Panel:
         ticktext=[f"{value:g}" for value in _TICKS],
     )
     return Panel(
-        "the parts of the error",
-        figure(traces, x, rows_axis(there), height=_AROUND + _PART * len(there)),
+        "the parts of the error", figure(traces, x, rows_axis(there), height=_AROUND + _PART * len(there))
     )
 
 

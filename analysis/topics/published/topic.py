@@ -108,14 +108,7 @@ def _shown(row: Row, case: Case) -> Shown:
     numbers = []
     for quantity in QUANTITIES:
         value = row.values[quantity]
-        numbers.append(
-            (
-                quantity,
-                measured(value.best, value.error),
-                f"{value.low:.7g}",
-                f"{value.high:.7g}",
-            )
-        )
+        numbers.append((quantity, measured(value.best, value.error), f"{value.low:.7g}", f"{value.high:.7g}"))
     return Shown(
         row.case, row.family, _description(row, case), (finding,), tuple(numbers), case.scene, case.text
     )

@@ -29,7 +29,7 @@ def solve_row(case: TrueCase) -> Document:
         for set_up in (case.set_up, *case.longer)
     ]
     quantities = [
-        _per_length(quantity, found, case.length) if case.longer else _compared(quantity, found[0])
+        _per_length(quantity, found, case.length) if case.longer else compared(quantity, found[0])
         for quantity in case.quantities
     ]
     return {
@@ -43,7 +43,7 @@ def solve_row(case: TrueCase) -> Document:
     }
 
 
-def _compared(quantity: Quantity, found: Reference) -> Document:
+def compared(quantity: Quantity, found: Reference) -> Document:
     """Returns the truth, the best value with its stated error, the bounds, and the value of every level."""
     described = {"name": quantity.name, "truth": quantity.truth, "truth_error": quantity.truth_error}
     of = quantity.of
@@ -66,7 +66,7 @@ def _compared(quantity: Quantity, found: Reference) -> Document:
 
 def _per_length(quantity: Quantity, found: list[Reference], length: float) -> Document:
     """Computes the quantity per length, from bodies of one, two and three times `length`."""
-    parts = [_compared(quantity, answer) for answer in found]
+    parts = [compared(quantity, answer) for answer in found]
     value, change = endless([part["value"] for part in parts], length)
     own = [weight * part["error"] for weight, part in zip((0.5, 2.0, 1.5), parts)]
     return parts[0] | {

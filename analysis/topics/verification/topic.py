@@ -19,13 +19,7 @@ from analysis.topics.topic import Topic
 from analysis.topics.verification import records, section
 from geometries.common.installation import ROOT
 
-_SOURCES = (
-    "truths.py",
-    "boundary_elements.json",
-    "rooms.json",
-    "set_ups.py",
-    "rows.py",
-)
+_SOURCES = ("truths.py", "boundary_elements.json", "rooms.json", "set_ups.py", "rows.py")
 # Expected seconds of a row on one core, for the order and the progress bar.
 _SECONDS, _SECONDS_OF_STRIPS = 8.0, 30.0
 _COMPILES_FORMS = "cube"

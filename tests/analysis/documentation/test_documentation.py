@@ -29,11 +29,6 @@ def test_an_algorithms_page_has_all_its_parts_and_its_example_holds(
     assert doctest.testfile(str(page), module_relative=False).failed == 0
 
 
-def test_the_scene_of_the_examples_is_the_readmes() -> None:
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    assert (PAGES / "hand.toml").read_text(encoding="utf-8") in readme
-
-
 @pytest.mark.night
 def test_the_site_is_made_without_a_warning(tmp_path: Path) -> None:
     first = make.build(tmp_path / "site")
@@ -73,11 +68,7 @@ def test_tables_are_replaced_and_nothing_else() -> None:
         return printed
 
     new = measurements.updated(PAGE, program)
-    programs = (
-        "boundary_elements_benchmark",
-        "boundary_element_scenes_benchmark",
-        "reduced_benchmark",
-    )
+    programs = ("boundary_elements_benchmark", "boundary_element_scenes_benchmark", "reduced_benchmark")
     assert asked == [f"build/bin/{program}" for program in programs]
     assert [new.count(table + "<!-- end -->") for table in measurements.tables(printed)] == [3, 3, 1]
 

@@ -14,6 +14,7 @@ from analysis.live import make as live
 from analysis.pipeline.model_stage import model_module
 from geometries.scene import motion, poses, reader
 from geometries.scene.scene import Scene
+from tests import scenes
 from tests.analysis.live.browser import Browser, opened, skip_where_missing
 from tests.end_to_end.importing import imported
 
@@ -39,41 +40,25 @@ ROBOT = """<robot name="arm">
   </joint>
 </robot>
 """
-SENSOR_AND_HAND = """
-[[sensor]]
-name = "tip"
-link = "tool"
-plates = [ { corner = [-0.03, -0.03, 0.03], edge_u = [0.06, 0, 0], edge_v = [0, 0.06, 0] } ]
-
-[[distance_sensor]]
-name = "eye"
-link = "tool"
-apex = [0, 0, 0.03]
-direction = [0, 0, 1]
-full_angle_degrees = 60
-range = 2
-
-[[link]]
-name = "wheel"
-rotation = { axis = [0, 0, 1], degrees = 90 }
-
-[[object]]
-name = "hand"
-link = "wheel"
-shape = { type = "sphere", radius = 0.05 }
-translation = [0.1, -0.5, 0.3]
-target = true
-"""
-MOTION = """
-[[frame]]
-name = "rest"
-[[frame]]
-name = "bent"
-joints = [ { joint = "shoulder", position = 0.7 }, { joint = "elbow", position = 0.9 } ]
-[[frame]]
-name = "bent the other way"
-joints = [ { joint = "shoulder", position = -1.1 }, { joint = "elbow", position = 0.3 } ]
-"""
+SENSOR_AND_HAND = (
+    scenes.sensor("tip", [[-0.03, -0.03, 0.03], [0.06, 0, 0], [0, 0.06, 0]], link="tool")
+    + scenes.eye("eye", [0, 0, 0.03], [0, 0, 1], 60, 2, link="tool")
+    + scenes.link("wheel", rotation={"axis": [0, 0, 1], "degrees": 90})
+    + scenes.body("hand", "sphere", radius=0.05, link="wheel", translation=[0.1, -0.5, 0.3], target=True)
+)
+MOTION = (
+    scenes.table("frame", name="rest")
+    + scenes.table(
+        "frame",
+        name="bent",
+        joints=[{"joint": "shoulder", "position": 0.7}, {"joint": "elbow", "position": 0.9}],
+    )
+    + scenes.table(
+        "frame",
+        name="bent the other way",
+        joints=[{"joint": "shoulder", "position": -1.1}, {"joint": "elbow", "position": 0.3}],
+    )
+)
 JOINTS = ({"shoulder": 0.0, "elbow": 0.0}, {"shoulder": 0.7, "elbow": 0.9}, {"shoulder": -1.1, "elbow": 0.3})
 """Positions of the joints in the frames, in rad."""
 ROUNDING = 1e-9

@@ -13,6 +13,7 @@ from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
 from analysis.report.results_page import LIVE
 from geometries.scene import poses, reader
+from tests import scenes
 from tests.analysis.live.browser import Browser, opened, skip_where_missing, wait_for
 
 pytestmark = pytest.mark.night
@@ -201,15 +202,10 @@ def test_scenes_with_mesh_files_are_whole(browser: Browser, tmp_path: Path) -> N
     (tmp_path / "scenes").mkdir()
     scene = tmp_path / "scenes" / "wedge.toml"
     scene.write_text(
-        """
-[[sensor]]
-name = "front"
-plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "wedge"
-shape = { type = "mesh", file = "../meshes/wedge.obj" }
-translation = [0.02, 0.02, 0.03]
-"""
+        (
+            scenes.sensor("front", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
+            + scenes.body("wedge", "mesh", file="../meshes/wedge.obj", translation=[0.02, 0.02, 0.03])
+        )
     )
     target = live.make(str(scene), None, tmp_path / "wedge.html", live.Options())
     opened(browser, target)

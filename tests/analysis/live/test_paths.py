@@ -20,6 +20,7 @@ from analysis.report.results_page import LIVE
 from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
 from geometries.scene.scene import Scene
+from tests import scenes
 from tests.waiting import aged
 
 SCENE = live.find_scene(LIVE.scene)
@@ -59,18 +60,17 @@ def test_a_motion_comes_first_and_scenes_without_a_target_have_no_other_path() -
 
 
 def test_a_target_without_a_link_gets_one_and_no_answer_changes() -> None:
-    text = """
-[[link]]
-name = "hand"
-[[sensor]]
-name = "front"
-plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "hand"
-shape = { type = "cuboid", size = [0.08, 0.18, 0.03] }
-translation = [0, 0, 0.05]
-rotation = { axis = [0, 1, 0], degrees = 20 }
-"""
+    text = (
+        scenes.link("hand")
+        + scenes.sensor("front", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
+        + scenes.body(
+            "hand",
+            "cuboid",
+            size=[0.08, 0.18, 0.03],
+            translation=[0, 0, 0.05],
+            rotation={"axis": [0, 1, 0], "degrees": 20},
+        )
+    )
     movable = scene_text.movable(text)
     scene = reader.loads(movable)
     assert scene.objects[0].link == "hand'" and [link.name for link in scene.links] == ["hand", "hand'"]

@@ -133,8 +133,7 @@ def test_the_finding_on_stability_computed_by_hand() -> None:
 
 
 @pytest.mark.parametrize(
-    "more",
-    [{"largest_over_conditioning": 16.1}, {"not_finite": 1}, {"wrong_by_1_percent": 1}],
+    "more", [{"largest_over_conditioning": 16.1}, {"not_finite": 1}, {"wrong_by_1_percent": 1}]
 )
 def test_a_class_in_which_the_exact_method_fails_is_named(more: dict[str, Any]) -> None:
     text = stability_section.finding(stability(stability_document(errors_document(**more))))

@@ -14,6 +14,7 @@ from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.topics.trends import changes as trend_changes, records
 from geometries.scene import reader
 from geometries.studies import families
+from tests import scenes
 from tests.analysis.synthetic import (
     MACHINES,
     MACHINE_ANSWERS,
@@ -23,24 +24,10 @@ from tests.analysis.synthetic import (
     reference_document,
 )
 
-SENSOR = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-"""
-HAND = """
-[[object]]
-name = "hand"
-shape = { type = "cube", size = 0.1 }
-translation = [0, 0, 0.1]
-"""
+SENSOR = scenes.sensor("front", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
+HAND = scenes.body("hand", "cube", size=0.1, translation=[0, 0, 0.1])
 WALL = HAND.replace("hand", "wall").replace("0.1]", "0.5]")
-READING = """
-[[reading]]
-name = "near"
-sense = "front"
-drive = ["front"]
-"""
+READING = scenes.table("reading", name="near", sense="front", drive=["front"])
 
 
 @pytest.fixture

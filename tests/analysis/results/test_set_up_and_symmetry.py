@@ -11,6 +11,7 @@ import pytest
 from analysis.results import set_up, study_results as results, symmetry
 from geometries.scene.scene import Scene
 from geometries.studies import families
+from tests import scenes
 from tests.analysis.synthetic import EDGE, PARALLEL, make_results, model_document, reference_document
 
 SENSOR = (0.1, 0.1)
@@ -70,13 +71,7 @@ def relations(tmp_path: Path, sweeps: str) -> list[tuple[str, str]]:
     return [(pair.relation, pair.quantity) for pair in found]
 
 
-STRADDLE = """
-[[sweep]]
-family = "straddle"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = 0.02
-"""
+STRADDLE = scenes.sweep("straddle", gap=0.02)
 MIRRORED = [("mirrored or moved", "mutual"), ("mirrored or moved", "delta_self")]
 EXCHANGED = [("sensor and target exchanged", "mutual")]
 

@@ -16,48 +16,23 @@ from analysis.pipeline.model_stage import model_module
 from analysis.show import data as show_data, make as show, readings
 from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
+from tests import scenes
 from tests.waiting import DEADLINE
 
-SCENE = """
-[[link]]
-name = "arm"
-translation = [0, 0, 1]
+SCENE = (
+    scenes.link("arm", translation=[0, 0, 1])
+    + scenes.link("hand", parent="arm", translation=[0.1, 0, 0])
+    + scenes.sensor("skin", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], link="hand")
+    + scenes.eye("eye", [0, 0, 0], [0, 0, -2], 60, 0.9, link="hand")
+    + scenes.body("floor </script>", "plate", size=[4, 4])
+    + scenes.body("ball", "sphere", radius=0.2, segments=8, link="arm", translation=[0, 1, 0])
+)
 
-[[link]]
-name = "hand"
-parent = "arm"
-translation = [0.1, 0, 0]
-
-[[sensor]]
-name = "skin"
-link = "hand"
-plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-
-[[distance_sensor]]
-name = "eye"
-link = "hand"
-apex = [0, 0, 0]
-direction = [0, 0, -2]
-full_angle_degrees = 60
-range = 0.9
-
-[[object]]
-name = "floor </script>"
-shape = { type = "plate", size = [4, 4] }
-
-[[object]]
-name = "ball"
-link = "arm"
-shape = { type = "sphere", radius = 0.2, segments = 8 }
-translation = [0, 1, 0]
-"""
-
-MOTION = """
-[[frame]]
-[[frame]]
-name = "lowered"
-poses = [ { link = "arm", translation = [0, 0, 0.5], rotation = { axis = [0, 0, 1], degrees = 90 } } ]
-"""
+MOTION = scenes.table("frame") + scenes.table(
+    "frame",
+    name="lowered",
+    poses=[{"link": "arm", "translation": [0, 0, 0.5], "rotation": {"axis": [0, 0, 1], "degrees": 90}}],
+)
 
 
 @pytest.fixture

@@ -21,6 +21,7 @@ from analysis.pipeline import model_stage, processes, scheduler
 from analysis.pipeline.stage import Stage
 from analysis.results import store, study_results as results
 from analysis.study import report
+from tests import scenes
 from tests.analysis.synthetic import EDGE, HEAD, PARALLEL, model_document
 from tests.waiting import DEADLINE, has_ended, wait_until
 
@@ -215,12 +216,7 @@ def test_stopping_kills_the_running_processes_and_their_children(tmp_path: Path)
 def test_stopping_ends_what_the_jobs_compute_themselves(tmp_path: Path) -> None:
     """Boundary elements to 1e-5 of many triangles would take minutes."""
     module = model_stage.model_module()
-    text = """
-[[object]]
-name = "ball"
-shape = { type = "sphere", radius = 1, segments = 40 }
-potential = "electrode"
-"""
+    text = scenes.body("ball", "sphere", radius=1, segments=40, potential="electrode")
     begun, ended = threading.Event(), threading.Event()
 
     def compute(_: processes.Processes) -> store.Document:

@@ -15,6 +15,7 @@ from analysis import __main__ as command_line
 from analysis.sweep import page, series
 from analysis.sweep.series import Crossing, crossings
 from geometries.scene import motion, reader
+from tests import scenes
 
 
 def test_a_power_law_crosses_at_its_exact_place() -> None:
@@ -59,28 +60,15 @@ def test_every_crossing_is_found() -> None:
     assert [(each.at, each.rises) for each in found] == [(1.5, True), (2.5, False)]
 
 
-SCENE = """
-[[link]]
-name = "wrist"
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "hand"
-link = "wrist"
-shape = { type = "cuboid", size = [0.08, 0.1, 0.02] }
-translation = [0, 0, 0.01]
-target = true
-[[object]]
-name = "table"
-shape = { type = "cuboid", size = [0.3, 0.3, 0.02] }
-translation = [0, 0, -0.05]
-[[reading]]
-name = "self <front>"
-sense = "front"
-drive = ["front"]
-threshold = 100e-15
-"""
+SCENE = (
+    scenes.link("wrist")
+    + scenes.SENSOR
+    + scenes.body(
+        "hand", "cuboid", size=[0.08, 0.1, 0.02], link="wrist", translation=[0, 0, 0.01], target=True
+    )
+    + scenes.body("table", "cuboid", size=[0.3, 0.3, 0.02], translation=[0, 0, -0.05])
+    + scenes.table("reading", name="self <front>", sense="front", drive=["front"], threshold=100e-15)
+)
 HEADER = (
     "frame,name,reading,method,answered_by,value_F,value_error_F,background_F,background_error_F,change_F,change_error_F,"
     "delta_voltage_V,threshold_F,noticed,reached,key"

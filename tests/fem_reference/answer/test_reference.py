@@ -34,8 +34,7 @@ def answer(levels: int, error: float) -> Reference:
 
 
 @pytest.mark.parametrize(
-    "levels, error, reached",
-    [(3, 9e-4, True), (3, 1.1e-3, False), (2, 9e-4, False), (1, 0.0, False)],
+    "levels, error, reached", [(3, 9e-4, True), (3, 1.1e-3, False), (2, 9e-4, False), (1, 0.0, False)]
 )
 def test_reached_takes_a_small_error_and_three_levels(levels: int, error: float, reached: bool) -> None:
     assert answer(levels, error).reached is reached

@@ -17,12 +17,9 @@ from fem_reference.bodies.wrapping import Geometry
 from geometries.common.errors import InputError
 from geometries.scene import shapes
 from geometries.scene.reader import loads
+from tests import scenes
 
-SENSOR = """
-[[sensor]]
-name = "sensor"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-"""
+SENSOR = scenes.sensor("sensor", [[-0.05, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]])
 
 
 CUBE = shapes.Cuboid((0.02, 0.02, 0.02)).triangles()
@@ -53,12 +50,7 @@ def test_a_mesh_file_of_a_box_is_a_cuboid(tmp_path: Path) -> None:
 
 
 def test_numbers_go_through_sensors_grounded_and_floating_objects() -> None:
-    more = """
-[[object]]
-name = "grounded"
-shape = { type = "plate", size = [0.1, 0.1] }
-translation = [0, 0, 0.05]
-"""
+    more = scenes.body("grounded", "plate", size=[0.1, 0.1], translation=[0, 0, 0.05])
     found = conductors(loads(target(rest='translation = [0, 0, 0.02]\npotential = "floating"') + more))
     assert found.names == ("sensor", "grounded") and found.floating == ("target",)
     assert found.owner == (0, 1, 2) and [body.name for body in found.bodies][1:] == ["grounded", "target"]

@@ -1,4 +1,5 @@
-"""Triangle meshes as solids: their sharp edges, and the refusal of meshes that do not bound a solid."""
+"""Triangle meshes as solids: their sharp edges, and the refusal of meshes that do not bound a solid. Merging of triangles in one plane
+into faces, and of the triangles of a box into a cuboid, whatever the triangulation."""
 
 from __future__ import annotations
 
@@ -6,9 +7,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from geometries.scene.person import BUILDS, POSTURES, Person
+from fem_reference.bodies.boxes import cuboid_of
+from fem_reference.bodies.conductors import normalised
+from fem_reference.bodies.plane_faces import plane_faces
 from fem_reference.bodies.polyhedron import NotASolid, polyhedron
+from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
+from fem_reference.mesh.sizing import Sizing
+from fem_reference.mesh.tagged_mesh import tagged_mesh
 from geometries.scene import shapes
+from geometries.scene.person import BUILDS, POSTURES, Person
+from geometries.scene.poses import AxisRotation
 
 Array = NDArray[np.float64]
 CUBE = shapes.Cuboid((0.2, 0.2, 0.2)).triangles()
@@ -95,3 +103,98 @@ def test_a_surface_that_bounds_no_solid_is_refused_with_the_place(triangles: Arr
 @pytest.mark.parametrize("age", BUILDS)
 def test_a_person_is_a_solid(age: str, posture: str) -> None:
     polyhedron("person", Person(1.0, age, posture).triangles())  # Raises NotASolid where its triangles meet.
+
+
+TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
+SIZE = (0.3, 0.2, 0.1)
+BOX = shapes.Cuboid(SIZE).triangles() @ TURNED + [0.1, -0.2, 0.3]
+OUTLINE = np.array([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]], dtype=float)
+
+
+def finer(triangles: Array, count: int) -> Array:
+    """Divide every triangle into count² triangles."""
+    pieces = []
+    for start, first, second in triangles:
+        u, v = (first - start) / count, (second - start) / count
+        for i in range(count):
+            for j in range(count - i):
+                corner = start + i * u + j * v
+                pieces.append([corner, corner + u, corner + v])
+                if i + j < count - 1:
+                    pieces.append([corner + u, corner + u + v, corner + v])
+    return np.array(pieces)
+
+
+def prism(outline: Array, hole: Array | None = None) -> Array:
+    """The triangles of a prism of height 1, whose base is an L or a square with a square hole."""
+
+    def wall(loop: Array) -> list[list[Array]]:
+        low, high = (np.column_stack([loop, np.full(len(loop), z)]) for z in (0.0, 1.0))
+        rest = [*range(1, len(loop)), 0]
+        faces = [[low[i], low[j], high[j]] for i, j in enumerate(rest)]
+        return faces + [[low[i], high[j], high[i]] for i, j in enumerate(rest)]
+
+    if hole is None:
+        flat = [outline[list(three)] for three in ((0, 1, 2), (0, 2, 3), (0, 3, 4), (0, 4, 5))]
+    else:
+        flat = []
+        for i, j in ((0, 1), (1, 2), (2, 3), (3, 0)):
+            flat += [np.array([outline[i], outline[j], hole[j]]), np.array([outline[i], hole[j], hole[i]])]
+    top = [list(np.column_stack([three, np.ones(3)])) for three in flat]
+    bottom = [list(np.column_stack([three, np.zeros(3)])[::-1]) for three in flat]
+    walls = wall(outline) + ([] if hole is None else wall(hole[::-1]))
+    return np.array(top + bottom + walls)
+
+
+def test_a_finely_cut_cube_has_six_faces_of_four_vertices() -> None:
+    """The diagonals of the faces are gone, and so are the vertices inside faces and edges."""
+    ((*faces,),) = plane_faces(polyhedron("box", finer(BOX, 3)))
+    assert len(faces) == 6
+    assert all(len(face) == 1 and len(face[0]) == 4 for face in faces)
+
+
+def test_faces_may_be_bent_inwards_and_have_holes() -> None:
+    ((*faces,),) = plane_faces(polyhedron("L", prism(OUTLINE)))
+    assert sorted(len(face[0]) for face in faces) == [4] * 6 + [6] * 2
+    square = np.array([[0, 0], [3, 0], [3, 3], [0, 3]], dtype=float)
+    ((*faces,),) = plane_faces(polyhedron("frame", prism(square, square / 3 + 1)))
+    assert sorted(len(face) for face in faces) == [1] * 8 + [2] * 2
+    assert all(len(loop) == 4 for face in faces for loop in face)
+
+
+def test_a_round_surface_keeps_its_facets() -> None:
+    """The facets at the poles are triangles; those between two circles are trapezoids, whose two triangles lie in one plane."""
+    ball = polyhedron("ball", shapes.Sphere(1.0, 16).triangles())
+    assert ball.rounded.all()
+    ((*faces,),) = plane_faces(ball)
+    assert {len(face[0]) for face in faces} == {3, 4}
+    assert sum(len(face[0]) - 2 for face in faces) == len(ball.triangles)
+
+
+@pytest.mark.parametrize("count, precision", [(1, np.float64), (3, np.float64), (3, np.float32)])
+def test_the_triangles_of_a_box_are_a_cuboid(count: int, precision: type) -> None:
+    found = cuboid_of(polyhedron("box", finer(BOX, count).astype(precision).astype(np.float64)))
+    assert found is not None
+    np.testing.assert_allclose(sorted(found.half_widths), [0.05, 0.1, 0.15], rtol=1e-6)
+    wanted = Cuboid("box", np.array([0.1, -0.2, 0.3]), TURNED, (0.15, 0.1, 0.05)).corners
+    off = np.linalg.norm(found.corners[:, None] - wanted, axis=2).min(axis=0)
+    assert off.max() < 1e-6
+
+
+def test_other_solids_are_not_replaced_by_a_cuboid() -> None:
+    leaning = BOX + 1e-3 * BOX[..., :1] * [0, 1, 0]
+    two = np.concatenate([BOX, BOX + 1])
+    for triangles in (leaning, two, prism(OUTLINE), shapes.Sphere(1.0, 16).triangles()):
+        assert cuboid_of(polyhedron("no box", triangles)) is None
+
+
+def cell_count(target: Body) -> int:
+    """Number of cells of a coarse mesh around the target and a plate close to it."""
+    plate = Rectangle("s", np.array([0.1, -0.2, 0.3]) + [0, 0, -0.3], np.eye(3), (0.1, 0.1))
+    problem = normalised(["s", "t"], 1, [plate, target], [0, 1])
+    return tagged_mesh(problem.bodies, problem.owner, Sizing(edge=0.2), straight=True).cell_count
+
+
+def test_the_mesh_around_a_box_of_triangles_is_as_coarse_as_around_the_cuboid() -> None:
+    cuboid = cell_count(Cuboid("t", np.array([0.1, -0.2, 0.3]), TURNED, (0.15, 0.1, 0.05)))
+    assert cell_count(polyhedron("t", finer(BOX, 4))) < 1.05 * cuboid

@@ -91,12 +91,7 @@ def test_a_ball_of_40000_triangles_is_wrapped_in_a_tenth_of_them() -> None:
 
 @pytest.mark.parametrize(
     "shape",
-    [
-        shapes.Sphere(0.3),
-        shapes.Cylinder(0.3, 1.0),
-        shapes.Cone(0.3, 1.0),
-        shapes.Arc(0.5, 1.0, 0.2, 250),
-    ],
+    [shapes.Sphere(0.3), shapes.Cylinder(0.3, 1.0), shapes.Cone(0.3, 1.0), shapes.Arc(0.5, 1.0, 0.2, 250)],
     ids=lambda shape: type(shape).__name__,
 )
 def test_the_triangles_of_a_round_body_contain_it(shape: Shape) -> None:

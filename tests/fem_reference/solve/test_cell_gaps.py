@@ -1,21 +1,26 @@
-"""The gaps of the cells add up to the gap between the bounds of the energies, for every kind of cell; the value between both bounds
-of one mesh, and the kinds of cells that decide where it lies."""
+"""The gaps of the cells add up to the gap between the bounds of the energies, for every kind of cell; the value between both bounds of
+one mesh, and the kinds of cells that decide where it lies. Repeated solution of one level in one process: its memory is freed."""
 
 from __future__ import annotations
 
+from pathlib import Path
+from resource import getpagesize
+
 import numpy as np
+import pytest
 
 from fem_reference.bodies.conductors import normalised
 from fem_reference.bodies.round_bodies import Sphere
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.marks import marks
 from fem_reference.mesh.quarter_points import is_pulled
 from fem_reference.mesh.size_rules import Sizing
-from fem_reference.mesh.sizing import Sizing
 from fem_reference.mesh.tagged_mesh import tagged_mesh
 from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
 from fem_reference.solve.field_problem import FieldProblem
 from fem_reference.solve.flux import CondensedCells
+from fem_reference.solve.level import Bounds, solve_level
 from fem_reference.solve.parts_of_errors import Quantities, entries, parts_of_errors
 from fem_reference.solve.shares import (
     ELSEWHERE,
@@ -101,3 +106,23 @@ def test_cells_are_told_apart_by_the_edges_that_they_touch() -> None:
     inside = np.all(np.abs(corners - box.centre) <= np.array(box.half_widths) + 1e-7, axis=2)
     touches = (((beyond < 1e-7).sum(axis=2) >= 2) & inside).any(axis=1)
     np.testing.assert_array_equal(own == OF_UPPER[SOLID_EDGES], touches & ~is_pulled(mesh.on_edge))
+
+
+def memory_in_use() -> int:
+    """The memory (bytes) that the process holds now."""
+    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * getpagesize()
+
+
+@pytest.mark.parametrize("bounds", ["none", "estimate", "enclosure"])
+def test_a_level_leaves_no_memory_behind(bounds: Bounds) -> None:
+    """The matrices of the level take some 10 MB, its bounds three times as much."""
+    plates = [
+        Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("a", 0), ("b", 0.4))
+    ]
+    problem = normalised(["a", "b"], 1, plates, range(2))
+    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
+    used = []
+    for _ in range(4):
+        solve_level(problem, 1.0, Sizing(), bounds, planes)
+        used.append(memory_in_use())
+    assert used[3] - used[1] < 5 * 2**20

@@ -17,8 +17,7 @@ import pytest
 from geometries.common.arguments import positive_integer, positive_number
 from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.files import whole_file
-from tests.processes import marked
-from tests.waiting import heed_signals, wait_until
+from tests.waiting import heed_signals, marked, wait_until
 
 
 def test_positive_numbers_are_read() -> None:

@@ -1,17 +1,21 @@
-"""Scene files: what is read, and how a refusal names file, line, key and reason; each key is spoiled in turn by tests/bad_input."""
+"""Scene files: what is read, the canonical text that is written and whose hash is the identity, and how a refusal names file, line, key and reason; each key is spoiled in turn by tests/bad_input."""
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
+import tomli_w
 
 from geometries.common.errors import InputError
 from geometries.scene import reader, rectangles
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
-from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Reading, Room, Sensor
+from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Reading, Room, Scene, Sensor
 from geometries.scene.shapes import Cuboid, PlateShape
-from geometries.scene.writer import canonical
+from geometries.scene.writer import canonical, identity
+from geometries.studies import families
+from tests.geometries.schemas import WHOLE
 
 PLATE = "{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }"
 SENSOR = f'[[sensor]]\nname = "s"\nplates = [{PLATE}]\n'
@@ -165,81 +169,48 @@ def test_a_file_that_is_missing_or_no_text_is_refused(tmp_path: Path) -> None:
         reader.load(tmp_path / "binary.toml")
 
 
-IN_METRES = """
+# Of every kind of length: in millimetres where L follows, and per millimetre where P does.
+LENGTHS = """
 [room]
-size = [4, 3, 2.5]
-translation = [0, 0, 1.25]
+size = [4000L, 3000L, 2500L]
+translation = [0, 0, 1250L]
 [[link]]
 name = "arm"
-translation = [0, 0, 0.5]
-joint = { name = "slide", type = "prismatic", axis = [0, 0, 1], position = 0.02, lower = -0.03, upper = 0.04 }
+translation = [0, 0, 500L]
+joint = { name = "slide", type = "prismatic", axis = [0, 0, 1], position = 20L, lower = -30L, upper = 40L }
 [[link]]
 name = "wheel"
-joint = { name = "turn", type = "revolute", axis = [0, 0, 1], mimic = { joint = "slide", multiplier = 500, offset = 0.25 } }
+joint = { name = "turn", type = "revolute", axis = [0, 0, 1], mimic = { joint = "slide", multiplier = 0.5P, offset = 0.25 } }
 [[link]]
 name = "rack"
-joint = { name = "push", type = "prismatic", axis = [0, 0, 1], mimic = { joint = "turn", multiplier = 0.008, offset = 0.003 } }
+joint = { name = "push", type = "prismatic", axis = [0, 0, 1], mimic = { joint = "turn", multiplier = 8L, offset = 3L } }
 [[sensor]]
 name = "front"
-plates = [ { corner = [-0.05, 0.001, 0.002], edge_u = [0.1, 0, 0], edge_v = [0, 0.03, 0] } ]
+plates = [ { corner = [-50L, 1L, 2L], edge_u = [100L, 0, 0], edge_v = [0, 30L, 0] } ]
 [[distance_sensor]]
 name = "eye"
-apex = [0.001, 0.002, 0.003]
+apex = [1L, 2L, 3L]
 direction = [0, 0, 2]
 full_angle_degrees = 40
-range = 0.8
+range = 800L
 [[object]]
 name = "ball"
-shape = { type = "sphere", radius = 0.05 }
-translation = [0, 0, 0.02]
+shape = { type = "sphere", radius = 50L }
+translation = [0, 0, 20L]
 [[object]]
 name = "ring"
-shape = { type = "arc", inner_radius = 0.03, outer_radius = 0.04, height = 0.1, degrees = 100 }
+shape = { type = "arc", inner_radius = 30L, outer_radius = 40L, height = 100L, degrees = 100 }
 [[object]]
 name = "sheet"
-shape = { type = "plate", size = [0.1, 0.2] }
+shape = { type = "plate", size = [100L, 200L] }
 [[object]]
 name = "die"
-shape = { type = "cube", size = 0.07 }
+shape = { type = "cube", size = 70L }
 """
-IN_MILLIMETRES = """
-units = "mm"
-[room]
-size = [4000, 3000, 2500]
-translation = [0, 0, 1250]
-[[link]]
-name = "arm"
-translation = [0, 0, 500]
-joint = { name = "slide", type = "prismatic", axis = [0, 0, 1], position = 20, lower = -30, upper = 40 }
-[[link]]
-name = "wheel"
-joint = { name = "turn", type = "revolute", axis = [0, 0, 1], mimic = { joint = "slide", multiplier = 0.5, offset = 0.25 } }
-[[link]]
-name = "rack"
-joint = { name = "push", type = "prismatic", axis = [0, 0, 1], mimic = { joint = "turn", multiplier = 8, offset = 3 } }
-[[sensor]]
-name = "front"
-plates = [ { corner = [-50, 1, 2], edge_u = [100, 0, 0], edge_v = [0, 30, 0] } ]
-[[distance_sensor]]
-name = "eye"
-apex = [1, 2, 3]
-direction = [0, 0, 2]
-full_angle_degrees = 40
-range = 800
-[[object]]
-name = "ball"
-shape = { type = "sphere", radius = 50 }
-translation = [0, 0, 20]
-[[object]]
-name = "ring"
-shape = { type = "arc", inner_radius = 30, outer_radius = 40, height = 100, degrees = 100 }
-[[object]]
-name = "sheet"
-shape = { type = "plate", size = [100, 200] }
-[[object]]
-name = "die"
-shape = { type = "cube", size = 70 }
-"""
+IN_MILLIMETRES = 'units = "mm"\n' + re.sub("[LP]", "", LENGTHS)
+IN_METRES = re.sub(
+    r"(-?[0-9.]+)([LP])", lambda m: repr(float(m[1]) / 1000 if m[2] == "L" else float(m[1]) * 1000), LENGTHS
+)
 
 
 def test_lengths_may_be_in_millimetres() -> None:
@@ -273,3 +244,37 @@ def test_objects_may_ask_for_collisions_with_the_parent_of_their_link() -> None:
     asked = reader.loads(body + "collides_with_parent = true\n")
     assert asked.objects[0].collides_with_parent
     assert reader.loads(canonical(asked)) == asked
+
+
+def scenes() -> list[Scene]:
+    tilted = families.corner((0.073, 0.119), (0.1, 0.1), (0.01, 0.02), 0.003, 17.2, 33.0)
+    return [reader.loads(tomli_w.dumps(WHOLE)), families.parallel((0.1, 0.1), (0.2, 0.2), 0.0137), tilted]
+
+
+@pytest.mark.parametrize("scene", scenes(), ids=["full", "parallel", "corner"])
+def test_the_canonical_text_loads_to_an_equal_scene_and_is_its_own_canonical_text(scene: Scene) -> None:
+    text = canonical(scene)
+    again = reader.loads(text)
+    assert again == scene
+    assert canonical(again) == text
+
+
+def test_order_of_keys_integers_defaults_and_the_sign_of_zero_do_not_change_the_identity() -> None:
+    plain = (
+        '[[sensor]]\nname = "s"\nplates = [{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }]'
+    )
+    wordy = """
+        [medium]
+        relative_permittivity = 1.0
+        [[sensor]]
+        plates = [{ edge_v = [0.0, 1.0, -0.0], corner = [0.0, -0.0, 0.0], edge_u = [1e0, 0, 0] }]
+        coupling_capacitance = 5e-12
+        input_voltage = 2.5
+        name = "s"
+    """
+    assert identity(reader.loads(plain)) == identity(reader.loads(wordy))
+
+
+def test_the_last_bit_of_a_number_changes_the_identity() -> None:
+    ids = {identity(families.parallel((0.1, 0.1), (0.1, 0.1), gap)) for gap in (0.3, 0.1 + 0.2)}
+    assert len(ids) == 2

@@ -1,7 +1,9 @@
-"""Study files: expansion into cases, their identities, the studies that come with the project, and what is refused."""
+"""Study files and their page, geometries/STUDY.md: expansion into cases, their identities, the studies that come with the project, and what is refused."""
 
 from __future__ import annotations
 
+import inspect
+import re
 from collections import Counter
 from pathlib import Path
 
@@ -10,8 +12,9 @@ import pytest
 from geometries.__main__ import main
 from geometries.common.errors import InputError
 from geometries.scene import reader
-from geometries.studies import families, study
+from geometries.studies import families, schema, study
 from geometries.studies.machines import MACHINES
+from tests import scenes
 
 HEAD = """
 name = "n"
@@ -22,18 +25,8 @@ max_seconds = 60
 [model]
 methods = ["exact", "split:4"]
 """
-SWEEP = """
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = 0.02
-"""
-SCENE = """
-[[sweep]]
-family = "scene"
-file = "arm.toml"
-"""
+SWEEP = scenes.sweep("parallel", gap=0.02)
+SCENE = scenes.table("sweep", family="scene", file="arm.toml")
 EDGE = SWEEP.replace("parallel", "edge") + "height = 0\n"
 
 
@@ -140,14 +133,7 @@ def test_an_experiment_is_one_of_the_thesis() -> None:
         study.loads('experiment = "7"\n' + HEAD + SWEEP)
 
 
-BOX = """
-[[sweep]]
-family = "box"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-thickness = 0.04
-gap = 0.02
-"""
+BOX = scenes.sweep("box", thickness=0.04, gap=0.02)
 
 
 def test_a_text_is_a_parameter_like_any_other() -> None:
@@ -188,26 +174,16 @@ def test_a_changed_parameter_of_one_family_changes_only_its_own_identities() -> 
     assert len(before & after) == 2 and len(before - after) == 1
 
 
-ARM = """
-[[link]]
-name = "arm"
-[[sensor]]
-name = "front"
-link = "arm"
-plates = [ { corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "target"
-shape = { type = "cube", size = 0.1 }
-translation = [0, 0, 0.2]
-"""
-MOTION = """
-[[frame]]
-name = "far"
-poses = [ { link = "arm", translation = [0, 0, -0.1] } ]
-[[frame]]
-name = "turned"
-poses = [ { link = "arm", rotation = { axis = [0, 0, 1], degrees = 30 } } ]
-"""
+ARM = (
+    scenes.link("arm")
+    + scenes.sensor("front", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]], link="arm")
+    + scenes.body("target", "cube", size=0.1, translation=[0, 0, 0.2])
+)
+MOTION = scenes.table(
+    "frame", name="far", poses=[{"link": "arm", "translation": [0, 0, -0.1]}]
+) + scenes.table(
+    "frame", name="turned", poses=[{"link": "arm", "rotation": {"axis": [0, 0, 1], "degrees": 30}}]
+)
 
 
 def scene_study(folder: Path, sweep: str = SCENE, scene: str = ARM) -> study.Study:
@@ -338,3 +314,65 @@ def test_expand_lists_the_cases(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["expand", "experiment_6"]) == 0
     assert "material=floating" in capsys.readouterr().out
     assert main(["expand", "missing"]) == 2
+
+
+PAGE = (Path(study.__file__).parents[1] / "STUDY.md").read_text(encoding="utf-8")
+REQUIRED = "must be given"
+
+
+def table_after(heading: str, first: str) -> list[list[str]]:
+    """The rows of the first table after a heading whose first column has this title."""
+    text = PAGE.split(f"{heading}\n", 1)[1].split(f"| {first} |", 1)[1].split("\n\n", 1)[0]
+    return [[cell.strip() for cell in line.strip("| ").split(" | ")] for line in text.splitlines()[2:]]
+
+
+def parameters() -> dict[tuple[str, str], str]:
+    """The default of each parameter of each family, as the page has it."""
+    every, found, name = [*families.FAMILIES], {}, ""
+    for line in PAGE.split("| parameter |", 1)[1].split("\n\n", 1)[0].splitlines()[2:]:
+        first, where, _, default, _ = (cell.strip() for cell in line.split("|")[1:6])
+        name = first.strip("`") or name
+        chosen = every if where.startswith("all but") else re.findall(r"`(\w+)`", where)
+        found |= {(family, name): default for family in chosen}
+    return found
+
+
+def test_the_example_is_a_study() -> None:
+    example = re.search(r"```toml\n(.*?)```", PAGE, re.DOTALL)
+    assert example is not None
+    read = study.loads(example[1])
+    assert read.reference_method == study.BOTH and len(read.sweeps) == 5 * 2 * 5 + 1
+
+
+def test_every_parameter_of_every_family_is_there_with_its_default() -> None:
+    shown = parameters()
+    known = {
+        (family, name): parameter.default
+        for family, function in families.FAMILIES.items()
+        for name, parameter in inspect.signature(function).parameters.items()
+    }
+    assert {key for key in shown if key[0] != "scene"} == set(known)
+    assert {name for family, name in shown if family == "scene"} == {"file", "motion"}
+    for key, default in known.items():
+        if default is inspect.Parameter.empty:
+            assert shown[key] == REQUIRED, key
+        else:
+            text = str(list(default)).replace(".0", "") if isinstance(default, tuple) else default
+            number = f"{text:g}" if isinstance(text, float) else text
+            quoted = f'"{number}"' if isinstance(default, str) else number
+            assert shown[key] == f"`{quoted}`", key
+
+
+@pytest.mark.parametrize(("heading", "keys"), [("## The file", None), ("## `[reference]`", "reference")])
+def test_every_key_of_the_schema_is_there(heading: str, keys: str | None) -> None:
+    properties = schema.schema()["properties"]
+    known = set(properties[keys]["properties"] if keys else properties) - {"reference", "model", "sweep"}
+    assert {row[0].strip("`") for row in table_after(heading, "key")} == known
+
+
+def test_every_family_and_every_form_of_a_method_are_there() -> None:
+    names = {row[0].strip("`") for row in table_after("## `[[sweep]]`", "family")}
+    assert names == {*families.FAMILIES, "scene"}
+    forms = re.findall(r'"([\w:+-]+)"', study.METHODS)
+    listed = PAGE.split("## `[model]`")[1].split("## `[[sweep]]`")[0]
+    assert forms and all(form in listed for form in forms)

@@ -47,7 +47,7 @@ double of_round_surfaces(const MakeScene& scene, int few, int many, double rtol 
 }
 
 TEST(Insulators, ABallOfPermittivityFiveBeforeAGroundedBallAgreesWithTheMultipoleSeries) {
-  // The series of tests/fem_reference/test_verification_solids.py, two_balls(0.01, 0.02, 0.05,
+  // The series of analysis/topics/verification/truths.py, two_balls(0.01, 0.02, 0.05,
   // dielectric(5)).
   constexpr double series = 0.010089173460725371;
   const auto scene = [](int segments) {

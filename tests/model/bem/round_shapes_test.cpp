@@ -165,7 +165,7 @@ TEST(RoundShapes, TheErrorOfAChangeContainsTheRoundTarget) {
 }
 
 TEST(RoundShapes, TheErrorOfARoundDielectricBodyContainsTheSeries) {
-  // The series of tests/fem_reference/test_verification_solids.py, two_balls(0.01, 0.02, 0.05,
+  // The series of analysis/topics/verification/truths.py, two_balls(0.01, 0.02, 0.05,
   // dielectric(5)).
   constexpr double series = 0.010089173460725371;
   Scene scene;

@@ -1,4 +1,5 @@
 #include "measured.hpp"
+#include "progress.hpp"
 
 #include <limits>
 
@@ -41,6 +42,21 @@ TEST(Measured, WritesSmallNumbersAsPowersOfTen) {
   EXPECT_EQ(measured(1e-9, 1.9e-12), "1.0000e-09 ± 1.9e-12");
   EXPECT_EQ(measured(2e-9, 3e-9), "2.0e-09 ± 3.0e-09");
   EXPECT_EQ(measured(0.0005, 0.00002), "0.000500 ± 0.000020");
+}
+
+TEST(RemainingSeconds, AreThoseOfSolutionsThatGainAndTakeAsTheLastOne) {
+  // Each gains a factor of 4 and takes twice as long: 1 s, 2 s, then 4 s and 8 s.
+  EXPECT_DOUBLE_EQ(remaining_seconds({{0.16, 1}, {0.04, 3}}, 0.0026).value(), 12);
+  EXPECT_DOUBLE_EQ(remaining_seconds({{0.64, 0.5}, {0.16, 1.5}, {0.04, 3.5}}, 0.02).value(), 4);
+}
+
+TEST(RemainingSeconds, AreNotThoseOfSolutionsThatAreFasterThanTheFirst) {
+  EXPECT_DOUBLE_EQ(remaining_seconds({{0.16, 5}, {0.04, 6}}, 0.01).value(), 1);
+}
+
+TEST(RemainingSeconds, AreUnknownBeforeTwoSolutionsAndWhereNothingIsGained) {
+  EXPECT_FALSE(remaining_seconds({{0.16, 1}}, 0.01));
+  EXPECT_FALSE(remaining_seconds({{0.16, 1}, {0.155, 2}}, 0.01));
 }
 
 }  // namespace

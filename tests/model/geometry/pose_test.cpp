@@ -1,4 +1,5 @@
 #include "fringe/pose.hpp"
+#include "geometry/link_motion.hpp"
 
 #include <cmath>
 #include <limits>
@@ -11,7 +12,7 @@
 #include "fringe/joint.hpp"
 #include "fringe/scene.hpp"
 
-namespace fringe::FRINGE_TEST_FILE {
+namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
@@ -144,5 +145,83 @@ TEST(Joint, CannotFollowItselfOrNothing) {
   EXPECT_THROW(place_joints(alone), InputError);
 }
 
+Eigen::Isometry3d shifted(double x) {
+  return pose_from_axis({0, 0, 1}, 0, {x, 0, 0});
+}
+
+/// Returns an arm with a at_hand, and a table beside it.
+std::vector<Link> arm_and_table() {
+  return {{"hand", 1, shifted(1)}, {"arm", std::nullopt, shifted(10)}, {"table", std::nullopt, shifted(100)}};
+}
+
+constexpr std::size_t at_hand = 0, at_arm = 1, at_table = 2;
+
+double x_of(const LinkMotion& motion, std::size_t link) {
+  return motion.world_pose(link).translation().x();
+}
+
+TEST(LinkMotion, MovesALinkWithItsDescendants) {
+  LinkMotion motion(std::make_shared<LinkPoses>(arm_and_table()));
+  motion.set_pose("arm", shifted(20));
+  motion.update();
+  EXPECT_EQ(x_of(motion, at_hand), 21);
+  EXPECT_EQ(x_of(motion, at_table), 100);
+  EXPECT_TRUE(motion.rigid(at_hand, at_arm));
+  EXPECT_FALSE(motion.rigid(at_hand, at_table));
+  EXPECT_FALSE(motion.rigid(at_hand, std::nullopt));
+  EXPECT_TRUE(motion.rigid(at_table, std::nullopt));
+}
+
+TEST(LinkMotion, ForgetsMovesWhenSettled) {
+  LinkMotion motion(std::make_shared<LinkPoses>(arm_and_table()));
+  motion.set_pose("hand", shifted(2));
+  motion.update();
+  motion.settle();
+  motion.update();
+  EXPECT_TRUE(motion.rigid(at_hand, at_arm));
+  EXPECT_EQ(x_of(motion, at_hand), 12);
+}
+
+TEST(LinkMotion, KeepsAMoveThatItHasNotSettledBesideALaterOne) {
+  LinkMotion motion(std::make_shared<LinkPoses>(arm_and_table()));
+  motion.set_pose("hand", shifted(2));
+  motion.update();
+  motion.set_pose("table", shifted(200));
+  motion.update();
+  EXPECT_FALSE(motion.rigid(at_hand, at_arm));
+  EXPECT_FALSE(motion.rigid(at_hand, at_table));
+}
+
+TEST(LinkMotion, OfTwoThatShareTheirPosesEachHasItsOwnLastAnswer) {
+  const auto poses = std::make_shared<LinkPoses>(arm_and_table());
+  LinkMotion often(poses), seldom(poses);
+  for (const double x : {2.0, 3.0}) {
+    poses->set_pose("hand", shifted(x));
+    often.update();
+    EXPECT_FALSE(often.rigid(at_hand, at_arm));
+    often.settle();
+  }
+  often.update();
+  seldom.update();
+  EXPECT_TRUE(often.rigid(at_hand, at_arm));
+  EXPECT_FALSE(seldom.rigid(at_hand, at_arm));
+  EXPECT_EQ(x_of(seldom, at_hand), 13);
+}
+
+TEST(LinkMotion, BeginsWithThePosesAsTheyAre) {
+  const auto poses = std::make_shared<LinkPoses>(arm_and_table());
+  poses->set_pose("arm", shifted(20));
+  LinkMotion late(poses);
+  EXPECT_EQ(x_of(late, at_hand), 21);
+  late.update();
+  EXPECT_TRUE(late.rigid(at_hand, at_table));
+}
+
+TEST(LinkPoses, RefuseAnUnknownLinkAndCountNoChange) {
+  LinkPoses poses(arm_and_table());
+  EXPECT_THROW(poses.set_pose("foot", shifted(0)), InputError);
+  EXPECT_EQ(poses.changes(), 0);
+}
+
 }  // namespace
-}  // namespace fringe::FRINGE_TEST_FILE
+}  // namespace fringe::detail::FRINGE_TEST_FILE

@@ -2,6 +2,8 @@
 
 #include <cmath>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <gmock/gmock.h>
 
@@ -13,6 +15,7 @@
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -131,6 +134,168 @@ TEST(EvaluationOptions, HaveOneDefaultErrorAndAMethodThatReachesOneThatIsGiven) 
   for (const char* text : {"gauss:3+nearest", "exact+nearest+facing", "reduced"})
     EXPECT_EQ(method_text(with_method({}, text)), text);
   EXPECT_EQ(method_text(with_method({}, "split:2+facing+nearest")), "split:2+nearest+facing");
+}
+
+TEST(Auto, IsTheCheapestThatStatesTheAccuracy) {
+  for (const double rtol : {1e-2, 1e-3, 3e-4, 1e-5}) {
+    const Evaluation answer = evaluate(plates(), {.rtol = rtol, .entries = Entries::all});
+    // The reduced method states no error below 1e-4.
+    if (rtol < 1e-4) {
+      EXPECT_EQ(answer.answered_by, "boundary-elements");
+    }
+    EXPECT_TRUE(answer.reached);
+    EXPECT_LE(target(answer).error.value(), rtol * target(answer).capacitance);
+    EXPECT_NEAR(target(answer).capacitance, maxwell(plates(), {.rtol = 1e-6}).mutual(0, 1),
+                rtol * target(answer).capacitance);
+  }
+}
+
+TEST(Auto, IsTheFormulaInARoomAndStatesNoError) {
+  Scene scene = plates();
+  scene.has_room = true;
+  const Evaluation answer = evaluate(scene, {.method = Auto{}});
+  EXPECT_EQ(answer.answered_by, "formula");
+  EXPECT_EQ(target(answer).capacitance, target(evaluate(scene, {.method = Formula{}})).capacitance);
+  EXPECT_EQ(target(answer).error, std::nullopt);
+  EXPECT_FALSE(answer.matrix);
+  EXPECT_FALSE(answer.reached);
+}
+
+TEST(Auto, OnContactIsCertainlyInfinite) {
+  const Evaluation answer = evaluate(before_sensor(Plate{0.1, 0.1}, 0), {.method = Auto{}});
+  EXPECT_EQ(answer.answered_by, "formula");
+  EXPECT_TRUE(std::isinf(target(answer).capacitance));
+  EXPECT_EQ(target(answer).error, 0);
+  EXPECT_TRUE(answer.reached);
+}
+
+TEST(Auto, AnswersForADielectricBallOfManyTriangles) {
+  Scene scene = before_sensor(Sphere{0.05, 36}, 0.1);
+  scene.objects[0].role = Dielectric{3};
+  const Evaluation answer = evaluate(scene, {.rtol = 0.05});
+  EXPECT_EQ(answer.answered_by, "boundary-elements");
+  const Estimate change = answer.readings.at(0).change;
+  EXPECT_LT(change.error.value(), 0.05 * change.value.value());
+}
+
+TEST(Auto, KnowsFloatingConductorsAsTheMatricesDo) {
+  Scene scene = plates();
+  scene.objects.push_back(object_of("foil", Plate{0.1, 0.1}, {0, 0, 0.06}));
+  scene.objects.back().role = Floating{};
+  const Evaluation answer = evaluate(scene, {.method = Auto{}});
+  EXPECT_TRUE(answer.reached);
+  EXPECT_EQ(answer.matrix.value().floating, std::vector<std::string>{"foil"});
+  EXPECT_EQ(answer.capacitance.sensors.front().objects.size(), 1);
+}
+
+TEST(Auto, AnswersForBodiesInContactOnOneLinkAndOnSeveral) {
+  Scene scene = before_sensor(Cuboid{0.02, 0.02, 0.02}, 0.05);
+  scene.objects.push_back(object_of("upon it", Cuboid{0.02, 0.02, 0.02}, {0.01, 0.02, 0.07}));
+  const auto answered = [&] { return evaluate(scene, {.rtol = 0.05, .entries = Entries::of_sensors}); };
+  const Evaluation together = answered();
+  EXPECT_EQ(together.matrix.value().members.at(1), (std::vector<std::string>{"target", "upon it"}));
+  scene.links = {{"hand", std::nullopt, pose_from_axis({0, 0, 1}, 0, {0, 0, 0})}};
+  scene.objects[1].link = 0;
+  const Evaluation on_links = answered();
+  EXPECT_TRUE(together.reached && on_links.reached);
+  EXPECT_NEAR(target(on_links).capacitance, target(together).capacitance,
+              0.05 * target(together).capacitance);
+}
+
+TEST(Auto, RefusesWhatAllMethodsRefuseWithTheReasons) {
+  Scene scene = plates();
+  scene.has_room = true;
+  scene.objects.front().role = Floating{};
+  EXPECT_THAT([&] { evaluate(scene, {.method = Auto{}}); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("room"), HasSubstr("floating"))));
+}
+
+Object electrode(const std::string& name, const Shape& shape, const Eigen::Vector3d& place) {
+  Object result = object_of(name, shape, place);
+  result.role = Electrode{};
+  return result;
+}
+
+TEST(Auto, AnswersForElectrodesWithoutSensors) {
+  Scene scene;
+  scene.objects = {electrode("a", Cuboid{0.1, 0.1, 0.1}, {0, 0, 0}),
+                   electrode("b", Cuboid{0.1, 0.1, 0.1}, {0, 0, 0.5})};
+  const MaxwellMatrix known = maxwell(scene, {.rtol = 1e-2});
+  for (const ElectricalRole& role : {ElectricalRole(Electrode{}), ElectricalRole(Grounded{})}) {
+    scene.objects[1].role = role;
+    const Evaluation answer = evaluate(scene, {.method = Auto{}});
+    ASSERT_TRUE(answer.matrix);
+    EXPECT_TRUE(answer.reached);
+    EXPECT_NEAR(answer.matrix->values(0, 1), known.values(0, 1),
+                answer.matrix->errors(0, 1) + known.errors(0, 1));
+  }
+  scene.objects[1].role = Floating{};
+  EXPECT_EQ(evaluate(scene, {.method = Auto{}}).matrix.value().values.size(), 1);
+}
+
+TEST(Auto, HasNotReachedWhatItKnowsNothingOf) {
+  // Ten micrometres between two hexagons of 14 mm: the reduced method knows nothing of their charges. Their
+  // faces alone have 112.7 pF.
+  Scene scene;
+  scene.objects = {electrode("a", Cylinder{0.007, 0.001, 6}, {0, 0, 0}),
+                   electrode("b", Cylinder{0.007, 0.001, 6}, {0, 0, 0.00101})};
+  const Evaluation answer = evaluate(scene, {.method = Auto{}, .rtol = 0.1});
+  ASSERT_TRUE(answer.matrix);
+  EXPECT_TRUE(answer.matrix->errors.allFinite());
+  EXPECT_NEAR(answer.matrix->values(0, 1), -113.5e-12, answer.matrix->errors(0, 1) + 0.8e-12);
+}
+
+/// A sensor before a housing, and a hand on a link.
+Scene housing_and_hand() {
+  Scene scene = before_sensor(Cuboid{0.05, 0.09, 0.02}, 0.06);
+  scene.links = {{"hand", std::nullopt, Eigen::Isometry3d::Identity()}};
+  scene.objects[0].link = 0;
+  scene.objects[0].target = true;
+  scene.objects.push_back(object_of("housing", Cuboid{0.2, 0.12, 0.05}, {0, 0, -0.03}));
+  scene.objects.back().target = false;
+  return scene;
+}
+
+TEST(Auto, DoesNotAnswerByTheFormulaWhereThatKnowsNoError) {
+  Scene scene = housing_and_hand();
+  scene.objects[0].shape = Plate{10, 10};
+  EXPECT_FALSE(evaluate(scene, {.method = Formula{}}).readings.at(0).change.error);
+  const Evaluation answer = evaluate(scene, {.rtol = 1e-2});
+  EXPECT_TRUE(answer.reached);
+  const Estimate change = answer.readings.at(0).change;
+  EXPECT_LE(change.error.value(), 1e-2 * change.value.value());
+}
+
+TEST(Auto, AnswersAMotionAsItsFrames) {
+  LiveScene together(housing_and_hand()), one_by_one(housing_and_hand());
+  std::vector<Frame> motion;
+  for (int k = 0; k < 3; ++k)
+    motion.push_back({std::to_string(k), {pose_from_axis({0, 0, 1}, 0, {0, 0, 0.01 * k})}});
+  const auto answers = together.readings_of(motion, {.rtol = 2e-2});
+  for (std::size_t frame = 0; frame < motion.size(); ++frame) {
+    one_by_one.set_poses(motion[frame].poses);
+    const Estimate known = one_by_one.readings({.rtol = 2e-2}).at(0).change;
+    const Estimate found = answers[frame].at(0).change;
+    EXPECT_NEAR(*found.value, *known.value, *found.error + *known.error);
+    EXPECT_LE(*found.error, 2e-2 * *found.value);
+  }
+}
+
+TEST(Auto, LeavesTheSceneInItsPosesAfterAMotion) {
+  LiveScene live(housing_and_hand());
+  const auto present = live.scene().links.at(0).pose.matrix();
+  const std::vector<Frame> motion{{"away", {pose_from_axis({0, 0, 1}, 0, {0, 0, 0.01})}}};
+  live.readings_of(motion, {.method = Formula{}});
+  EXPECT_EQ(live.scene().links.at(0).pose.matrix(), present);
+  // Also when a frame cannot be used.
+  EXPECT_THROW(live.readings_of({motion[0], {"none", {}}}, {.method = Formula{}}), InputError);
+  EXPECT_EQ(live.scene().links.at(0).pose.matrix(), present);
+}
+
+TEST(Auto, EndsInTimeWithTheBestAnswerSoFar) {
+  const Evaluation answer = evaluate(housing_and_hand(), {.rtol = 1e-6, .max_seconds = 0.3});
+  EXPECT_FALSE(answer.reached);
+  EXPECT_GT(answer.readings.at(0).change.error.value(), 0);
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ from analysis.topics.experiments.splitting import (
 )
 from geometries.scene.scene import Scene
 from geometries.studies import families
+from tests import scenes
 from tests.analysis.synthetic import EDGE, PARALLEL, PICO, make_results, model_document, reference_document
 
 SIZE = (0.1, 0.06)
@@ -76,21 +77,8 @@ def test_the_finding_is_of_the_level_that_the_thesis_recommends(tmp_path: Path) 
     assert "below the exact integral in 50 % of all" in text
 
 
-OVER_DISTANCE = """
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [[0.1, 0.1], [0.05, 0.05]]
-gap = [0.04, 0.01]
-"""
-INCLINED = """
-[[sweep]]
-family = "inclined"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-hinge_gap = 0.01
-tilt_degrees = [30, 60]
-"""
+OVER_DISTANCE = scenes.sweep("parallel", target_size=[[0.1, 0.1], [0.05, 0.05]], gap=[0.04, 0.01])
+INCLINED = scenes.sweep("inclined", hinge_gap=0.01, tilt_degrees=[30, 60])
 
 
 def test_delta_output_is_the_output_without_objects_less_that_with_them() -> None:

@@ -15,6 +15,7 @@ from analysis.topics.experiments import neighbours
 from analysis.topics.experiments.curves import Divider
 from analysis.topics.experiments.materials import materials, ratios
 from geometries.studies import study
+from tests import scenes
 from tests.analysis.synthetic import (
     EDGE,
     HEAD,
@@ -25,29 +26,10 @@ from tests.analysis.synthetic import (
     report_text,
 )
 
-NEIGHBOURS = """
-[[sweep]]
-family = "sensors"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-separation = 0.01
-gap = [0.01, 0.16]
-
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = [0.01, 0.16]
-"""
-MATERIALS = """
-[[sweep]]
-family = "box"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-thickness = 0.04
-gap = [0.01, 0.16]
-material = ["grounded", "floating"]
-"""
+NEIGHBOURS = scenes.sweep("sensors", separation=0.01, gap=[0.01, 0.16]) + scenes.sweep(
+    "parallel", gap=[0.01, 0.16]
+)
+MATERIALS = scenes.sweep("box", thickness=0.04, gap=[0.01, 0.16], material=["grounded", "floating"])
 
 
 def two_sensors(near: float, neighbour: float, coupling: float) -> dict[str, Any]:

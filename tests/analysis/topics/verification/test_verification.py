@@ -39,12 +39,7 @@ def quantity(value: float, error: float, **more: Any) -> dict[str, Any]:
 
 
 def truth_row(*quantities: dict[str, Any]) -> dict[str, Any]:
-    return {
-        "source": "a book",
-        "seconds": 3.0,
-        "edge_sizes": [0.4, 0.2, 0.1],
-        "quantities": list(quantities),
-    }
+    return {"source": "a book", "seconds": 3.0, "edge_sizes": [0.4, 0.2, 0.1], "quantities": list(quantities)}
 
 
 INSIDE = quantity(2.002, 0.01, lower=1.99, upper=2.02)
