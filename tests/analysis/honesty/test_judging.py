@@ -109,8 +109,15 @@ def test_one_error_of_many_that_is_exceeded_too_much_misses_the_target() -> None
     found = table.rows(made, ["formula"])
     assert table.misses(found) == [found[0]]
     text = table.text(found, "show")
-    assert "| formula | plates | 100 | 100 | 100 | 99.0 % | 4 | 2 | 0 | 0 | 0 | 0 | missed |" in text
+    assert "| formula | plates | 100 | 100 | 100 | 99.0 % | 4 | 2 | 0 | 0 | 0 | 0 |  | missed |" in text
     assert "seed 7, plates, formula: front: change" in text and "is missed by 1 of 1" in text
+
+
+def test_guesses_of_the_time_are_right_within_a_factor_of_two() -> None:
+    guesses = (0.4, 0.6, 1.9, 2.1, None)
+    made = [Record(k, "plates", {}, {"auto:1e-2": Answer(ANSWERED, guess=g)}) for k, g in enumerate(guesses)]
+    found = table.rows(made, ["auto:1e-2"])
+    assert found[0].guessed == 0.5 and "| 0 | 0 | 0 | 50 % |  |" in table.text(found, "show")
 
 
 def test_refusals_are_told_with_their_most_frequent_reason() -> None:
@@ -121,7 +128,7 @@ def test_refusals_are_told_with_their_most_frequent_reason() -> None:
     ]
     text = table.text(table.rows(made, ["formula"]), "show")
     assert "* formula, 2: gap of # mm" in text
-    assert "| formula | plates | 4 | 0 | 0 |  |  |  | 0 | 3 | 1 | 0 |  |" in text
+    assert "| formula | plates | 4 | 0 | 0 |  |  |  | 0 | 3 | 1 | 0 |  |  |" in text
     assert "target is met" in text
 
 

@@ -54,12 +54,13 @@ def test_what_takes_too_long_has_no_answer(tmp_path: Path) -> None:
 
 @needs_model
 def test_two_scenes_are_asked_for_once(tmp_path: Path) -> None:
-    asked = run.options("plates,closed-forms", "reduced:1e-2,boundary-elements:3e-2", scenes=2, jobs=1)
+    asked = run.options("plates,closed-forms", "reduced:1e-2,auto:1e-2", scenes=2, jobs=1)
     league = run.run(tmp_path, asked)
     before = (tmp_path / judging.FILE).read_text()
     assert league.path.read_text() == league.text
     assert set(judging.load(tmp_path)) == {0, list(KINDS).index("closed-forms")}
-    assert {row.method for row in league.rows if row.judged} == {"reduced:1e-2", "boundary-elements:3e-2"}
+    assert {row.method for row in league.rows if row.judged} == {"reduced:1e-2", "auto:1e-2"}
+    assert {row.method for row in league.rows if row.guesses} == {"auto:1e-2"}
     assert run.run(tmp_path, asked).text == league.text
     assert (tmp_path / judging.FILE).read_text() == before
 
