@@ -14,6 +14,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results.store import write_text
 from analysis.show.make import find_scene
 from geometries.common import installation
+from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 
@@ -33,7 +34,13 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
     scene = reader.load(path)
     model = model_module()
     chosen = tuple(probe(text) for text in probes or DEFAULT)
-    found = survey(path, scene, chosen, options, model)
+    try:
+        found = survey(path, scene, chosen, options, model)
+    except InputError as error:
+        # What the model refuses has no file of its own, unless it is the model's reader that refuses it.
+        if error.file or error.reason.startswith(str(path)):
+            raise
+        raise InputError(str(path), error.key, error.reason) from error
     place = target or installation.results_folder() / "coverage" / f"{path.stem}.html"
     tables.write_csv(found, place.with_suffix(".csv"))
     tables.write_vtu(found, place.with_suffix(".vtu"))

@@ -18,6 +18,7 @@ from typing import Any
 from analysis.honesty.kinds import Drawn
 from analysis.honesty.methods import (
     ANSWERED,
+    AUTO,
     CHANGE,
     ENDED,
     FIELD_RTOL,
@@ -86,13 +87,27 @@ def _answered(text: str, has_readings: bool, options: dict[str, Any]) -> Answer:
         entries = {} if options["method"] == "formula" else {"entries": True}
         answer = scene.capacitance(**{**options, **entries})
         values = _matrix(answer) if "maxwell" in answer else _pairs(answer)
-        return Answer(ANSWERED, values=values, reached=answer.get("reached"))
+        return Answer(ANSWERED, values=values, reached=answer.get("reached"), guess=_guess(answer))
+    if options["method"] == AUTO:
+        answer = scene.capacitance(**options)
+        values = {
+            part_of(each["name"], part): stated(each[part], each["error"][part], each["answered_by"])
+            for each in answer["readings"]
+            for part in PARTS
+        }
+        return Answer(ANSWERED, values=values, guess=_guess(answer))
     values = {
         part_of(name, part): stated(getattr(reading, part), reading.error[part], reading.answered_by)
         for name, reading in scene.readings(**options).items()
         for part in PARTS
     }
     return Answer(ANSWERED, values=values)
+
+
+def _guess(answer: dict[str, Any]) -> float | None:
+    if answer["options"]["method"] != AUTO:
+        return None
+    return float(answer["expected_seconds"] / answer["seconds"])
 
 
 def _changes(answer: Any) -> dict[str, Stated]:

@@ -12,6 +12,7 @@ from geometries.scene.scene import Scene
 
 FIELD_SOLVER = "field-solver"
 BOUNDARY_ELEMENTS = "boundary-elements"
+AUTO = "auto"
 METHODS: dict[str, dict[str, Any]] = {
     "formula": {"method": "formula"},
     "reduced:1e-1": {"method": "reduced", "rtol": 1e-1},
@@ -19,7 +20,7 @@ METHODS: dict[str, dict[str, Any]] = {
     "reduced+entries:1e-2": {"method": "reduced", "rtol": 1e-2, "entries": True},
     "boundary-elements:1e-2": {"method": BOUNDARY_ELEMENTS, "rtol": 1e-2},
     "boundary-elements:3e-2": {"method": BOUNDARY_ELEMENTS, "rtol": 3e-2},
-    "auto:1e-2": {"method": "auto", "rtol": 1e-2},
+    "auto:1e-2": {"method": AUTO, "rtol": 1e-2},
 }
 """The methods of the library, with their options in Python; after a colon is the relative accuracy asked for, of the entries of the
 Maxwell matrix, too, where the name says so."""
@@ -48,8 +49,8 @@ class Stated:
 @dataclass(frozen=True)
 class Answer:
     """What one method made of a scene: values by the names of the quantities, or why there are none, and seconds of the clock. `key`
-    stands for the scene, the options and the code that answered; `reached` tells whether a Maxwell matrix is as accurate as asked.
-    """
+    stands for the scene, the options and the code that answered; `reached` tells whether a Maxwell matrix is as accurate as asked, and
+    `guess` is the time that `auto` expected over the time that it took."""
 
     outcome: str
     seconds: float = 0.0
@@ -57,6 +58,7 @@ class Answer:
     values: dict[str, Stated] = field(default_factory=dict)
     key: str = ""
     reached: bool | None = None
+    guess: float | None = None
 
 
 ANSWERED, REFUSED, LATE, ENDED = "answered", "refused", "late", "ended"

@@ -8,7 +8,7 @@ import queue
 import random
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from analysis.honesty import judging, methods, table
@@ -218,9 +218,7 @@ class _Scene:
         try:
             for method in self.missing:
                 answer = _ask(self._scene, method, self._asked, self._folder, worker, processes)
-                new.answers[method] = Answer(
-                    answer.outcome, answer.seconds, answer.reason, answer.values, self._key(method)
-                )
+                new.answers[method] = replace(answer, key=self._key(method))
         finally:
             self._idle.put(worker)
         judging.append(self._folder, new)

@@ -18,7 +18,7 @@ LEAST_HELD, MOST_EXCEEDED = 0.95, 3.0
 _EVERY_KIND = "all"
 _MOST_FINDINGS, _MOST_OF_ONE = 30, 3
 _HEADER = (
-    "method", "kind", "scenes", "answers", "judged", "held", "worst", "width", "unknown", "refused", "late", "ended", "",
+    "method", "kind", "scenes", "answers", "judged", "held", "worst", "width", "unknown", "refused", "late", "ended", "guessed", "",
 )  # fmt: skip
 
 
@@ -35,6 +35,7 @@ class Row:
     outcomes: Counter[str] = field(default_factory=Counter)
     reasons: Counter[str] = field(default_factory=Counter)
     judged: list[Judged] = field(default_factory=list)
+    guesses: list[float] = field(default_factory=list)
 
     @property
     def held(self) -> float:
@@ -44,6 +45,11 @@ class Row:
     @property
     def worst(self) -> float:
         return max(each.ratio for each in self.judged)
+
+    @property
+    def guessed(self) -> float:
+        """The part of the answers that took as long as was expected, within a factor of two."""
+        return sum(1 / 2 <= guess <= 2 for guess in self.guesses) / len(self.guesses)
 
     @property
     def misses_target(self) -> bool:
@@ -58,6 +64,8 @@ class Row:
         self.outcomes[answer.outcome] += 1
         if answer.outcome != ANSWERED and answer.reason:
             self.reasons[without_numbers(answer.reason)] += 1
+        if answer.guess is not None:
+            self.guesses.append(answer.guess)
         for each in judged(record, self.method):
             self.answers += 1
             if isinstance(each, Judged):
@@ -79,6 +87,7 @@ class Row:
             _number(statistics.median(widths)) if widths else "",
             str(self.unknown),
             *(str(self.outcomes[outcome]) for outcome in (REFUSED, LATE, ENDED)),
+            f"{100 * self.guessed:.0f} %" if self.guesses else "",
             "missed" if self.misses_target else "",
         )
 

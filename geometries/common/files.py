@@ -25,8 +25,10 @@ def whole_file(target: Path) -> Iterator[Path]:
         yield unfinished
         os.replace(unfinished, target)
     except OSError as error:
-        # The error of a failed write does not name the file.
-        error.filename = error.filename or str(target)
+        # The error of a failed write names no file, others the temporary one.
+        if error.filename in (None, str(unfinished)):
+            error.filename = str(target)
+            del error.filename2
         raise
     finally:
         unfinished.unlink(missing_ok=True)

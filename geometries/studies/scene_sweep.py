@@ -16,10 +16,10 @@ FAMILY = "scene"
 
 def scenes(sweep: Table) -> Iterator[tuple[dict[str, str], Scene]]:
     """Returns the parameters and the scene of each case. Paths are relative to the study; InputError names a wrong file."""
+    sweep.allow_only(("family", "file", "motion", "reference"))
     scene = reader.load(_beside(sweep, "file"))
     frames = motion.load(_beside(sweep, "motion"), scene) if sweep.has("motion") else (motion.at_rest(scene),)
     stem = Path(sweep.text("file")).stem
-    sweep.finish()
     if not scene.sensors:
         raise InputError(sweep.source, sweep.key("file"), "the scene has no sensor")
     for number, frame in enumerate(frames, start=1):

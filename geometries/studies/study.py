@@ -136,9 +136,12 @@ def load(path: Path | str) -> Study:
 def loads(text: str, source: str = "study") -> Study:
     """Returns the study in a text; `source` stands for it in errors."""
     root = parse(text, source)
+    root.allow_only(("format", "name", "title", "experiment", "reference", "model", "sweep"))
     root.known_format()
     reference = root.table("reference")
+    reference.allow_only(("method", "rtol", "max_seconds", "error"))
     model = root.table("model")
+    model.allow_only(("methods",))
     error, reference_method = _error_kind(reference), _reference_method(reference)
     unasked = 1.0 if error == NO_REFERENCE else None
     untimed = 1.0 if reference_method == BOUNDARY_ELEMENTS else unasked
@@ -160,8 +163,6 @@ def loads(text: str, source: str = "study") -> Study:
         raise root.error(f"sweep[{alone[0]}].reference", "the study does not ask boundary elements")
     if not study.sweeps:
         raise root.error("sweep", "a study needs at least one sweep")
-    for table in (reference, model, root):
-        table.finish()
     return study
 
 
@@ -233,10 +234,10 @@ def _alone(sweep: Table) -> float | None:
     if not sweep.has("reference"):
         return None
     reference = sweep.table("reference")
+    reference.allow_only(("method", "rtol"))
     method, rtol = reference.text("method"), _rtol(reference, None)
     if method != BOUNDARY_ELEMENTS:
         raise reference.error("method", f"of a sweep can only be {BOUNDARY_ELEMENTS}, not {method!r}")
-    reference.finish()
     return rtol
 
 
@@ -249,11 +250,12 @@ def _cases(sweep: Table) -> Iterator[Case]:
     if family not in FAMILIES:
         known = ", ".join([*FAMILIES, scene_sweep.FAMILY])
         raise sweep.error("family", f"unknown family {family!r}; there are {known}")
+    function = FAMILIES[family]
+    kinds = {name: hint for name, hint in get_type_hints(function).items() if name != "return"}
+    sweep.allow_only(("family", "combine", "reference", *kinds))
     combine = sweep.text("combine", "product")
     if combine not in ("product", "zip"):
         raise sweep.error("combine", f"must be product or zip, not {combine!r}")
-    function = FAMILIES[family]
-    kinds = {name: hint for name, hint in get_type_hints(function).items() if name != "return"}
     defaults = {name: parameter.default for name, parameter in inspect.signature(function).parameters.items()}
     values = {
         name: [defaults[name]]
@@ -261,7 +263,6 @@ def _cases(sweep: Table) -> Iterator[Case]:
         else _values(sweep, name, kinds[name])
         for name in kinds
     }
-    sweep.finish()
     if combine == "product" and math.prod(map(len, values.values())) > _MOST_CASES:
         raise sweep.error("", f"makes more than {_MOST_CASES} cases")
     for parameters in _combinations(sweep, values, combine):

@@ -98,7 +98,7 @@ std::function<double()> capacitance_of_a_scene() {
 Workload batched(double tolerance, const TriangleSet& set) {
   return [=]() -> std::function<double()> {
     return [=, batch = TriangleBatch(set.triangles)] {
-      return total_integrals(batch, std::vector{measured_plate()}, {tolerance, 1}).front().value;
+      return total_integrals(batch, std::vector{measured_plate()}, tolerance, 1).front().value;
     };
   };
 }
@@ -110,14 +110,14 @@ Workload making_a_tree(const TriangleSet& set) {
 Workload by_tree(double tolerance, const TriangleSet& set) {
   return [=]() -> std::function<double()> {
     const auto tree = std::make_shared<SurfaceTree>(set.triangles);
-    return [=] { return tree->integrate(measured_plate(), {.tolerance = tolerance}).value; };
+    return [=] { return tree->integrate(measured_plate(), tolerance).value; };
   };
 }
 
 /// Moves one of many links, after the trees are built.
 std::function<double()> pose_of_a_scene() {
   const Scene scene = load_scene(TemporaryFile(scene_of_boxes(100)).path());
-  const auto evaluator = std::make_shared<SceneEvaluator>(scene, CapacitanceOptions{.tolerance = 1e-4});
+  const auto evaluator = std::make_shared<SceneEvaluator>(scene, EvaluationOptions{.tolerance = 1e-4});
   evaluator->capacitance();
   evaluator->capacitance();
   return [evaluator, step = 0]() mutable {

@@ -49,7 +49,7 @@ MeasuredMethod one_by_one(const std::string& name, std::size_t most_triangles) {
 MeasuredMethod prepared(const std::string& name, double tolerance) {
   const auto prepare = [=](const std::vector<Triangle>& triangles) -> Evaluation {
     return [=, batch = TriangleBatch(triangles)] {
-      return plate_integrals(batch, measured_plate(), {tolerance, 1});
+      return plate_integrals(batch, measured_plate(), tolerance, 1);
     };
   };
   return {name, all, prepare};
@@ -60,7 +60,7 @@ MeasuredMethod prepared_with_derivatives() {
   const auto prepare = [](const std::vector<Triangle>& triangles) -> Evaluation {
     return [batch = TriangleBatch(triangles)] {
       benchmark::DoNotOptimize(total_derivatives(batch, measured_plate()));
-      return plate_integrals(batch, measured_plate(), {0, 1});
+      return plate_integrals(batch, measured_plate(), 0, 1);
     };
   };
   return {"batch+derivatives", all, prepare};
@@ -70,7 +70,7 @@ MeasuredMethod prepared_with_derivatives() {
 MeasuredMethod summed_by_tree(const std::string& name, double tolerance) {
   const auto prepare = [=](const std::vector<Triangle>& triangles) -> Evaluation {
     return [=, tree = std::make_shared<SurfaceTree>(triangles)] {
-      return Values{tree->integrate(measured_plate(), {.tolerance = tolerance}).value};
+      return Values{tree->integrate(measured_plate(), tolerance).value};
     };
   };
   return {name, all, prepare};

@@ -47,12 +47,13 @@ void build(benchmark::State& state, int segments) {
   state.counters["triangles"] = static_cast<double>(triangles.size());
 }
 
-void integrate(benchmark::State& state, int segments, const Rectangle& plate, const TreeOptions& options) {
+void integrate(benchmark::State& state, int segments, const Rectangle& plate, double tolerance,
+               FaceRule faces) {
   const SurfaceTree& tree = *surface(segments).tree;
   TreeIntegral integral;
   for ([[maybe_unused]] auto step : state)
-    benchmark::DoNotOptimize(integral = tree.integrate(plate, options));
-  const double exact = tree.integrate(plate, {.faces = options.faces}).value;
+    benchmark::DoNotOptimize(integral = tree.integrate(plate, tolerance, 0, faces));
+  const double exact = tree.integrate(plate, 0, 0, faces).value;
   state.counters["triangles"] = static_cast<double>(tree.triangle_count());
   state.counters["error"] = std::abs(integral.value - exact) / exact;
   state.counters["bound"] = integral.bound / exact;
@@ -74,8 +75,8 @@ void register_integrals(int segments, double gap, double degrees, FaceRule faces
   for (const double tolerance : {0.0, 1e-3, 1e-4, 1e-6, 1e-9}) {
     const std::string name = fmt::format("integrate/segments:{}/gap:{}/tilt:{}/{}/tolerance:{}", segments,
                                          gap, degrees, to_string(faces), tolerance);
-    const TreeOptions options{.tolerance = tolerance, .faces = faces};
-    benchmark::RegisterBenchmark(name.c_str(), integrate, segments, posed_plate(gap, degrees), options)
+    benchmark::RegisterBenchmark(name.c_str(), integrate, segments, posed_plate(gap, degrees), tolerance,
+                                 faces)
         ->Unit(benchmark::kMicrosecond)
         ->MinTime(0.05);
   }

@@ -260,7 +260,7 @@ const std::vector<float>& Page::densities(std::size_t sensor) {
       std::vector<double> sums(triangles.size());
       for (const Rectangle& plate : driven.plates) {
         const std::vector<double> integrals =
-            plate_integrals(batch, transformed(plate, to_object), {.tolerance = tolerance_of_colours});
+            plate_integrals(batch, transformed(plate, to_object), tolerance_of_colours);
         for (std::size_t t = 0; t < sums.size(); ++t)
           sums[t] += integrals[t];
       }

@@ -144,7 +144,7 @@ Answer answer_capacitance(const Request& request) {
     progress.reset();
     const double seconds = elapsed();
     if (request.output)
-      cli::write_vtu(live.scene(), integral_options(options), *request.output);
+      cli::write_vtu(live.scene(), options, *request.output);
     const std::vector<std::string> found = remarks(live.scene(), options, answer);
     cli::print_remarks(found);
     const std::string text =

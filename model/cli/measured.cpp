@@ -20,6 +20,8 @@ int decimals(double error) {
 
 std::string measured(double value, double error) {
   constexpr double large = 100;
+  if (std::isinf(value) && error == 0)
+    return unmeasured(value);
   if (!std::isfinite(error) || !std::isfinite(value))
     return "unknown";
   if (error >= large && error > std::abs(value))
@@ -40,6 +42,10 @@ std::string measured(double value, double error) {
   constexpr double least = 1e-8;
   return error < least ? fmt::format("{:.{}f} ± {:.1e}", value, places, error)
                        : fmt::format("{:.{}f} ± {:.{}f}", value, places, error, places);
+}
+
+std::string unmeasured(double value) {
+  return fmt::format("{:.6g}", value);
 }
 
 }  // namespace fringe::cli

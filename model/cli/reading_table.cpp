@@ -17,7 +17,7 @@ std::string text_of(const Estimate& estimate) {
     return "-";
   const double value = *estimate.value * picofarads_per_farad;
   if (!estimate.error)
-    return fmt::format("{:.6f}", value);
+    return unmeasured(value);
   return measured(value, *estimate.error * picofarads_per_farad);
 }
 
@@ -32,7 +32,7 @@ std::string text_of(double derivative, std::optional<double> error) {
   if (std::isnan(derivative))
     return "-";
   const double value = derivative * picofarads_per_farad;
-  return error ? measured(value, *error * picofarads_per_farad) : fmt::format("{:.6g}", value);
+  return error ? measured(value, *error * picofarads_per_farad) : unmeasured(value);
 }
 
 /// Formats the derivatives of the changes, a row for each reading and link; empty if there are none.

@@ -106,6 +106,9 @@ FrameRows answered_rows(const Scene& scene, std::size_t number, const std::strin
                         const std::string& method, const Evaluation& answer, const std::string& key) {
   const std::vector<Reading> described = readings(scene);
   FrameRows rows{.text = {}, .noticed = {}, .reached = answer.reached};
+  const char* const reached = !states_errors(method_of(with_method({}, method))) ? ""
+                              : answer.reached                                   ? "yes"
+                                                                                 : "no";
   for (std::size_t k = 0; k < described.size(); ++k) {
     const ReadingAnswer& reading = answer.readings[k];
     rows.noticed.push_back(noticed(reading, described[k].threshold));
@@ -114,7 +117,7 @@ FrameRows answered_rows(const Scene& scene, std::size_t number, const std::strin
         reading.answered_by, text_of(reading.value.value), text_of(reading.value.error),
         text_of(reading.background.value), text_of(reading.background.error), text_of(reading.change.value),
         text_of(reading.change.error), text_of(delta_voltage(scene, described[k], reading)),
-        text_of(described[k].threshold), to_string(rows.noticed.back()), answer.reached ? "yes" : "no", key);
+        text_of(described[k].threshold), to_string(rows.noticed.back()), reached, key);
   }
   return rows;
 }
@@ -153,7 +156,7 @@ std::optional<FrameRows> EarlierRows::find(const Scene& scene, std::size_t numbe
     if (row == lines_.end() || !row->starts_with(begins) || field_from_end(*row, 0) != key)
       return std::nullopt;
     rows.text += *row + '\n';
-    rows.reached = rows.reached && field_from_end(*row, 1) == "yes";
+    rows.reached = rows.reached && field_from_end(*row, 1) != "no";
     rows.noticed.push_back(parse_noticed(field_from_end(*row, 2)));
   }
   return rows;

@@ -27,7 +27,7 @@ using Contributions = std::vector<std::vector<double>>;
 
 /// Appends the contributions of an object's triangles. Each triangle is evaluated as an object of its own, so
 /// that every option has the same meaning as for the whole scene.
-void add_contributions(const Scene& scene, const Object& object, CapacitanceOptions options,
+void add_contributions(const Scene& scene, const Object& object, EvaluationOptions options,
                        Contributions& contributions) {
   options.faces = rule_for(object.shape, options.faces);
   const std::vector<Triangle> triangles = triangulate(object.shape);
@@ -77,7 +77,7 @@ class Arrays {
 
 }  // namespace
 
-void write_vtu(const Scene& scene, const CapacitanceOptions& options, const fs::path& target) {
+void write_vtu(const Scene& scene, const EvaluationOptions& options, const fs::path& target) {
   if (options.tolerance > 0)
     throw InputError(
         "--output cannot be combined with a tolerance, which does not evaluate single triangles");

@@ -2,7 +2,7 @@
 
 #include <filesystem>
 
-#include "fringe/capacitance.hpp"
+#include "fringe/evaluation.hpp"
 #include "fringe/scene.hpp"
 
 namespace fringe::cli {
@@ -14,6 +14,6 @@ namespace fringe::cli {
 ///
 /// @throws InputError for options under which triangles are not evaluated one by one, and as capacitance()
 /// does; std::runtime_error when the file cannot be written.
-void write_vtu(const Scene& scene, const CapacitanceOptions& options, const std::filesystem::path& target);
+void write_vtu(const Scene& scene, const EvaluationOptions& options, const std::filesystem::path& target);
 
 }  // namespace fringe::cli

@@ -13,6 +13,14 @@ namespace fringe::cli {
 
 namespace fs = std::filesystem;
 
+namespace {
+
+[[noreturn]] void fail(const fs::path& target) {
+  throw std::runtime_error(fmt::format("{}: cannot be written", target.string()));
+}
+
+}  // namespace
+
 Unfinished::Unfinished(fs::path path) : path_(std::move(path)) {}
 
 Unfinished::~Unfinished() {
@@ -40,37 +48,33 @@ fs::path unfinished_path(const fs::path& target) {
   return target.parent_path() / fmt::format(".{}.unfinished", target.filename().string());
 }
 
-void write_bytes(const fs::path& path, const std::string& bytes) {
+void write_bytes(const fs::path& path, const std::string& bytes, const fs::path& target) {
   std::ofstream file(path, std::ios::binary);
   file << bytes;
   file.close();
   if (!file)
-    throw std::runtime_error(fmt::format("{}: cannot be written", path.string()));
+    fail(target);
+}
+
+void rename_to(const fs::path& path, const fs::path& target) {
+  std::error_code failure;
+  fs::rename(path, target, failure);
+  if (failure)
+    fail(target);
 }
 
 void write_whole(const std::map<fs::path, std::string>& files) {
-  const auto fail = [](const fs::path& target) {
-    throw std::runtime_error(fmt::format("{}: cannot be written", target.string()));
-  };
   std::vector<std::unique_ptr<Unfinished>> written;
   for (const auto& [target, bytes] : files) {
     written.push_back(std::make_unique<Unfinished>(unfinished_path(target)));
-    try {
-      write_bytes(written.back()->path(), bytes);
-    } catch (const std::runtime_error&) {
-      fail(target);
-    }
+    write_bytes(written.back()->path(), bytes, target);
     // A folder in the place of a file would only be noticed when other files have been replaced.
     if (fs::is_directory(target))
       fail(target);
   }
   auto unfinished = written.begin();
-  for (const auto& [target, bytes] : files) {
-    std::error_code failure;
-    fs::rename((*unfinished++)->path(), target, failure);
-    if (failure)
-      fail(target);
-  }
+  for (const auto& [target, bytes] : files)
+    rename_to((*unfinished++)->path(), target);
 }
 
 }  // namespace fringe::cli

@@ -38,8 +38,13 @@ class MissingFolders {
 /// Returns the path of the temporary file or folder that later takes a name in its folder.
 std::filesystem::path unfinished_path(const std::filesystem::path& target);
 
-/// Writes a file. Throws std::runtime_error when it cannot be written.
-void write_bytes(const std::filesystem::path& path, const std::string& bytes);
+/// Writes a temporary file that is to take the place of `target`, which the std::runtime_error names that is
+/// thrown when it cannot be written.
+void write_bytes(const std::filesystem::path& path, const std::string& bytes,
+                 const std::filesystem::path& target);
+
+/// Gives a temporary file its own name. Throws std::runtime_error when that cannot be.
+void rename_to(const std::filesystem::path& path, const std::filesystem::path& target);
 
 /// Writes files under temporary names, and gives them their own when all are written, so that no unfinished
 /// file is left. Existing files are replaced. Throws std::runtime_error when one cannot be written.

@@ -28,6 +28,9 @@ std::string in_picofarads(const std::optional<double>& value, const std::optiona
   if (!value)
     return "not known";
   const std::string number = fmt::format("{:.6g}", *value * picofarads_per_farad);
+  // Of contact the infinite value is certain.
+  if (std::isinf(*value))
+    return number + " pF";
   return error ? fmt::format("{} ± {:.2g} pF", number, *error * picofarads_per_farad)
                : fmt::format("{} pF, error not known", number);
 }
@@ -65,12 +68,13 @@ const Eigen::MatrixXd& numbers_of(const MotionTable& table, const std::string& n
 /// Returns a row for each frame and reading, with the columns of the tables of fringe sweep.
 py::object to_pandas(const MotionTable& table) {
   py::dict columns;
-  py::list frames, readings, answered_by;
+  py::list frames, readings, answered_by, reached;
   for (std::size_t frame = 0; frame < table.frames.size(); ++frame)
     for (std::size_t reading = 0; reading < table.readings.size(); ++reading) {
       frames.append(table.frames[frame]);
       readings.append(table.readings[reading]);
       answered_by.append(table.answered_by[frame][reading]);
+      reached.append(table.reached[frame]);
     }
   columns["name"] = frames;
   columns["reading"] = readings;
@@ -80,6 +84,7 @@ py::object to_pandas(const MotionTable& table) {
     columns[py::str(name + "_F")] = flat(numbers_of(table, name));
     columns[py::str(name + "_error_F")] = flat(table.error.at(name));
   }
+  columns["reached"] = reached;
   return py::module_::import("pandas").attr("DataFrame")(columns);
 }
 
@@ -92,6 +97,7 @@ py::object to_xarray(const MotionTable& table) {
         py::make_tuple(dimensions, table.error.at(name), py::dict("units"_a = "F"));
   }
   variables["answered_by"] = py::make_tuple(dimensions, table.answered_by);
+  variables["reached"] = py::make_tuple("frame", table.reached);
   return py::module_::import("xarray").attr("Dataset")(
       variables, "coords"_a = py::dict("frame"_a = table.frames, "reading"_a = table.readings));
 }
@@ -169,7 +175,8 @@ std::map<std::string, PythonReading> python_readings(const std::vector<ReadingAn
                                                     {"change", reading.change.error}},
                                                    reading.answered_by,
                                                    {},
-                                                   {}};
+                                                   {},
+                                                   reading.reached};
     for (const LinkDerivatives& of_link : reading.derivatives) {
       entry.derivatives[of_link.link] = of_link.change;
       entry.derivative_errors[of_link.link] = of_link.error;
@@ -183,6 +190,7 @@ MotionTable motion_table(std::vector<std::string> frames, const std::vector<std:
   MotionTable table{.frames = std::move(frames),
                     .readings = readings,
                     .answered_by = {},
+                    .reached = {},
                     .value = table_of<&Estimate::value>(answers, readings.size(), &ReadingAnswer::value),
                     .background =
                         table_of<&Estimate::value>(answers, readings.size(), &ReadingAnswer::background),
@@ -194,6 +202,7 @@ MotionTable motion_table(std::vector<std::string> frames, const std::vector<std:
   table.error["change"] = table_of<&Estimate::error>(answers, readings.size(), &ReadingAnswer::change);
   for (const std::vector<ReadingAnswer>& frame : answers) {
     table.answered_by.emplace_back();
+    table.reached.push_back(frame.empty() ? std::nullopt : frame.front().reached);
     for (const ReadingAnswer& reading : frame)
       table.answered_by.back().push_back(reading.answered_by);
   }
@@ -211,6 +220,10 @@ void add_readings(py::module_& module) {
                     R"(Estimates of the errors: {"value", "background", "change"}.)")
       .def_readonly("answered_by", &PythonReading::answered_by, "The method.")
       .def_readonly(
+          "reached", &PythonReading::reached,
+          "Whether the answer, with all its readings, reached the accuracy asked for; None of methods "
+          "that state no errors.")
+      .def_readonly(
           "derivatives", &PythonReading::derivatives,
           R"(The derivatives of the change by the pose of each link, {link: (6,) array}, if asked for.)")
       .def_readonly("derivative_errors", &PythonReading::derivative_errors,
@@ -224,6 +237,9 @@ void add_readings(py::module_& module) {
       .def_readonly("frames", &MotionTable::frames, "The names of the frames.")
       .def_readonly("readings", &MotionTable::readings, "The names of the readings.")
       .def_readonly("answered_by", &MotionTable::answered_by, "The methods, a list for each frame.")
+      .def_readonly("reached", &MotionTable::reached,
+                    "Whether each frame reached the accuracy asked for; None where it has no answer, and of "
+                    "methods that state no errors.")
       .def_readonly("value", &MotionTable::value)
       .def_readonly("background", &MotionTable::background)
       .def_readonly("change", &MotionTable::change)

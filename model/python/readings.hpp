@@ -22,6 +22,7 @@ struct PythonReading {
   std::string answered_by;
   std::map<std::string, PoseDerivatives> derivatives;  ///< by link
   std::map<std::string, std::optional<PoseDerivatives>> derivative_errors;
+  std::optional<bool> reached;
 };
 
 /// Returns readings by their names.
@@ -32,6 +33,7 @@ std::map<std::string, PythonReading> python_readings(const std::vector<ReadingAn
 struct MotionTable {
   std::vector<std::string> frames, readings;
   std::vector<std::vector<std::string>> answered_by;  ///< in each frame
+  std::vector<std::optional<bool>> reached;           ///< in each frame
   Eigen::MatrixXd value, background, change;
   std::map<std::string, Eigen::MatrixXd> error;
 };

@@ -520,8 +520,8 @@ method: "reduced", the reduced boundary element method, which prepares the scene
 for each pose; "boundary-elements"; or "auto", the cheaper of these that states the accuracy asked for. "exact", "split:N",
 "gauss:K" and "formula" know only the change of a reading that drives the sensor it senses, the sum over
 the targets, and no error.
-rtol: the largest relative error of value and change asked for, from 1e-6 to 0.5; if not given, 1e-2. What was not reached
-is stated by the errors.
+rtol: the largest relative error of value and change asked for, from 1e-6 to 0.5; if not given, 1e-2. Reading.reached says whether
+it was reached; the errors are honest if not.
 entries: whether each entry of the Maxwell matrix in the rows of sensors and electrodes is to be as accurate, too.
 max_seconds: end after this time with the best answer so far; RuntimeError is raised where there is none.
 derivatives: fill in Reading.derivatives, {link: (6,) array}, the derivatives of the change as the link moves with all

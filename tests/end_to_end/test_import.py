@@ -350,6 +350,13 @@ def test_folders_that_are_not_there_are_made(tmp_path: Path) -> None:
     assert done.returncode == 0 and reader.load(tmp_path / "new" / "deep" / "scene.toml").objects
 
 
+def test_a_scene_that_cannot_be_written_is_told_by_its_name(tmp_path: Path) -> None:
+    target = tmp_path / "scene.toml"
+    target.mkdir()
+    done = fringe_import(written(tmp_path, model([{"mesh": 0}])), target)
+    assert done.returncode == 1 and done.stderr == f"fringe: {target}: cannot be written\n"
+
+
 def test_a_folder_that_cannot_be_made_is_told(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     done = fringe_import(written(tmp_path, model([{"mesh": 0}])), tmp_path / "file" / "scene.toml")

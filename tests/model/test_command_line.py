@@ -1,5 +1,6 @@
 """What the `fringe` program prints, where, and with which exit code."""
 
+import csv
 import json
 import math
 import subprocess
@@ -105,6 +106,18 @@ def test_contact_is_an_infinite_number_in_json(fringe_command: Command, touching
     table = fringe_command("capacitance", touching).stdout
     assert "sensor front (contact)" in table
     assert "inf pF  contact" in table
+
+
+@pytest.mark.parametrize("method", ["exact", "formula", "auto"])
+def test_contact_is_told_in_one_way(fringe_command: Command, touching: Path, method: str) -> None:
+    asked = ("capacitance", touching, "--method", method)
+    (reading,) = json.loads(fringe_command(*asked, "--json").stdout)["readings"]
+    assert (reading["change"], reading["error"]["change"]) == (math.inf, 0)
+    assert fringe_command(*asked).stdout.split()[-1] == "inf"
+    touching.with_suffix(".motion.toml").write_text('[[frame]]\nname = "there"\n')
+    (row,) = csv.DictReader(fringe_command("sweep", *asked[1:]).stdout.splitlines())
+    assert (row["change_F"], row["change_error_F"]) == ("inf", "0")
+    assert "change inf pF, by" in repr(fringe.Scene.load(touching).readings(method)["front"])
 
 
 @pytest.fixture

@@ -84,7 +84,8 @@ def test_a_folder_that_cannot_be_is_refused(fringe_command: Command, scene: Path
     done = fringe_command(
         "capacitance", scene, "--method", "reduced", "--rtol", "0.2", "--prepared", tmp_path / "file"
     )
-    assert done.returncode == 2 and f"{tmp_path / 'file'}: prepared data cannot be kept there" in done.stderr
+    told = f"prepared: {tmp_path / 'file'} is no folder that can be written"
+    assert done.returncode == 2 and done.stderr == f"fringe: {scene}: {told}\n"
 
 
 def test_on_a_terminal_preparations_say_how_far_they_are(

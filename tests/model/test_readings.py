@@ -60,13 +60,13 @@ def test_long_names_and_large_errors_keep_the_tables_columns_apart(tmp_path: Pat
         .replace("housing", "housing of the whole machine")
         .replace("unguarded", "without the guard")
     )
-    (tmp_path / "scene.toml").write_text(text.replace("[0, 0, -0.07]", "[0, 0, -0.0602]"))
+    (tmp_path / "scene.toml").write_text(text.replace("[0, 0, -0.07]", "[0, 0, -0.062]"))
     done = subprocess.run(
         [COMMAND, "capacitance", tmp_path / "scene.toml", "--method", "reduced", "--entries"],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 3  # the guard is 0.2 mm before the housing
+    assert done.returncode == 3  # the guard is 2 mm before the housing
     head, *rows = done.stdout.split("\n\n")[1].splitlines()
     assert head.split("  ")[-1] == "housing of the whole machine"
     for row in rows:
@@ -123,11 +123,11 @@ def reading() -> fringe.Reading:
     return fringe.Scene.loads(TWO_SENSORS).readings()["<front>"]
 
 
-def moved(count: int, method: str = "auto") -> fringe.MotionReadings:
+def moved(count: int, method: str = "auto", rtol: float | None = None) -> fringe.MotionReadings:
     """The readings while the hand goes away."""
     poses = np.tile(np.eye(4), (count, 1, 1, 1))
     poses[:, 0, 2, 3] = np.linspace(0.05, 0.15, count)
-    return fringe.Scene.loads(TWO_SENSORS).readings_of(poses, method)
+    return fringe.Scene.loads(TWO_SENSORS).readings_of(poses, method, rtol=rtol)
 
 
 @pytest.fixture(scope="module")
@@ -140,6 +140,15 @@ def test_a_reading_prints_its_numbers_with_errors_and_unit(reading: fringe.Readi
     assert re.fullmatch(rf"<fringe\.Reading <front>: {parts}, by [a-z-]+>", repr(reading))
     assert f"change {1e12 * reading.change:.6g} ± {1e12 * reading.error['change']:.2g} pF" in repr(reading)
     assert reading.name == "<front>"
+
+
+def test_whether_the_accuracy_was_reached_is_told() -> None:
+    scene = fringe.Scene.loads(TWO_SENSORS)
+    scene.set_pose("hand", [0, 0, 0.05])
+    for method, rtol, reached in (("auto", 1e-2, True), ("reduced", 1e-6, False), ("exact", None, None)):
+        assert [each.reached for each in scene.readings(method, rtol=rtol).values()] == [reached] * 2
+        assert moved(2, method, rtol).reached == [reached] * 2
+    assert scene.maxwell(rtol=1e-2)["reached"]
 
 
 def test_what_is_not_known_is_said() -> None:
@@ -178,6 +187,7 @@ def test_they_become_a_table_with_the_columns_of_a_sweep(motion: fringe.MotionRe
     table = motion.to_pandas()
     assert list(table["name"]) == ["1", "1", "2", "2", "3", "3"] and list(table["reading"]) == 3 * NAMES
     assert list(table["answered_by"]) == [name for names in motion.answered_by for name in names]
+    assert list(table["reached"]) == 6 * [True]
     for part in PARTS:
         assert np.array_equal(table[f"{part}_F"], getattr(motion, part).ravel())
         assert np.array_equal(table[f"{part}_error_F"], motion.error[part].ravel())

@@ -148,7 +148,8 @@ def test_several_methods_have_a_row_each_in_every_frame(fringe_command: Command,
         own = found[number :: len(asked)]
         assert [float(row["change_F"]) for row in own] == list(expected.change[:, 0])
     assert {row["answered_by"] for row in found if row["method"] == "auto"} <= {"formula", "reduced"}
-    assert {row["reached"] for row in found} == {"yes"}
+    for row in found:
+        assert row["reached"] == ("" if row["method"].startswith("exact") else "yes")
 
 
 def test_a_stopped_sweep_is_completed_and_its_rows_are_kept(fringe_command: Command, scene: Path) -> None:

@@ -164,17 +164,19 @@ std::string heading(const Scene& scene, const std::string& source) {
 /// The names of the mesh files by the index of their object.
 using MeshNames = std::map<std::size_t, std::string>;
 
-/// Writes the meshes of a scene into a folder, which is created if there are any.
-MeshNames write_meshes(const Scene& scene, const fs::path& folder) {
+/// Writes the meshes of a scene into a folder, which is created if there are any; errors name `target` in its
+/// place.
+MeshNames write_meshes(const Scene& scene, const fs::path& folder, const fs::path& target) {
   MeshNames written;
   UniqueNames names;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const auto* mesh = std::get_if<Mesh>(&scene.objects[i].shape);
     if (mesh == nullptr)
       continue;
-    fs::create_directories(folder);
+    std::error_code failure;  // that of the file's says as much
+    fs::create_directories(folder, failure);
     written[i] = names.take(plain_name(scene.objects[i].name, "-")) + ".stl";
-    write_bytes(folder / written[i], stl(mesh->triangles));
+    write_bytes(folder / written[i], stl(mesh->triangles), target / written[i]);
   }
   return written;
 }
@@ -213,8 +215,8 @@ void write_scene_file(const Scene& scene, const fs::path& target, const std::str
   const std::string meshes = target.stem().string() + "_meshes";
   const Unfinished scene_file(unfinished_path(beside / target.filename()));
   const Unfinished mesh_folder(unfinished_path(beside / meshes));
-  const MeshNames names = write_meshes(scene, mesh_folder.path());
-  write_bytes(scene_file.path(), scene_text(scene, source, mesh_folder.path().filename(), names));
+  const MeshNames names = write_meshes(scene, mesh_folder.path(), beside / meshes);
+  write_bytes(scene_file.path(), scene_text(scene, source, mesh_folder.path().filename(), names), target);
   try {
     load_scene(scene_file.path());
   } catch (const InputError& error) {
@@ -222,12 +224,12 @@ void write_scene_file(const Scene& scene, const fs::path& target, const std::str
                                  without_paths(error.what(), scene_file.path(), mesh_folder.path())));
   }
   // Existing files stay until the new scene is known to be valid.
-  write_bytes(scene_file.path(), scene_text(scene, source, meshes, names));
+  write_bytes(scene_file.path(), scene_text(scene, source, meshes, names), target);
   if (!names.empty())
     fs::create_directories(beside / meshes);
   for (const auto& [object, name] : names)
-    fs::rename(mesh_folder.path() / name, beside / meshes / name);
-  fs::rename(scene_file.path(), target);
+    rename_to(mesh_folder.path() / name, beside / meshes / name);
+  rename_to(scene_file.path(), target);
   folders.keep();
 }
 

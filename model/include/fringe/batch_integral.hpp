@@ -10,15 +10,6 @@
 
 namespace fringe {
 
-struct BatchOptions {
-  /// Largest relative error of each triangle's integral, besides rounding. 0: full precision.
-  double tolerance = 0;
-
-  /// Largest number of threads; 0: as many as the machine offers. The results do not depend on it, bit by
-  /// bit.
-  int threads = 0;
-};
-
 /// A sum of integrals and a bound of its error.
 struct BoundedIntegral {
   double value;  ///< m
@@ -31,14 +22,17 @@ struct BoundedIntegral {
 /// quadrature rule with a proven error bound, in front of the plate and near it a closed form
 /// (model/NUMERICS.md, section 12).
 ///
+/// @param tolerance largest relative error of each triangle's integral, besides rounding; 0: full precision
+/// @param threads largest number of threads; 0: as many as the machine offers. The results do not depend on
+/// it, bit by bit.
 /// @throws InputError when the plate is not a rectangle or the tolerance is negative or not finite.
 std::vector<double> plate_integrals(const TriangleBatch& triangles, const Rectangle& plate,
-                                    const BatchOptions& options = {});
+                                    double tolerance = 0, int threads = 0);
 
 /// Computes the sum of the integrals over all triangles, for each plate.
 std::vector<BoundedIntegral> total_integrals(const TriangleBatch& triangles,
-                                             std::span<const Rectangle> plates,
-                                             const BatchOptions& options = {});
+                                             std::span<const Rectangle> plates, double tolerance = 0,
+                                             int threads = 0);
 
 /// Computes the derivatives of the sum of the integrals as all triangles move together and the plate stays,
 /// as plate_integral_derivatives does for one. Throws InputError when the plate is not a rectangle.

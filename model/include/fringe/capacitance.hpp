@@ -36,19 +36,6 @@ FaceRule rule_for(const Shape& shape, FaceRule rule);
 std::string to_string(PlateRule rule);
 std::string to_string(FaceRule rule);
 
-struct CapacitanceOptions {
-  Method method = Exact{};  ///< one that integrates over triangles, or the pair formula in their place
-  PlateRule plates = PlateRule::sum;
-  FaceRule faces = FaceRule::all;
-  /// Largest part of a sensor's total that the evaluation may omit, relative to the total; the bounds of its
-  /// objects state how much was omitted at most. 0: nothing except what the division among nearest plates
-  /// needs, 1e-12. Only with the method Exact.
-  double tolerance = 0;
-};
-
-/// Throws InputError for options that are out of range or cannot be combined.
-void validate(const CapacitanceOptions& options);
-
 /// The contribution of one object to a sensor's capacitance.
 struct ObjectCapacitance {
   std::string name;
@@ -58,7 +45,7 @@ struct ObjectCapacitance {
   bool skipped;        ///< whether the object was not integrated at all
   std::string answered_by = {};  ///< the method
   /// F; what the method states of the difference from the true capacitance. None: it states nothing, as the
-  /// triangle integrals and the formula.
+  /// triangle integrals and the formula, except of contact, which is certain: 0.
   std::optional<double> error = {};
 };
 
@@ -91,13 +78,6 @@ struct SceneCapacitance {
   std::vector<SensorCapacitance> sensors;
   EvaluationCounts counts;
 };
-
-/// Evaluates the triangle-integral model (thesis 5.3): for each sensor and object ε₀·ε_r·Σ∫dA/d over the
-/// sensor's plates and the object's triangles, and the output voltage for the sum (thesis 5.3.5). Throws
-/// InputError when an object is not a grounded conductor (the model supports no other) or has no triangles,
-/// when a vertex is not finite, when a plate is not a rectangle, and for options that are out of range or
-/// cannot be combined.
-SceneCapacitance capacitance(const Scene& scene, const CapacitanceOptions& options = {});
 
 /// Returns the output of the voltage divider (thesis 5.3.5): C_c/(C_c + total)·input_voltage, 0 for an
 /// infinite total.

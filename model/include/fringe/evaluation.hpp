@@ -22,7 +22,10 @@ struct EvaluationOptions {
   std::optional<Method> method = {};
   PlateRule plates = PlateRule::sum;  ///< of the triangle-integral methods
   FaceRule faces = FaceRule::all;     ///< of the triangle-integral methods
-  double tolerance = 0;               ///< of Exact (CapacitanceOptions)
+  /// Largest part of a sensor's total that the evaluation may omit, relative to the total; the bounds of its
+  /// objects state how much was omitted at most. 0: nothing except what the division among nearest plates
+  /// needs, 1e-12. Only with the method Exact.
+  double tolerance = 0;
   /// Largest relative error asked for of the value and the change of every reading, each sensor's own where
   /// the scene names none; from 1e-6 to 0.5. None: 1e-2. The triangle integrals and the formula,
   /// which state no error, have none.
@@ -56,11 +59,15 @@ std::string method_text(const EvaluationOptions& options);
 /// Throws InputError for options that are out of range, cannot be combined or belong to another method.
 void validate(const EvaluationOptions& options);
 
-/// Returns the options of a triangle-integral method or the formula. Throws InputError for another method.
-CapacitanceOptions integral_options(const EvaluationOptions& options);
-
 /// Returns the relative error asked for, or the default one.
 double rtol_of(const EvaluationOptions& options);
+
+/// Evaluates the triangle-integral model (thesis 5.3): for each sensor and object ε₀·ε_r·Σ∫dA/d over the
+/// sensor's plates and the object's triangles, and the output voltage for the sum (thesis 5.3.5); or the
+/// formula in its place. Throws InputError when an object is not a grounded conductor (the model supports no
+/// other) or has no triangles, when a vertex is not finite, when a plate is not a rectangle, for options that
+/// are out of range or cannot be combined, and for other methods.
+SceneCapacitance capacitance(const Scene& scene, const EvaluationOptions& options = {});
 
 /// The answer of a method for a scene: the capacitances of its sensors, and its readings.
 struct Evaluation {

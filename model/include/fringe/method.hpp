@@ -47,6 +47,9 @@ constexpr int most_gauss_points = 64;
 /// Returns whether the method evaluates ∫dA/d over triangles.
 bool is_integral(const Method& method);
 
+/// Returns whether the method states errors, so that an accuracy can be asked of it.
+bool states_errors(const Method& method);
+
 /// Reads "exact", "split:N" (N from 0 to 10), "gauss:K" (K from 1 to 64), "formula", "reduced",
 /// "boundary-elements" or "auto". Throws InputError for anything else; for the names that methods had before,
 /// it says what to write now.

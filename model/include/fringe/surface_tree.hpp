@@ -16,13 +16,6 @@ namespace detail {
 struct SurfaceNodes;
 }
 
-/// The accuracy required of an integral over a surface, and the faces that count.
-struct TreeOptions {
-  double tolerance = 0;  ///< largest error relative to the integral
-  double allowance = 0;  ///< additional error allowed, m
-  FaceRule faces = FaceRule::all;
-};
-
 /// The work done for an integral over a surface. Every triangle is evaluated, lumped or skipped.
 struct TreeCounts {
   std::size_t triangles_evaluated = 0;  ///< triangles integrated one by one
@@ -56,10 +49,12 @@ class SurfaceTree {
   SurfaceTree(const SurfaceTree&) = delete;
   SurfaceTree& operator=(const SurfaceTree&) = delete;
 
-  /// Computes the sum of plate_integral over the triangles, with bound ≤ tolerance·(the sum) + allowance. If
-  /// both are zero, every triangle is integrated on its own. Throws InputError when the plate is not a
-  /// rectangle, or tolerance or allowance are negative or not finite.
-  TreeIntegral integrate(const Rectangle& plate, const TreeOptions& options) const;
+  /// Computes the sum of plate_integral over the triangles whose faces count, with bound ≤ tolerance·(the
+  /// sum)
+  /// + allowance (m). If both are zero, every triangle is integrated on its own. Throws InputError when the
+  /// plate is not a rectangle, or tolerance or allowance are negative or not finite.
+  TreeIntegral integrate(const Rectangle& plate, double tolerance, double allowance = 0,
+                         FaceRule faces = FaceRule::all) const;
 
   std::size_t triangle_count() const { return triangle_count_; }
 

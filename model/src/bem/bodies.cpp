@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -25,12 +26,14 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
-/// Shortest edge, in metres: capacitances, forces and their squares stay far from the smallest numbers.
-constexpr double shortest_edge = 1e-30;
+/// Shortest length of a body, in metres: capacitances, forces and their squares stay far from the smallest
+/// numbers.
+constexpr double shortest_length = 1e-30;
 
-void refuse_shorter(const std::string& name, double edge) {
-  if (edge < shortest_edge)
-    throw InputError(fmt::format("{}: an edge of {:g} m is shorter than {:g} m", name, edge, shortest_edge));
+void refuse_shorter(const std::string& name, double length) {
+  if (length < shortest_length)
+    throw InputError(
+        fmt::format("{}: a length of {:g} m is shorter than {:g} m", name, length, shortest_length));
 }
 
 ChargedFace face_of(const Rectangle& rectangle) {
@@ -90,6 +93,12 @@ struct SurfaceOfObject {
   BodySurface operator()(const Other&) const {
     if (!object.pose.matrix().allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", name));
+    const Vector3d sides = axis_aligned_box(triangulate(object.shape)).sizes();
+    // Rounding may leave a thickness in a flat mesh.
+    for (const double side : sides)
+      if (!std::is_same_v<Other, Mesh> && side > 0)
+        refuse_shorter(name, side);
+    refuse_shorter(name, sides.maxCoeff());
     return surface_of(object);
   }
 
@@ -148,8 +157,8 @@ class CornerWeld {
 Role role_of(const Object& object) {
   if (std::holds_alternative<Dielectric>(object.role))
     throw InputError(fmt::format(
-        "object \"{}\" is dielectric: the formula knows no such body of a machine; boundary-elements, the "
-        "reduced method and the field solver take it",
+        "object \"{}\" is dielectric: charges on triangles are known of conductors only; boundary-elements, "
+        "the reduced method and the field solver take it",
         object.name));
   if (std::holds_alternative<Electrode>(object.role))
     return Role::electrode;

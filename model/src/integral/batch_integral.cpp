@@ -20,11 +20,11 @@ using namespace detail;
 /// Number of chunks in one parallel task: some 100 µs of work.
 constexpr std::size_t chunks_per_task = 16;
 
-void validate(const BatchOptions& options) {
-  if (!(options.tolerance >= 0) || std::isinf(options.tolerance))
-    throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
-  if (options.threads < 0)
-    throw InputError(fmt::format("threads {} must not be negative", options.threads));
+void validate(double tolerance, int threads) {
+  if (!(tolerance >= 0) || std::isinf(tolerance))
+    throw InputError(fmt::format("tolerance {} must be finite and not negative", tolerance));
+  if (threads < 0)
+    throw InputError(fmt::format("threads {} must not be negative", threads));
 }
 
 /// Calls work(i) for 0 ≤ i < count, in parallel unless there is little work.
@@ -62,15 +62,15 @@ std::size_t chunk_count(const TriangleBatch& triangles, std::size_t chunk) {
 
 }  // namespace
 
-std::vector<double> plate_integrals(const TriangleBatch& triangles, const Rectangle& plate,
-                                    const BatchOptions& options) {
+std::vector<double> plate_integrals(const TriangleBatch& triangles, const Rectangle& plate, double tolerance,
+                                    int threads) {
   validate(plate);
-  validate(options);
-  const ChoicesFor choices(options.tolerance);
+  validate(tolerance, threads);
+  const ChoicesFor choices(tolerance);
   const PlateFrame frame = plate_frame(plate);
   const auto& kernels = best_kernels<BatchKernels>();
   std::vector<double> values(triangles.size());
-  for_each_chunk(chunks_of(triangles), options.threads, [&](std::size_t chunk) {
+  for_each_chunk(chunks_of(triangles), threads, [&](std::size_t chunk) {
     integrate_chunk(kernels, triangles, chunk * chunk_size, chunk_count(triangles, chunk), frame, *choices,
                     values.data() + chunk * chunk_size);
   });
@@ -78,7 +78,8 @@ std::vector<double> plate_integrals(const TriangleBatch& triangles, const Rectan
 }
 
 std::vector<BoundedIntegral> total_integrals(const TriangleBatch& triangles,
-                                             std::span<const Rectangle> plates, const BatchOptions& options) {
+                                             std::span<const Rectangle> plates, double tolerance,
+                                             int threads) {
   for (std::size_t i = 0; i < plates.size(); ++i) {
     try {
       validate(plates[i]);
@@ -86,15 +87,15 @@ std::vector<BoundedIntegral> total_integrals(const TriangleBatch& triangles,
       throw InputError(fmt::format("plate {}: {}", i, error.what()));
     }
   }
-  validate(options);
-  const ChoicesFor choices(options.tolerance);
+  validate(tolerance, threads);
+  const ChoicesFor choices(tolerance);
   const auto& kernels = best_kernels<BatchKernels>();
   std::vector<PlateFrame> frames;
   for (const Rectangle& plate : plates)
     frames.push_back(plate_frame(plate));
   const std::size_t chunks = chunks_of(triangles);
   std::vector<double> sums(plates.size() * chunks);
-  for_each_chunk(sums.size(), options.threads, [&](std::size_t i) {
+  for_each_chunk(sums.size(), threads, [&](std::size_t i) {
     const std::size_t begin = i % chunks * chunk_size;
     sums[i] = sum_range(kernels, triangles, begin, begin + chunk_count(triangles, i % chunks),
                         frames[i / chunks], *choices);
@@ -104,7 +105,7 @@ std::vector<BoundedIntegral> total_integrals(const TriangleBatch& triangles,
     double total = 0;
     for (std::size_t chunk = 0; chunk < chunks; ++chunk)
       total += sums[plate * chunks + chunk];
-    totals.push_back({total, options.tolerance * total});
+    totals.push_back({total, tolerance * total});
   }
   return totals;
 }

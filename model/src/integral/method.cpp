@@ -31,6 +31,10 @@ bool is_integral(const Method& method) {
          std::holds_alternative<Gauss>(method);
 }
 
+bool states_errors(const Method& method) {
+  return !is_integral(method) && !std::holds_alternative<Formula>(method);
+}
+
 Method parse_method(std::string_view text) {
   if (text == "exact")
     return Exact{};

@@ -55,7 +55,7 @@ void add(SurfaceIntegral& integral, std::span<const Triangle> triangles, const R
 }
 
 SurfaceIntegral sum_one_by_one(std::span<const Rectangle> plates, std::span<const Triangle> triangles,
-                               const CapacitanceOptions& options) {
+                               const IntegralOptions& options) {
   SurfaceIntegral integral;
   for (const Rectangle& plate : plates)
     if (options.faces == FaceRule::all)
@@ -77,7 +77,7 @@ std::vector<std::size_t> plates_counting(std::span<const Rectangle> plates, cons
 
 /// Divides triangles among their nearest plates.
 NearestPlates divided(std::span<const Rectangle> plates, std::span<const Triangle> triangles,
-                      const CapacitanceOptions& options) {
+                      const IntegralOptions& options) {
   NearestPlates division(plates);
   for (const Triangle& triangle : triangles)
     division.add(triangle, plates_counting(plates, triangle, options.faces));
@@ -86,7 +86,7 @@ NearestPlates divided(std::span<const Rectangle> plates, std::span<const Triangl
 }
 
 SurfaceIntegral nearest_plate_exactly(std::span<const Rectangle> plates, std::span<const Triangle> triangles,
-                                      const CapacitanceOptions& options) {
+                                      const IntegralOptions& options) {
   const NearestPlates division = divided(plates, triangles, options);
   SurfaceIntegral integral;
   integral.bound = division.bound();
@@ -112,7 +112,7 @@ double nearest_node_sum(std::span<const Rectangle> plates, const Triangle& trian
 }
 
 SurfaceIntegral nearest_plate_by_nodes(std::span<const Rectangle> plates, std::span<const Triangle> triangles,
-                                       const CapacitanceOptions& options) {
+                                       const IntegralOptions& options) {
   SurfaceIntegral integral;
   std::vector<std::vector<Triangle>> with_one_plate(plates.size());
   for (const Triangle& triangle : triangles) {
@@ -136,7 +136,7 @@ SurfaceIntegral nearest_plate_by_nodes(std::span<const Rectangle> plates, std::s
 /// Adds up the integrals over all triangles for each plate, several triangles per register.
 SurfaceIntegral sum_in_batches(const Surface& surface, std::span<const Rectangle> plates, double tolerance) {
   SurfaceIntegral integral;
-  for (const BoundedIntegral& total : total_integrals(surface.batch, plates, {.tolerance = tolerance})) {
+  for (const BoundedIntegral& total : total_integrals(surface.batch, plates, tolerance)) {
     integral.value += total.value;
     integral.bound += total.bound;
   }
@@ -145,11 +145,11 @@ SurfaceIntegral sum_in_batches(const Surface& surface, std::span<const Rectangle
 }
 
 SurfaceIntegral sum_by_tree(const SurfaceTree& tree, std::span<const Rectangle> plates,
-                            const CapacitanceOptions& options, double allowance) {
+                            const IntegralOptions& options, double allowance) {
   SurfaceIntegral integral;
   for (const Rectangle& plate : plates) {
-    const TreeIntegral part = tree.integrate(
-        plate, {options.tolerance, allowance / static_cast<double>(plates.size()), options.faces});
+    const TreeIntegral part = tree.integrate(plate, options.tolerance,
+                                             allowance / static_cast<double>(plates.size()), options.faces);
     integral.value += part.value;
     integral.bound += part.bound;
     integral.counts.triangles_evaluated += part.counts.triangles_evaluated;
@@ -161,7 +161,7 @@ SurfaceIntegral sum_by_tree(const SurfaceTree& tree, std::span<const Rectangle> 
 }
 
 SurfaceIntegral integrate(const Surface& surface, std::span<const Rectangle> plates,
-                          const CapacitanceOptions& options, double allowance) {
+                          const IntegralOptions& options, double allowance) {
   const bool exact = std::holds_alternative<Exact>(options.method);
   if (options.plates == PlateRule::nearest)
     return exact ? nearest_plate_exactly(plates, surface.triangles, options)
@@ -222,7 +222,7 @@ Enclosure enclosure(const Surface& surface, const Eigen::Vector3d& centroid,
 }
 
 SurfaceIntegral surface_integral(const Surface& surface, std::span<const Rectangle> plates,
-                                 const CapacitanceOptions& options, double allowance) {
+                                 const IntegralOptions& options, double allowance) {
   SurfaceIntegral integral = integrate(surface, plates, options, allowance);
   if (std::isinf(integral.value))
     integral.bound = 0;
@@ -231,7 +231,7 @@ SurfaceIntegral surface_integral(const Surface& surface, std::span<const Rectang
 }
 
 Wrench surface_wrench(const Surface& surface, std::span<const Rectangle> plates,
-                      const CapacitanceOptions& options) {
+                      const IntegralOptions& options) {
   Wrench sum;
   if (options.plates == PlateRule::nearest) {
     const std::vector<std::vector<Triangle>> shares = divided(plates, surface.triangles, options).shares();

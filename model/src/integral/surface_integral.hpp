@@ -17,6 +17,14 @@
 /// frame.
 namespace fringe::detail {
 
+/// How a surface is integrated: what EvaluationOptions say of it.
+struct IntegralOptions {
+  Method method;  ///< one that integrates over triangles, or the pair formula in their place
+  PlateRule plates;
+  FaceRule faces;
+  double tolerance;
+};
+
 /// An object's surface with the quantities that all of its integrals share.
 struct Surface {
   std::vector<Triangle> triangles;
@@ -50,12 +58,12 @@ Enclosure enclosure(const Surface& surface, const Eigen::Vector3d& centroid,
 /// Computes the sum over the plates of ∫dA/d, or ∫dA/min_k d_k, as the options ask. The bound of the result
 /// is at most tolerance·value + allowance.
 SurfaceIntegral surface_integral(const Surface& surface, std::span<const Rectangle> plates,
-                                 const CapacitanceOptions& options, double allowance);
+                                 const IntegralOptions& options, double allowance);
 
 /// Computes the derivatives of the integral by the method exact as the surface moves and the plates stay, in
 /// the surface's frame. The triangles that count, and where several plates are equally near, stay the same.
 /// All are NaN in contact. The tolerance does not apply.
 Wrench surface_wrench(const Surface& surface, std::span<const Rectangle> plates,
-                      const CapacitanceOptions& options);
+                      const IntegralOptions& options);
 
 }  // namespace fringe::detail

@@ -77,8 +77,7 @@ PreparedFiles::PreparedFiles(fs::path folder) : folder_(std::move(folder)) {
   if (folder_.native().find('\0') == std::string::npos)
     fs::create_directories(folder_, error);
   if (!fs::is_directory(folder_, error) || access(folder_.c_str(), W_OK | X_OK) != 0)
-    throw InputError(fmt::format(
-        "{}: prepared data cannot be kept there: it is no folder that can be written", folder_.string()));
+    throw InputError(fmt::format("prepared: {} is no folder that can be written", folder_.string()));
 }
 
 fs::path PreparedFiles::file(std::string_view kind, std::string_view input) const {

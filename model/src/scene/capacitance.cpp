@@ -1,4 +1,4 @@
-#include "fringe/capacitance.hpp"
+#include "fringe/evaluation.hpp"
 
 #include "bem/insulators.hpp"
 #include "scene/scene_evaluator.hpp"
@@ -21,7 +21,7 @@ double divider_voltage(const Sensor& sensor, double total) {
   return sensor.coupling_capacitance / (sensor.coupling_capacitance + total) * sensor.input_voltage;
 }
 
-SceneCapacitance capacitance(const Scene& scene, const CapacitanceOptions& options) {
+SceneCapacitance capacitance(const Scene& scene, const EvaluationOptions& options) {
   detail::refuse_thick_covers(scene);
   return SceneEvaluator(scene, options).capacitance();
 }

@@ -45,11 +45,12 @@ class LiveScene::Implementation {
     if (std::holds_alternative<Auto>(method)) {
       answer_ =
           automatic_.evaluate(methods_, scene_, size_, options, with_sensors, limit ? &*limit : nullptr);
-      return answer_;
+    } else {
+      const double expected = expected_seconds(method, options);
+      answer_by(method, options, with_sensors);
+      answer_.expected_seconds = expected;
     }
-    const double expected = expected_seconds(method, options);
-    answer_by(method, options, with_sensors);
-    answer_.expected_seconds = expected;
+    note_reached(answer_.readings, method, answer_.reached);
     return answer_;
   }
 
@@ -57,7 +58,7 @@ class LiveScene::Implementation {
     if (!options.method)
       options.method = BoundaryElements{};
     const Method method = method_of(options);
-    if (is_integral(method) || std::holds_alternative<Formula>(method))
+    if (!states_errors(method))
       throw InputError(fmt::format("{} finds no Maxwell matrix: boundary-elements, reduced and auto do",
                                    to_string(method)));
     options.entries = Entries::all;
@@ -80,6 +81,11 @@ class LiveScene::Implementation {
     std::vector<std::vector<ReadingAnswer>> answers = answers_together(frames, pose, options, threads);
     const bool is_auto = std::holds_alternative<Auto>(method_of(options));
     const double rtol = rtol_of(options);
+    for (std::vector<ReadingAnswer>& frame : answers) {
+      Evaluation whole;
+      whole.readings = frame;
+      note_reached(frame, Reduced{}, detail::stated_error(whole, scene_, Entries::of_readings) <= rtol);
+    }
     std::string refused;
     bool is_any_answered = !answers.empty();
     for (std::size_t frame = 0; frame < frames; ++frame) {
@@ -115,7 +121,7 @@ class LiveScene::Implementation {
   std::vector<ReadingAnswer> without_answers() const {
     std::vector<ReadingAnswer> result;
     for (const Reading& reading : fringe::readings(scene_))
-      result.push_back({reading.name, {}, {}, {}, {}, {}});
+      result.push_back({reading.name, {}, {}, {}});
     return result;
   }
 
@@ -134,6 +140,11 @@ class LiveScene::Implementation {
   }
 
  private:
+  static void note_reached(std::vector<ReadingAnswer>& readings, const Method& method, bool reached) {
+    for (ReadingAnswer& reading : readings)
+      reading.reached = states_errors(method) ? std::optional(reached) : std::nullopt;
+  }
+
   void answer_by(const Method& method, const EvaluationOptions& options, bool with_sensors) {
     if (std::holds_alternative<Formula>(method))
       methods_.combine(scene_, options, answer_);

@@ -129,7 +129,7 @@ double stated_error(const Evaluation& answer, const Scene& scene, Entries entrie
   double largest = needs_matrix ? error_of_entries(*answer.matrix, scene, entries) : 0;
   VectorXd scales;
   for (std::size_t k = 0; entries != Entries::all && k < answer.readings.size(); ++k) {
-    const auto& [name, value, background, change, answered_by, derivatives] = answer.readings[k];
+    const Estimate &value = answer.readings[k].value, &change = answer.readings[k].change;
     if (!change.value || !change.error)
       return infinity;
     largest =
@@ -181,15 +181,13 @@ auto Methods::whole(const Answer& answer) -> decltype(answer()) {
   }
 }
 
-const SceneCapacitance& Methods::capacitance(const Scene& scene, const CapacitanceOptions& options) {
-  const auto is_same = [](const CapacitanceOptions& a, const CapacitanceOptions& b) {
-    return to_string(a.method) == to_string(b.method) && a.plates == b.plates && a.faces == b.faces &&
-           a.tolerance == b.tolerance;
-  };
+const SceneCapacitance& Methods::capacitance(const Scene& scene, const EvaluationOptions& options) {
   refuse_thick_covers(scene);
-  if (!evaluator_ || !is_same(options, evaluator_options_)) {
+  std::string method = method_text(options);
+  if (!evaluator_ || method != evaluator_method_ || options.tolerance != evaluator_tolerance_) {
     evaluator_.emplace(scene, options, poses_);
-    evaluator_options_ = options;
+    evaluator_method_ = std::move(method);
+    evaluator_tolerance_ = options.tolerance;
   }
   return evaluator_->capacitance();
 }
@@ -198,7 +196,7 @@ void Methods::integrate(const Scene& scene, const EvaluationOptions& asked, Eval
   answer.answered_by = method_text(asked);
   answer.matrix.reset();
   answer.reached = true;
-  answer.capacitance = capacitance(scene, integral_options(asked));
+  answer.capacitance = capacitance(scene, asked);
   readings_of_objects_.write(answer.capacitance, answer.answered_by, answer.readings);
   if (asked.derivatives)
     readings_of_objects_.write_derivatives(*evaluator_, *poses_, answer.readings);
@@ -216,11 +214,6 @@ void Methods::combine(const Scene& scene, const EvaluationOptions& asked, Evalua
 /// Writes what each object adds to each sensor.
 void Methods::find_by_formula(const Scene& scene, Evaluation& answer) {
   answer.capacitance = capacitance(scene, {.method = Formula{}});
-  // That two conductors in contact have no finite capacitance is certain.
-  for (SensorCapacitance& sensor : answer.capacitance.sensors)
-    for (ObjectCapacitance& object : sensor.objects)
-      if (std::isinf(object.capacitance))
-        object.error = 0;
 }
 
 /// Returns the matrix of the reduced method, prepared for an accuracy, or for `sharper_` times it and for the

@@ -90,7 +90,7 @@ class Methods {
  private:
   template <typename Answer>
   auto whole(const Answer& answer) -> decltype(answer());
-  const SceneCapacitance& capacitance(const Scene& scene, const CapacitanceOptions& options);
+  const SceneCapacitance& capacitance(const Scene& scene, const EvaluationOptions& options);
   void find_by_formula(const Scene& scene, Evaluation& answer);
   bool reduces_to_matrix(const Scene& scene, const EvaluationOptions& asked, ReducedContacts contacts,
                          Evaluation& answer);
@@ -105,7 +105,8 @@ class Methods {
   bool knows_readings_;  ///< and the scene asks for their changes
   bool has_insulators_, matrix_is_small_, matrix_is_quick_;
   std::optional<SceneEvaluator> evaluator_;
-  CapacitanceOptions evaluator_options_;
+  std::string evaluator_method_;  ///< with its rules
+  double evaluator_tolerance_ = 0;
   std::optional<ReducedEvaluator> reduced_;
   double reduced_rtol_ = 0;  ///< that it was asked for
   double sharper_ = 1;       ///< part of it that its bodies are prepared for

@@ -1,3 +1,5 @@
+#include "scene/options.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -5,9 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
-#include "fringe/evaluation.hpp"
 
 /// Which options go with which method: here and nowhere else.
 
@@ -31,6 +31,21 @@ void refuse(bool is_given, std::string_view option, const Method& method, std::s
     throw InputError(fmt::format("{} is no option of {}{}", option, to_string(method), reason));
 }
 
+/// Throws InputError for options of a triangle-integral method or the formula that are out of range or cannot
+/// be combined.
+void validate_integral(const EvaluationOptions& options) {
+  const Method method = method_of(options);
+  const bool is_formula = std::holds_alternative<Formula>(method);
+  if (!std::isfinite(options.tolerance) || options.tolerance < 0)
+    throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
+  if (options.tolerance > 0 && !std::holds_alternative<Exact>(method))
+    throw InputError(
+        fmt::format("a tolerance needs the method exact: {} does not know its own error", to_string(method)));
+  // The formula determines itself which faces count and how they are integrated.
+  if (is_formula && (options.plates != PlateRule::sum || options.faces != FaceRule::all))
+    throw InputError("+nearest and +facing belong to exact, split:N and gauss:K, not to formula");
+}
+
 }  // namespace
 
 std::string to_string(PlateRule rule) {
@@ -45,20 +60,6 @@ FaceRule rule_for(const Shape& shape, FaceRule rule) {
 
 std::string to_string(FaceRule rule) {
   return rule == FaceRule::all ? "all" : "facing";
-}
-
-void validate(const CapacitanceOptions& options) {
-  const bool is_formula = std::holds_alternative<Formula>(options.method);
-  if (!is_integral(options.method) && !is_formula)
-    throw InputError(fmt::format("{} is not a triangle-integral method", to_string(options.method)));
-  if (!std::isfinite(options.tolerance) || options.tolerance < 0)
-    throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
-  if (options.tolerance > 0 && !std::holds_alternative<Exact>(options.method))
-    throw InputError(fmt::format("a tolerance needs the method exact: {} does not know its own error",
-                                 to_string(options.method)));
-  // The formula determines itself which faces count and how they are integrated.
-  if (is_formula && (options.plates != PlateRule::sum || options.faces != FaceRule::all))
-    throw InputError("+nearest and +facing belong to exact, split:N and gauss:K, not to formula");
 }
 
 Method method_of(const EvaluationOptions& options) {
@@ -93,8 +94,7 @@ std::string method_text(const EvaluationOptions& options) {
 
 void validate(const EvaluationOptions& options) {
   const Method method = method_of(options);
-  const bool integrates = is_integral(method) || std::holds_alternative<Formula>(method);
-  const bool is_matrix = is_one_of<Reduced, BoundaryElements, Auto>(method);
+  const bool is_matrix = states_errors(method), integrates = !is_matrix;
   if (options.rtol)
     validate(BoundaryElementOptions{.rtol = *options.rtol});
   refuse(integrates && options.rtol, "rtol", method, ", which states no error: auto reaches an accuracy");
@@ -112,14 +112,15 @@ void validate(const EvaluationOptions& options) {
     throw InputError(fmt::format("{} and {} belong to exact, split:N and gauss:K, not to {}", nearest_suffix,
                                  facing_suffix, to_string(method)));
   if (!is_matrix)
-    validate(CapacitanceOptions{method, options.plates, options.faces, options.tolerance});
+    validate_integral(options);
 }
 
-CapacitanceOptions integral_options(const EvaluationOptions& options) {
+detail::IntegralOptions detail::integral_options(const EvaluationOptions& options) {
   validate(options);
-  const CapacitanceOptions result{method_of(options), options.plates, options.faces, options.tolerance};
-  validate(result);
-  return result;
+  const Method method = method_of(options);
+  if (states_errors(method))
+    throw InputError(fmt::format("{} is not a triangle-integral method", to_string(method)));
+  return {method, options.plates, options.faces, options.tolerance};
 }
 
 double rtol_of(const EvaluationOptions& options) {

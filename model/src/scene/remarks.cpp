@@ -28,6 +28,8 @@ constexpr double longest_plate = 10;
 constexpr double longest_object = 20;
 /// Shortest scene without a remark, in metres: one of a metre, read as if it were in millimetres.
 constexpr double shortest_scene = 1e-3;
+/// Narrowest gap without a remark, in metres: some atoms.
+constexpr double narrowest_gap = 1e-9;
 /// Number of an object's vertices that are looked for inside another object.
 constexpr std::size_t most_vertices = 8;
 
@@ -258,6 +260,33 @@ void remark_on_shields(const Scene& scene, const std::vector<Body>& bodies, cons
   }
 }
 
+/// Remarks on objects so close to a sensor that they all but touch it.
+void remark_on_narrow_gaps(const Scene& scene, const std::vector<Body>& bodies, const Evaluation& answer,
+                           std::vector<std::string>& found) {
+  for (const SensorCapacitance& evaluated : answer.capacitance.sensors) {
+    double area = 0;
+    for (const Rectangle& plate : std::ranges::find(scene.sensors, evaluated.name, &Sensor::name)->plates)
+      area += plate.edge_u.norm() * plate.edge_v.norm();
+    std::vector<std::string> near;
+    for (const ObjectCapacitance& object : evaluated.objects) {
+      const auto body =
+          std::ranges::find_if(bodies, [&](const Body& one) { return one.object->name == object.name; });
+      double own_area = 0;
+      for (const Triangle& triangle : body->triangles)
+        own_area += twice_area(triangle) / 2;
+      if (std::isfinite(object.capacitance) &&
+          object.capacitance * narrowest_gap >
+              vacuum_permittivity * scene.medium.relative_permittivity * std::min(area, own_area))
+        near.push_back(object.name);
+    }
+    if (!near.empty())
+      found.push_back(
+          fmt::format("sensor \"{}\": less than {:g} m from {}, which is contact to anything but arithmetic: "
+                      "boundary-elements and reduced cannot tell such a change",
+                      evaluated.name, narrowest_gap, listed(near)));
+  }
+}
+
 /// Remarks on what the triangle integrals and the formula take in the place of covers and dielectric targets.
 void remark_on_insulators(const Scene& scene, const Evaluation& answer, std::vector<std::string>& found) {
   std::vector<std::string> covered, enclosed;
@@ -373,8 +402,10 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
   remark_on_room(scene, answer, found);
   remark_on_insulators(scene, answer, found);
   // The reduced method knows what is around a sensor.
-  if (answer.answered_by != to_string(Method(Reduced{})))
+  if (answer.answered_by != to_string(Method(Reduced{}))) {
     remark_on_shields(scene, bodies, answer, found);
+    remark_on_narrow_gaps(scene, bodies, answer, found);
+  }
   return found;
 }
 

@@ -11,11 +11,11 @@
 #include "formula/formula.hpp"
 #include "formula/layer_rule.hpp"
 #include "fringe/error.hpp"
-#include "fringe/evaluation.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "geometry/link_motion.hpp"
 #include "integral/surface_integral.hpp"
+#include "scene/options.hpp"
 #include "scene/readings_of_objects.hpp"
 
 namespace fringe {
@@ -31,13 +31,10 @@ std::string_view kind_of(const ElectricalRole& role) {
 }
 
 /// Prepares the surface of an object. Throws InputError for an object that the model does not support.
-Surface surface_of(const Object& object, const CapacitanceOptions& options) {
+Surface surface_of(const Object& object, const detail::IntegralOptions& options) {
   if (std::holds_alternative<Dielectric>(object.role))
-    throw InputError(fmt::format("object \"{}\" is dielectric: the triangle-integral model knows only "
-                                 "covers, and the formula dielectric "
-                                 "targets of readings, of no less than the medium's permittivity; "
-                                 "boundary-elements and the field solver "
-                                 "know all",
+    throw InputError(fmt::format("object \"{}\" is dielectric: the triangle integrals and the formula know "
+                                 "only covers; boundary-elements, reduced and the field solver take it",
                                  object.name));
   if (!std::holds_alternative<Grounded>(object.role))
     throw InputError(
@@ -106,24 +103,23 @@ struct Pair {
 
 class SceneEvaluator::Implementation {
  public:
-  Implementation(const Scene& scene, const CapacitanceOptions& options,
+  Implementation(const Scene& scene, const EvaluationOptions& options,
                  const std::shared_ptr<detail::LinkPoses>& poses)
-      : options_(options), permittivity_(vacuum_permittivity * scene.medium.relative_permittivity),
-        motion_(poses), sensors_(scene.sensors), placed_sensors_(scene.sensors.size()) {
-    validate(options);
+      : options_(detail::integral_options(options)),
+        permittivity_(vacuum_permittivity * scene.medium.relative_permittivity), motion_(poses),
+        sensors_(scene.sensors), placed_sensors_(scene.sensors.size()) {
     for (const Object& object : scene.objects)
       objects_.push_back(
-          {object.link, object.pose, surface_of(object, options), rule_for(object.shape, options.faces)});
+          {object.link, object.pose, surface_of(object, options_), rule_for(object.shape, options.faces)});
     pairs_.resize(sensors_.size() * objects_.size());
-    const std::string name =
-        method_text({.method = options.method, .plates = options.plates, .faces = options.faces});
+    const std::string name = method_text(options);
     for (const Sensor& sensor : sensors_) {
       SensorCapacitance felt{sensor.name, 0, 0, 0, false, {}};
       for (const Object& object : scene.objects)
         felt.objects.push_back({object.name, 0, 0, false, name, std::nullopt});
       answer_.sensors.push_back(std::move(felt));
     }
-    if (is_integral(options.method))
+    if (is_integral(options_.method))
       return;
     for (const Sensor& sensor : sensors_) {
       // Throws for invalid plates before they are used.
@@ -158,7 +154,7 @@ class SceneEvaluator::Implementation {
     Pair& pair = pairs_.at(sensor * objects_.size() + object);
     PlacedObject& placed = objects_[object];
     if (!pair.wrench) {
-      CapacitanceOptions options = options_;
+      detail::IntegralOptions options = options_;
       options.faces = placed.faces;
       place_in_frame_of(placed, placed_sensors_[sensor].plates);
       pair.wrench = detail::surface_wrench(placed.surface, in_object_frame_, options);
@@ -248,7 +244,7 @@ class SceneEvaluator::Implementation {
     } else {
       if (lumps() && answers_ > 0 && !surface.tree)
         surface.tree.emplace(surface.triangles);
-      CapacitanceOptions options = options_;
+      detail::IntegralOptions options = options_;
       options.faces = object.faces;
       if (lumps() && options_.faces == FaceRule::all)
         options.tolerance /= 2;
@@ -292,6 +288,8 @@ class SceneEvaluator::Implementation {
       ObjectCapacitance& share = felt.objects[object];
       share.capacitance = permittivity_ * integral.value;
       share.bound = permittivity_ * integral.bound;
+      // That two conductors in contact have no finite capacitance is certain.
+      share.error = std::isinf(share.capacitance) ? std::optional(0.0) : std::nullopt;
       share.skipped = integral.skipped;
       felt.total += share.capacitance;
     }
@@ -300,7 +298,7 @@ class SceneEvaluator::Implementation {
     felt.contact = std::isinf(felt.total);
   }
 
-  CapacitanceOptions options_;
+  detail::IntegralOptions options_;
   double permittivity_;
   detail::LinkMotion motion_;
   std::vector<Sensor> sensors_;
@@ -318,7 +316,7 @@ class SceneEvaluator::Implementation {
 /// Leaves electrodes out: to the triangle-integral model they are as other sensors are, of which it knows
 /// nothing. Covers are replaced by the layer rule.
 std::unique_ptr<SceneEvaluator::Implementation>
-SceneEvaluator::make_implementation(const Scene& scene, const CapacitanceOptions& options,
+SceneEvaluator::make_implementation(const Scene& scene, const EvaluationOptions& options,
                                     const std::shared_ptr<detail::LinkPoses>& poses) {
   const std::vector<bool> are_known = detail::have_capacitances(scene);
   if (std::find(are_known.begin(), are_known.end(), false) == are_known.end())
@@ -331,9 +329,9 @@ SceneEvaluator::make_implementation(const Scene& scene, const CapacitanceOptions
   return std::make_unique<Implementation>(known, options, poses);
 }
 
-SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options)
+SceneEvaluator::SceneEvaluator(const Scene& scene, const EvaluationOptions& options)
     : SceneEvaluator(scene, options, std::make_shared<detail::LinkPoses>(scene.links)) {}
-SceneEvaluator::SceneEvaluator(const Scene& scene, const CapacitanceOptions& options,
+SceneEvaluator::SceneEvaluator(const Scene& scene, const EvaluationOptions& options,
                                const std::shared_ptr<detail::LinkPoses>& poses)
     : implementation_(make_implementation(scene, options, poses)) {}
 SceneEvaluator::~SceneEvaluator() = default;

@@ -5,7 +5,7 @@
 
 #include <Eigen/Geometry>
 
-#include "fringe/capacitance.hpp"
+#include "fringe/evaluation.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
 
@@ -26,9 +26,9 @@ class SceneEvaluator {
   /// Prepares the scene.
   ///
   /// @throws InputError for the scenes that capacitance() refuses.
-  explicit SceneEvaluator(const Scene& scene, const CapacitanceOptions& options = {});
+  explicit SceneEvaluator(const Scene& scene, const EvaluationOptions& options = {});
   /// Prepares the scene for a LiveScene, which owns the poses.
-  SceneEvaluator(const Scene& scene, const CapacitanceOptions& options,
+  SceneEvaluator(const Scene& scene, const EvaluationOptions& options,
                  const std::shared_ptr<detail::LinkPoses>& poses);
   ~SceneEvaluator();
   SceneEvaluator(SceneEvaluator&&) noexcept;
@@ -55,7 +55,7 @@ class SceneEvaluator {
  private:
   class Implementation;
   static std::unique_ptr<Implementation> make_implementation(const Scene& scene,
-                                                             const CapacitanceOptions& options,
+                                                             const EvaluationOptions& options,
                                                              const std::shared_ptr<detail::LinkPoses>& poses);
   std::unique_ptr<Implementation> implementation_;
 };

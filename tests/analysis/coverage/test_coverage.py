@@ -198,6 +198,15 @@ def test_an_unknown_reading_is_refused(path: Path, capsys: pytest.CaptureFixture
     assert "'other' is none of self" in capsys.readouterr().err
 
 
+def test_what_the_model_refuses_is_told_with_the_scene(
+    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    touching = tmp_path / "touching.toml"
+    touching.write_text(path.read_text().replace("-0.07", "-0.05"))
+    assert command_line.main(["coverage", str(touching), "--probe", "sphere:0.02"]) == 2
+    assert f"analysis: {touching}: sensor" in capsys.readouterr().err
+
+
 def test_findings_count_places_and_compare_methods() -> None:
     """Three places: noticed, blind, blocked."""
     distances = np.geomspace(0.01, 1, 5)

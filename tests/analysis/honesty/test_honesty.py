@@ -126,8 +126,15 @@ def test_one_error_of_many_that_is_exceeded_too_much_misses_the_target() -> None
     found = table.rows(made, ["formula"])
     assert table.misses(found) == [found[0]]
     text = table.text(found, "show")
-    assert "| formula | plates | 100 | 100 | 100 | 99.0 % | 4 | 2 | 0 | 0 | 0 | 0 | missed |" in text
+    assert "| formula | plates | 100 | 100 | 100 | 99.0 % | 4 | 2 | 0 | 0 | 0 | 0 |  | missed |" in text
     assert "seed 7, plates, formula: front: change" in text and "is missed by 1 of 1" in text
+
+
+def test_guesses_of_the_time_are_right_within_a_factor_of_two() -> None:
+    guesses = (0.4, 0.6, 1.9, 2.1, None)
+    made = [Record(k, "plates", {}, {"auto:1e-2": Answer(ANSWERED, guess=g)}) for k, g in enumerate(guesses)]
+    found = table.rows(made, ["auto:1e-2"])
+    assert found[0].guessed == 0.5 and "| 0 | 0 | 0 | 50 % |  |" in table.text(found, "show")
 
 
 def test_refusals_are_told_with_their_most_frequent_reason() -> None:
@@ -138,7 +145,7 @@ def test_refusals_are_told_with_their_most_frequent_reason() -> None:
     ]
     text = table.text(table.rows(made, ["formula"]), "show")
     assert "* formula, 2: gap of # mm" in text
-    assert "| formula | plates | 4 | 0 | 0 |  |  |  | 0 | 3 | 1 | 0 |  |" in text
+    assert "| formula | plates | 4 | 0 | 0 |  |  |  | 0 | 3 | 1 | 0 |  |  |" in text
     assert "target is met" in text
 
 
@@ -187,12 +194,13 @@ def test_what_takes_too_long_has_no_answer(tmp_path: Path) -> None:
 
 @needs_model
 def test_two_scenes_are_asked_for_once(tmp_path: Path) -> None:
-    asked = run.options("plates,closed-forms", "reduced:1e-2,boundary-elements:3e-2", scenes=2, jobs=1)
+    asked = run.options("plates,closed-forms", "reduced:1e-2,auto:1e-2", scenes=2, jobs=1)
     league = run.run(tmp_path, asked)
     before = (tmp_path / judging.FILE).read_text()
     assert league.path.read_text() == league.text
     assert set(judging.load(tmp_path)) == {0, list(KINDS).index("closed-forms")}
-    assert {row.method for row in league.rows if row.judged} == {"reduced:1e-2", "boundary-elements:3e-2"}
+    assert {row.method for row in league.rows if row.judged} == {"reduced:1e-2", "auto:1e-2"}
+    assert {row.method for row in league.rows if row.guesses} == {"auto:1e-2"}
     assert run.run(tmp_path, asked).text == league.text
     assert (tmp_path / judging.FILE).read_text() == before
 

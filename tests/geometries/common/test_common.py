@@ -171,6 +171,15 @@ def test_an_error_leaves_the_old_file_and_nothing_else(tmp_path: Path) -> None:
     assert target.read_text() == "old" and list(tmp_path.iterdir()) == [target]
 
 
+@pytest.mark.parametrize("target", ["missing/answer.json", "folder"])
+def test_an_error_names_the_file_and_not_its_temporary_form(target: str, tmp_path: Path) -> None:
+    (tmp_path / "folder").mkdir()
+    with pytest.raises(OSError) as caught:
+        with whole_file(tmp_path / target) as unfinished:
+            unfinished.write_text("whole")
+    assert str(caught.value).endswith(f": '{tmp_path / target}'")
+
+
 WRITER = """
 import sys
 from pathlib import Path

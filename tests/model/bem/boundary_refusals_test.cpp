@@ -86,7 +86,14 @@ TEST(BoundaryElementRefusals, InvalidRectanglesSizesAndPoses) {
   EXPECT_THAT(refusal([](Scene& scene) {
                 scene.sensors[0].plates[0].edge_u = {1e-100, 0, 0};
               }),
-              HasSubstr("sensor \"front\" plates[0]: an edge of 1e-100 m is shorter than 1e-30 m"));
+              HasSubstr("sensor \"front\" plates[0]: a length of 1e-100 m is shorter than 1e-30 m"));
+  for (const Shape& shape :
+       {Shape(Sphere{1e-100, 16}), Shape(Cylinder{1e-100, 0.1, 16}), Shape(Disc{1e-100, 16})})
+    EXPECT_THAT(refusal([&](Scene& scene) {
+                  scene.objects[0].shape = shape;
+                  scene.objects[0].pose = at(0, 0, 0);
+                }),
+                HasSubstr("object \"target\": a length of"));
   EXPECT_THAT(refusal([](Scene& scene) {
                 scene.objects[0].pose = at(0, 0, std::numeric_limits<double>::quiet_NaN());
               }),

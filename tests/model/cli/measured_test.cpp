@@ -28,6 +28,15 @@ TEST(Measured, KnowsNoDigitOfAValueBelowALargeError) {
   EXPECT_EQ(measured(20.0, std::numeric_limits<double>::infinity()), "unknown");
 }
 
+TEST(Measured, KnowsThatContactIsInfinite) {
+  EXPECT_EQ(measured(std::numeric_limits<double>::infinity(), 0), "inf");
+  EXPECT_EQ(unmeasured(std::numeric_limits<double>::infinity()), "inf");
+}
+
+TEST(Measured, WritesNoMoreThanSixDigitsWithoutAnError) {
+  EXPECT_EQ(unmeasured(88541878128000032), "8.85419e+16");
+}
+
 TEST(Measured, KeepsAValueThatIsZeroWithinASmallError) {
   EXPECT_EQ(measured(-0.0001, 0.0025), "-0.0001 ± 0.0025");
 }

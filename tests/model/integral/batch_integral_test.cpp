@@ -60,7 +60,7 @@ TEST(BatchIntegral, BoundCoversTheError) {
   const std::vector<Rectangle> plates{plate, beside};
   const std::vector<BoundedIntegral> exact = total_integrals(surface, plates);
   for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
-    const std::vector<BoundedIntegral> totals = total_integrals(surface, plates, {.tolerance = tolerance});
+    const std::vector<BoundedIntegral> totals = total_integrals(surface, plates, tolerance);
     for (std::size_t i = 0; i < plates.size(); ++i) {
       EXPECT_LE(totals[i].bound, 1.01 * tolerance * totals[i].value);
       EXPECT_NEAR(totals[i].value, exact[i].value, totals[i].bound + 1e-14 * exact[i].value);
@@ -71,11 +71,11 @@ TEST(BatchIntegral, BoundCoversTheError) {
 TEST(BatchIntegral, IsTheSameBitByBitForAnyNumberOfThreads) {
   const TriangleBatch surface(ellipsoid(200));
   const std::vector<Rectangle> plates{plate, beside};
-  const std::vector<double> one = plate_integrals(surface, plate, {.threads = 1});
-  const std::vector<BoundedIntegral> one_total = total_integrals(surface, plates, {.threads = 1});
+  const std::vector<double> one = plate_integrals(surface, plate, 0, 1);
+  const std::vector<BoundedIntegral> one_total = total_integrals(surface, plates, 0, 1);
   for (const int threads : {0, 2, 3}) {
-    EXPECT_EQ(plate_integrals(surface, plate, {.threads = threads}), one);
-    const std::vector<BoundedIntegral> totals = total_integrals(surface, plates, {.threads = threads});
+    EXPECT_EQ(plate_integrals(surface, plate, 0, threads), one);
+    const std::vector<BoundedIntegral> totals = total_integrals(surface, plates, 0, threads);
     for (std::size_t i = 0; i < plates.size(); ++i)
       EXPECT_EQ(totals[i].value, one_total[i].value);
   }
@@ -137,11 +137,11 @@ TEST(BatchIntegral, RefusesWhatIsWrongByName) {
   EXPECT_THAT([&] { TriangleBatch{triangles}; },
               ThrowsMessage<InputError>(HasSubstr("triangle 1: vertex 1 is not finite")));
   const TriangleBatch surface{std::span(triangles).first(1)};
-  EXPECT_THAT([&] { plate_integrals(surface, plate, {.tolerance = -1e-3}); },
+  EXPECT_THAT([&] { plate_integrals(surface, plate, -1e-3); },
               ThrowsMessage<InputError>(HasSubstr("tolerance -0.001")));
-  EXPECT_THAT([&] { plate_integrals(surface, plate, {.tolerance = nan}); },
+  EXPECT_THAT([&] { plate_integrals(surface, plate, nan); },
               ThrowsMessage<InputError>(HasSubstr("tolerance nan")));
-  EXPECT_THAT([&] { plate_integrals(surface, plate, {.threads = -1}); },
+  EXPECT_THAT([&] { plate_integrals(surface, plate, 0, -1); },
               ThrowsMessage<InputError>(HasSubstr("threads -1")));
   const std::vector<Rectangle> plates{plate, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}};
   EXPECT_THAT([&] { total_integrals(surface, plates); }, ThrowsMessage<InputError>(HasSubstr("plate 1: ")));
@@ -193,7 +193,8 @@ TEST(SurfaceIntegral, StatesWhatATreeMayMiss) {
   const std::vector<Rectangle> plate{{{-0.5, -0.4, -1}, {1, 0, 0}, {0, 0.8, 0}}};
   const double exact = surface_integral(surface, plate, {}, 0).value;
   surface.tree.emplace(surface.triangles);
-  const SurfaceIntegral rough = surface_integral(surface, plate, {.tolerance = 1e-3}, 0);
+  const SurfaceIntegral rough =
+      surface_integral(surface, plate, {Exact{}, PlateRule::sum, FaceRule::all, 1e-3}, 0);
   EXPECT_LE(std::abs(rough.value - exact), rough.bound + 1e-13 * exact);
   EXPECT_LE(rough.bound, 1e-3 * rough.value);
   EXPECT_LT(rough.counts.triangles_evaluated, surface.triangles.size());

@@ -113,7 +113,7 @@ TEST(SurfaceTree, BoundCoversTheErrorAndKeepsTheTolerance) {
       const double truth = test::total_integral(triangles, plate);
       for (const double tolerance : {1e-1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-9, 0.0}) {
         SCOPED_TRACE(fmt::format("pose {}, tolerance {}", i, tolerance));
-        const TreeIntegral integral = tree.integrate(plate, {.tolerance = tolerance});
+        const TreeIntegral integral = tree.integrate(plate, tolerance);
         expect_covered(integral, truth, tolerance);
         expect_every_triangle_counted(integral.counts, triangles.size());
       }
@@ -132,7 +132,7 @@ TEST(SurfaceTree, BoundCoversTheErrorNextToThePlate) {
       const double truth = test::total_integral(triangles, plate);
       for (const double tolerance : {1e-3, 1e-6}) {
         SCOPED_TRACE(fmt::format("gap {}, position {}, tolerance {}", gap, i, tolerance));
-        expect_covered(tree.integrate(plate, {.tolerance = tolerance}), truth, tolerance);
+        expect_covered(tree.integrate(plate, tolerance), truth, tolerance);
       }
     }
   }
@@ -143,7 +143,7 @@ TEST(SurfaceTree, IsInfiniteOnContact) {
   const SurfaceTree tree(triangles);
   const Rectangle cutting{{-0.3, -0.3, 0.45}, {0.6, 0, 0}, {0, 0.6, 0}};
   for (const double tolerance : {0.0, 1e-6, 1e-1}) {
-    const TreeIntegral integral = tree.integrate(cutting, {.tolerance = tolerance});
+    const TreeIntegral integral = tree.integrate(cutting, tolerance);
     EXPECT_EQ(integral.value, infinity);
     EXPECT_EQ(integral.bound, 0);
     expect_every_triangle_counted(integral.counts, triangles.size());
@@ -153,7 +153,7 @@ TEST(SurfaceTree, IsInfiniteOnContact) {
 TEST(SurfaceTree, WithoutToleranceEvaluatesEveryTriangle) {
   const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 32});
   const Rectangle plate{{5, 5, 5}, {0.1, 0, 0}, {0, 0.1, 0}};
-  const TreeIntegral integral = SurfaceTree(triangles).integrate(plate, {});
+  const TreeIntegral integral = SurfaceTree(triangles).integrate(plate, 0);
   EXPECT_EQ(integral.counts.triangles_evaluated, triangles.size());
   EXPECT_EQ(integral.counts.nodes_lumped, 0U);
   EXPECT_EQ(integral.bound, 0);
@@ -162,7 +162,7 @@ TEST(SurfaceTree, WithoutToleranceEvaluatesEveryTriangle) {
 TEST(SurfaceTree, LumpsWhatIsFar) {
   const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 128});
   const Rectangle plate{{20, 20, 20}, {0.1, 0, 0}, {0, 0.1, 0}};
-  const TreeIntegral integral = SurfaceTree(triangles).integrate(plate, {.tolerance = 1e-4});
+  const TreeIntegral integral = SurfaceTree(triangles).integrate(plate, 1e-4);
   EXPECT_EQ(integral.counts.triangles_lumped, triangles.size());
   EXPECT_EQ(integral.counts.nodes_visited, 1U);
   EXPECT_LE(integral.counts.points, 60U);
@@ -179,11 +179,10 @@ TEST(SurfaceTree, AllowanceAddsToTheTolerance) {
       continue;
     for (const double tolerance : {0.0, 1e-6}) {
       const double allowance = 1e-3 * truth;
-      const TreeIntegral integral = tree.integrate(plate, {.tolerance = tolerance, .allowance = allowance});
+      const TreeIntegral integral = tree.integrate(plate, tolerance, allowance);
       EXPECT_LE(std::abs(integral.value - truth), integral.bound + rounding * truth);
       EXPECT_LE(integral.bound, (tolerance * truth + allowance) * (1 + rounding));
-      EXPECT_LE(integral.counts.nodes_visited,
-                tree.integrate(plate, {.tolerance = 1e-6}).counts.nodes_visited);
+      EXPECT_LE(integral.counts.nodes_visited, tree.integrate(plate, 1e-6).counts.nodes_visited);
     }
   }
 }
@@ -204,8 +203,7 @@ TEST(SurfaceTree, FacingCountsTheTrianglesThatSeeThePlate) {
       const double truth = test::total_integral(counting, plate);
       for (const double tolerance : {0.0, 1e-6, 1e-3, 1e-1}) {
         SCOPED_TRACE(fmt::format("pose {}, tolerance {}", i, tolerance));
-        const TreeIntegral integral =
-            tree.integrate(plate, {.tolerance = tolerance, .faces = FaceRule::facing});
+        const TreeIntegral integral = tree.integrate(plate, tolerance, 0, FaceRule::facing);
         expect_covered(integral, truth, tolerance);
         expect_every_triangle_counted(integral.counts, triangles.size());
         EXPECT_GE(integral.counts.triangles_skipped, triangles.size() - counting.size());
@@ -222,8 +220,8 @@ TEST(SurfaceTree, DoesNotChangeWhenEverythingMoves) {
     const Rectangle plate = any_plate(random);
     const Eigen::Isometry3d motion = random.rigid_motion();
     const SurfaceTree moved_tree(moved(triangles, motion));
-    const TreeIntegral here = tree.integrate(plate, {.tolerance = 1e-6});
-    const TreeIntegral there = moved_tree.integrate(transformed(plate, motion), {.tolerance = 1e-6});
+    const TreeIntegral here = tree.integrate(plate, 1e-6);
+    const TreeIntegral there = moved_tree.integrate(transformed(plate, motion), 1e-6);
     if (std::isinf(here.value))
       EXPECT_EQ(there.value, infinity);
     else
@@ -234,7 +232,7 @@ TEST(SurfaceTree, DoesNotChangeWhenEverythingMoves) {
 TEST(SurfaceTree, OfTrianglesWithoutAreaIsZero) {
   const Vector3d a(0, 0, 0), b(1, 0, 0);
   const TreeIntegral integral = SurfaceTree(std::vector<Triangle>{{a, b, b}, {a, a, a}})
-                                    .integrate({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {.tolerance = 1e-3});
+                                    .integrate({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, 1e-3);
   EXPECT_EQ(integral.value, 0);
   EXPECT_EQ(integral.bound, 0);
   EXPECT_EQ(integral.counts.triangles_skipped, 2U);
@@ -250,10 +248,10 @@ TEST(SurfaceTree, RefusesWhatCannotBeIntegrated) {
       testing::ThrowsMessage<InputError>(testing::HasSubstr("triangle 1: vertex 2")));
   const SurfaceTree tree(std::vector<Triangle>{{a, b, c}});
   const Rectangle plate{{0, 0, 1}, {1, 0, 0}, {0, 1, 0}};
-  EXPECT_THROW(tree.integrate({{0, 0, 1}, {1, 0, 0}, {1, 1, 0}}, {}), InputError);
+  EXPECT_THROW(tree.integrate({{0, 0, 1}, {1, 0, 0}, {1, 1, 0}}, 0), InputError);
   for (const double bad : {-1e-3, infinity, std::nan("")}) {
-    EXPECT_THROW(tree.integrate(plate, {.tolerance = bad}), InputError);
-    EXPECT_THROW(tree.integrate(plate, {.allowance = bad}), InputError);
+    EXPECT_THROW(tree.integrate(plate, bad), InputError);
+    EXPECT_THROW(tree.integrate(plate, 0, bad), InputError);
   }
 }
 
@@ -383,14 +381,14 @@ TEST(SurfaceTree, BoundAcrossABorderIsNearlyAttained) {
 TEST(SurfaceTree, BoundDoesNotDependOnTheUnitOfLength) {
   const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 32});
   const Rectangle plate{{0.4, -0.3, 0.9}, {1, 0, 0}, {0, 1, 0}};
-  const TreeIntegral expected = SurfaceTree(triangles).integrate(plate, {.tolerance = 1e-4});
+  const TreeIntegral expected = SurfaceTree(triangles).integrate(plate, 1e-4);
   for (const double scale : {std::ldexp(1.0, -120), std::ldexp(1.0, 120)}) {
     std::vector<Triangle> scaled = triangles;
     for (Triangle& triangle : scaled)
       for (Vector3d& vertex : triangle)
         vertex *= scale;
     const TreeIntegral integral = SurfaceTree(scaled).integrate(
-        {scale * plate.corner, scale * plate.edge_u, scale * plate.edge_v}, {.tolerance = 1e-4});
+        {scale * plate.corner, scale * plate.edge_u, scale * plate.edge_v}, 1e-4);
     EXPECT_NEAR(integral.value / scale, expected.value, rounding * expected.value);
     EXPECT_NEAR(integral.bound / scale, expected.bound, rounding * expected.value);
   }

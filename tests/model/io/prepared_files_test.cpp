@@ -74,7 +74,7 @@ TEST_F(PreparedFilesTest, AFolderThatCannotBeIsRefusedByName) {
     const PreparedFiles files(kept_in);
     FAIL() << "a file was taken for a folder";
   } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("of a test: prepared data cannot be kept there"));
+    EXPECT_THAT(error.what(), testing::HasSubstr("of a test is no folder that can be written"));
   }
   EXPECT_EQ(content(kept_in), "a file");
 }

@@ -197,8 +197,15 @@ TEST(Reduced, IsAccurateNearContactOrSaysThatItIsNot) {
     }
   // The two-terminal capacitance is more than that of the field between the plates alone, which the answers
   // at these gaps miss.
-  for (const double gap : {1e-4, 1e-6, 1e-9})
-    EXPECT_FALSE(reduced_capacitance(plate_above_sensor(gap), {.rtol = 1e-3}).reached) << gap;
+  for (const double gap : {4e-4, 1e-4, 1e-6, 1e-18})
+    for (const double size : {0.1, 0.02}) {
+      Scene scene = plate_above_sensor(gap);
+      scene.objects[0].shape = Plate{size, size};
+      const MaxwellMatrix answer = reduced_capacitance(scene, {.rtol = 1e-3});
+      EXPECT_FALSE(answer.reached) << gap;
+      EXPECT_GT(answer.delta_self[0] + answer.delta_self_errors[0], vacuum_permittivity * size * size / gap)
+          << gap;
+    }
 }
 
 TEST(Reduced, StatesNoFiniteErrorForAChargeNarrowerThanItsFunctions) {

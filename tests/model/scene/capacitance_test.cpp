@@ -154,7 +154,7 @@ Scene divided_sensor() {
   return scene;
 }
 
-const CapacitanceOptions nearest{Exact{}, PlateRule::nearest};
+const EvaluationOptions nearest{Exact{}, PlateRule::nearest};
 
 TEST(Capacitance, OfTheNearestOfTwoTilesIsThatOfTheWholePlate) {
   Scene whole = divided_sensor();
@@ -313,14 +313,14 @@ TEST(Capacitance, CountsTrianglesThatAMeshHasTwiceOnceAndThoseWithoutAreaNotAtAl
   const Triangle turned{triangle[0], triangle[2], triangle[1]};
   const Triangle point{triangle[0], triangle[0], triangle[0]};
   const Triangle line{Vector3d{0, 0, 0}, {0.02, 0, 0}, {0.04, 0, 0}};
-  const auto total = [&](const std::vector<Triangle>& triangles, const CapacitanceOptions& options) {
+  const auto total = [&](const std::vector<Triangle>& triangles, const EvaluationOptions& options) {
     scene.objects = {
         {"mesh", std::nullopt, Mesh{"", 1, triangles}, Eigen::Isometry3d::Identity(), Grounded{}, true}};
     return capacitance(scene, options).sensors.at(0).total;
   };
   for (const PlateRule plates : {PlateRule::sum, PlateRule::nearest})
     for (const FaceRule faces : {FaceRule::all, FaceRule::facing}) {
-      const CapacitanceOptions options{Exact{}, plates, faces};
+      const EvaluationOptions options{Exact{}, plates, faces};
       const double once = total({turned}, options);
       EXPECT_GT(once, 0);
       EXPECT_DOUBLE_EQ(total({turned, point, turned, line}, options), once);
@@ -329,7 +329,7 @@ TEST(Capacitance, CountsTrianglesThatAMeshHasTwiceOnceAndThoseWithoutAreaNotAtAl
     }
 }
 
-void expect_refused(const Scene& scene, const CapacitanceOptions& options, const std::string& reason) {
+void expect_refused(const Scene& scene, const EvaluationOptions& options, const std::string& reason) {
   try {
     capacitance(scene, options);
     FAIL() << "accepted; expected: " << reason;
@@ -365,7 +365,7 @@ TEST(Capacitance, NamesTheElementThatIsWrong) {
   expect_refused(scene, {}, "sensor \"front\": plates[1]");
 }
 
-TEST(CapacitanceOptions, OfTheFormulaAreTheDefaults) {
+TEST(EvaluationOptions, OfTheFormulaAreTheDefaults) {
   const Scene scene = divided_sensor();
   EXPECT_THROW(capacitance(scene, {.method = Formula{}, .plates = PlateRule::nearest}), InputError);
   EXPECT_THROW(capacitance(scene, {.method = Formula{}, .faces = FaceRule::facing}), InputError);

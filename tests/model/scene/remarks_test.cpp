@@ -173,5 +173,19 @@ TEST(SceneInfo, CountsAndMeasuresTheObjectsInTheWorld) {
   EXPECT_FALSE(info.objects[1].volume.has_value()) << "an open surface has no volume";
 }
 
+TEST(Remarks, NameObjectsThatAllButTouch) {
+  Scene scene = sensor_and_box();
+  for (const char* method : {"exact", "formula"})
+    for (const double gap : {1e-18, 1e-8}) {
+      scene.objects = {object_of("hand", Plate{0.1, 0.1}, {0, 0, gap})};
+      const std::vector<std::string> found = remarks_on(scene, {.method = parse_method(method)});
+      if (gap < 1e-9)
+        EXPECT_THAT(found, ElementsAre(StartsWith("sensor \"front\": less than 1e-09 m from \"hand\"")))
+            << method;
+      else
+        EXPECT_THAT(found, IsEmpty()) << method;
+    }
+}
+
 }  // namespace
 }  // namespace fringe::FRINGE_TEST_FILE

@@ -166,7 +166,7 @@ TEST(SceneEvaluator, RefusesByTheFormulaWhatHasNoArea) {
   Mesh line;
   line.triangles = {{Vector3d{0, 0, 1}, {1, 0, 1}, {2, 0, 1}}};
   scene.objects.push_back({"line", std::nullopt, line, shifted({0, 0, 0}), Grounded{}, true});
-  CapacitanceOptions options;
+  EvaluationOptions options;
   EXPECT_EQ(capacitance(scene, options).sensors[0].objects[1].capacitance, 0);
   options.method = Formula{};
   EXPECT_THAT([&] { capacitance(scene, options); },
@@ -176,7 +176,7 @@ TEST(SceneEvaluator, RefusesByTheFormulaWhatHasNoArea) {
                      {-0.002813172363383439, 0.8466380559157967, 0.16192559771162363},
                      {0.6185363701603503, 0.6637046141206855, -0.7829256792941567}}};
   scene.objects[1].shape = line;
-  EXPECT_GT(capacitance(scene, CapacitanceOptions{}).sensors[0].objects[1].capacitance, 0);
+  EXPECT_GT(capacitance(scene, EvaluationOptions{}).sensors[0].objects[1].capacitance, 0);
   EXPECT_THAT([&] { capacitance(scene, options); },
               ThrowsMessage<InputError>(HasSubstr("object \"line\" has no area")));
 }

@@ -120,7 +120,7 @@ Assessment assess(const TriangleClass& of_class, const std::vector<Group>& group
     const TriangleBatch batch(group.triangles);
     std::array<std::vector<double>, tolerances.size()> bounded;
     for (std::size_t k = 0; k < tolerances.size(); ++k)
-      bounded[k] = plate_integrals(batch, group.plate, {.tolerance = tolerances[k]});
+      bounded[k] = plate_integrals(batch, group.plate, tolerances[k]);
     const std::vector<double> split = plate_integrals(group.triangles, group.plate, Split{4});
     for (std::size_t i = 0; i < group.triangles.size(); ++i, ++specimen) {
       specimen->batched = batched[i];

@@ -81,15 +81,15 @@ Seen seen(const Node& node, const std::array<Vector3d, 4>& plate_corners) {
 
 class Evaluation {
  public:
-  Evaluation(const SurfaceNodes& tree, const Rectangle& plate, const TreeOptions& options)
-      : tree_(tree), plate_(plate), frame_(plate_frame(plate)), corners_(corners(plate)), options_(options),
-        points_(kernels_, frame_) {}
+  Evaluation(const SurfaceNodes& tree, const Rectangle& plate, const TreeAccuracy& accuracy, FaceRule faces)
+      : tree_(tree), plate_(plate), frame_(plate_frame(plate)), corners_(corners(plate)), accuracy_(accuracy),
+        faces_(faces), points_(kernels_, frame_) {}
 
   TreeIntegral run() && {
     if (tree_.nodes.empty())
       return result_;
-    if (options_.tolerance == 0 && options_.allowance == 0) {
-      add_direct({0, tree_.triangles.size()}, options_.faces == FaceRule::facing);
+    if (accuracy_.tolerance == 0 && accuracy_.allowance == 0) {
+      add_direct({0, tree_.triangles.size()}, faces_ == FaceRule::facing);
       integrate_direct(0);
       return result_;
     }
@@ -107,7 +107,7 @@ class Evaluation {
     const Node& node = tree_.nodes[index];
     ++result_.counts.nodes_visited;
     Seen faces = Seen::all;
-    if (options_.faces == FaceRule::facing)
+    if (faces_ == FaceRule::facing)
       faces = seen(node, corners_);
     if (faces == Seen::none) {
       result_.counts.triangles_skipped += node.triangles.count;
@@ -119,7 +119,7 @@ class Evaluation {
 
   /// Computes the error that open nodes may still add, per unit of their shares.
   double error_per_share(const Shares& open) const {
-    return (options_.allowance + options_.tolerance * (lumped_share_ + open.certain) - result_.bound) /
+    return (accuracy_.allowance + accuracy_.tolerance * (lumped_share_ + open.certain) - result_.bound) /
            open.all;
   }
 
@@ -241,9 +241,9 @@ class Evaluation {
   /// Computes the tolerance that the lumped nodes have not used, relative to the whole integral. Any part of
   /// the integral may use it.
   double remaining_tolerance() const {
-    const double used = std::max(result_.bound - options_.allowance, 0.0);
-    return used > 0 ? std::max(options_.tolerance - used / (lumped_share_ + direct_share_), 0.0)
-                    : options_.tolerance;
+    const double used = std::max(result_.bound - accuracy_.allowance, 0.0);
+    return used > 0 ? std::max(accuracy_.tolerance - used / (lumped_share_ + direct_share_), 0.0)
+                    : accuracy_.tolerance;
   }
 
   /// Appends triangles to those that are integrated one by one. `mixed` means that some of them may not
@@ -283,7 +283,8 @@ class Evaluation {
   const BatchKernels& kernels_ = best_kernels<BatchKernels>();
   PlateFrame frame_;
   std::array<Vector3d, 4> corners_;
-  TreeOptions options_;
+  TreeAccuracy accuracy_;
+  FaceRule faces_;
   PointSum points_;
   TreeIntegral result_;
   double lumped_share_ = 0;
@@ -295,8 +296,9 @@ class Evaluation {
 
 }  // namespace
 
-TreeIntegral evaluate(const SurfaceNodes& tree, const Rectangle& plate, const TreeOptions& options) {
-  return Evaluation(tree, plate, options).run();
+TreeIntegral evaluate(const SurfaceNodes& tree, const Rectangle& plate, const TreeAccuracy& accuracy,
+                      FaceRule faces) {
+  return Evaluation(tree, plate, accuracy, faces).run();
 }
 
 }  // namespace fringe::detail

@@ -1,6 +1,7 @@
 #include "fringe/surface_tree.hpp"
 
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -20,11 +21,11 @@ void validate(std::span<const Triangle> triangles) {
         throw InputError(fmt::format("triangle {}: vertex {} is not finite", i, j));
 }
 
-void validate(const TreeOptions& options) {
-  if (!std::isfinite(options.tolerance) || options.tolerance < 0)
-    throw InputError(fmt::format("tolerance {} must be finite and not negative", options.tolerance));
-  if (!std::isfinite(options.allowance) || options.allowance < 0)
-    throw InputError(fmt::format("allowance {} must be finite and not negative", options.allowance));
+void validate(const detail::TreeAccuracy& accuracy) {
+  for (const auto& [name, error] :
+       {std::pair("tolerance", accuracy.tolerance), std::pair("allowance", accuracy.allowance)})
+    if (!std::isfinite(error) || error < 0)
+      throw InputError(fmt::format("{} {} must be finite and not negative", name, error));
 }
 
 }  // namespace
@@ -38,10 +39,12 @@ SurfaceTree::~SurfaceTree() = default;
 SurfaceTree::SurfaceTree(SurfaceTree&&) noexcept = default;
 SurfaceTree& SurfaceTree::operator=(SurfaceTree&&) noexcept = default;
 
-TreeIntegral SurfaceTree::integrate(const Rectangle& plate, const TreeOptions& options) const {
+TreeIntegral SurfaceTree::integrate(const Rectangle& plate, double tolerance, double allowance,
+                                    FaceRule faces) const {
   fringe::validate(plate);
-  validate(options);
-  TreeIntegral integral = detail::evaluate(*nodes_, plate, options);
+  const detail::TreeAccuracy accuracy{tolerance, allowance};
+  validate(accuracy);
+  TreeIntegral integral = detail::evaluate(*nodes_, plate, accuracy, faces);
   integral.counts.triangles_skipped += triangle_count_ - nodes_->triangles.size();
   return integral;
 }
