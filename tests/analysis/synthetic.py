@@ -11,6 +11,7 @@ from analysis.results import store, study_results as results
 from analysis.results.study_results import Failure
 from geometries.scene.writer import canonical
 from geometries.studies import families, study
+from tests import scenes
 
 HEAD = """
 name = "synthetic"
@@ -21,37 +22,11 @@ max_seconds = 60
 [model]
 methods = ["exact", "split:0", "split:4"]
 """
-PARALLEL = """
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = [0.01, 0.02, 0.04]
-"""
-EDGE = """
-[[sweep]]
-family = "edge"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = [0.01, 0.02]
-height = 0
-"""
-MACHINES = """
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = 0.02
-machine = ["none", "housing", "housing+guard"]
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = 0.02
-material = "floating"
-to_ground = 1e-10
-machine = "housing"
-"""
+PARALLEL = scenes.sweep("parallel", gap=[0.01, 0.02, 0.04])
+EDGE = scenes.sweep("edge", gap=[0.01, 0.02], height=0)
+MACHINES = scenes.sweep("parallel", gap=0.02, machine=["none", "housing", "housing+guard"]) + scenes.sweep(
+    "parallel", gap=0.02, material="floating", to_ground=1e-10, machine="housing"
+)
 VERSIONS = {"dolfinx": "0.5.2"}
 PICO = 1e-12
 

@@ -11,6 +11,7 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
+from tests import scenes
 from tests.analysis.synthetic import HEAD
 from tests.waiting import DEADLINE
 
@@ -65,13 +66,6 @@ class Scene:
         return answer | {name: np.array(answer[name]) for name in ("maxwell", "error")}
 """
 # The families differ in nothing but the scene's identity here.
-SWEEP = """
-[[sweep]]
-family = "parallel"
-sensor_size = [0.1, 0.1]
-target_size = [0.1, 0.1]
-gap = {{ linspace = [0.01, 0.08, {count}] }}
-"""
 
 
 class ToyRepository:
@@ -86,7 +80,9 @@ class ToyRepository:
             "fem_reference/__init__.py": "",
             "fem_reference/__main__.py": _REFERENCE,
             "build/python/fringe.py": _MODEL,
-            "tests/analysis/synthetic.py": (ROOT / "tests/analysis/synthetic.py").read_text(),
+            **{
+                name: (ROOT / name).read_text() for name in ("tests/analysis/synthetic.py", "tests/scenes.py")
+            },
         }.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text(text)
@@ -94,7 +90,8 @@ class ToyRepository:
 
     def ask(self, count: int) -> None:
         """Have so many cases in the study."""
-        (self.folder / "study.toml").write_text(HEAD + SWEEP.format(count=count))
+        sweep = scenes.sweep("parallel", gap={"linspace": [0.01, 0.08, count]})
+        (self.folder / "study.toml").write_text(HEAD + sweep)
 
     def make_writing_slower(self) -> None:
         """Has each write take longer between its end and its renaming: a killed writer's file is seldom met by chance."""
