@@ -109,6 +109,8 @@ class ReducedEvaluator::Implementation {
       forget_unresolved();
     if (answer_.unknowns > 0)
       add_facet_errors(system_->solution());
+    if (with_derivatives_)
+      write_derivatives();
     bodies_.settle();
     return answer_;
   }
@@ -404,13 +406,25 @@ class ReducedEvaluator::Implementation {
       return;
     in_changes_ =
         detail::reduced_readings(charged_readings_, solution, error_per_discretisation, bodies_.bodies());
-    if (with_derivatives_)
-      detail::write_derivatives(*system_, bodies_, charged_readings_, in_changes_);
     answer_.readings = in_changes_.answers;
     for (ReadingAnswer& reading : answer_.readings)
       detail::scale(reading, factor_ * bodies_.unit());
     if ((detail::errors_of_changes(answer_.readings).array() > rtol_).any())
       answer_.reached = false;
+  }
+
+  /// Writes the derivatives of the changes, whose errors follow from those of the changes with all their
+  /// parts.
+  void write_derivatives() {
+    const double unit = factor_ * bodies_.unit();
+    for (std::size_t k = 0; k < answer_.readings.size(); ++k)
+      in_changes_.answers[k].change.error = *answer_.readings[k].change.error / unit;
+    if (!answer_.readings.empty())
+      detail::write_derivatives(*system_, bodies_, charged_readings_, in_changes_);
+    for (std::size_t k = 0; k < answer_.readings.size(); ++k) {
+      detail::scale(in_changes_.answers[k], unit);
+      answer_.readings[k].derivatives = in_changes_.answers[k].derivatives;
+    }
   }
 
   /// Returns the charges of the conductors' members. What they lack of their conductor's entry in `fine` is

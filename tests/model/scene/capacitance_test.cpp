@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "fringe/error.hpp"
+#include "fringe/evaluation.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 
