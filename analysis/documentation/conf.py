@@ -28,5 +28,7 @@ html_show_copyright = False
 autodoc_default_options = {"members": True}
 autodoc_typehints = "description"
 myst_enable_extensions = ["dollarmath"]
+# Links to headings, as GitHub makes them.
+myst_heading_anchors = 3
 # Links to folders, studies and source files work on the disk; the site has no pages of them.
 suppress_warnings = ["myst.xref_missing", "myst.header"]

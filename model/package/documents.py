@@ -91,7 +91,8 @@ def _sections(fringe: Path, *command: str) -> dict[str, list[tuple[str, str]]]:
     printed = subprocess.run([fringe, *command, "--help"], capture_output=True, text=True, check=True).stdout
     sections: dict[str, list[tuple[str, str]]] = {"": [("", printed.splitlines()[0])]}
     heading = ""
-    for line in printed.splitlines()[1:]:
+    # The text of a long option stands on the next line.
+    for line in re.sub(r"(?m)^( {2}-\S.*\S)\n {20,}", r"\1  ", printed).splitlines()[1:]:
         if found := re.fullmatch(r"(\w+):", line):
             heading = found[1]
         elif found := re.fullmatch(r" {2}(\S.*?) {2,}(\S.*)", line):

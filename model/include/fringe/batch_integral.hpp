@@ -22,6 +22,8 @@ struct BoundedIntegral {
 /// quadrature rule with a proven error bound, in front of the plate and near it a closed form
 /// (model/NUMERICS.md, section 12).
 ///
+/// @param triangles prepared once for any number of plates
+/// @param plate the rectangle from which distances are taken
 /// @param tolerance largest relative error of each triangle's integral, besides rounding; 0: full precision
 /// @param threads largest number of threads; 0: as many as the machine offers. The results do not depend on
 /// it, bit by bit.

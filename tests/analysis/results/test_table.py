@@ -186,7 +186,7 @@ def test_a_value_with_its_error_is_written_as_the_command_writes_it(
 
 
 def test_these_are_all_cases_of_the_command_with_finite_numbers() -> None:
-    assert len(CASES) == IN_CPP.count("EXPECT_EQ(measured(") - 2
+    assert len(CASES) == IN_CPP.count("EXPECT_EQ(measured(") - 3
 
 
 @pytest.mark.parametrize("error", [math.nan, math.inf])

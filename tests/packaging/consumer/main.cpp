@@ -1,6 +1,6 @@
 #include <cstdio>
 
-#include "fringe/capacitance.hpp"
+#include "fringe/evaluation.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
 
