@@ -151,5 +151,5 @@ def run(command: str) -> None:
     assert shutil.which(words[0], path=f"{ROOT}:{os.environ['PATH']}") or (ROOT / words[0]).is_file(), words[
         0
     ]
-    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=DEADLINE)
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=6 * DEADLINE)
     assert done.returncode == 0 and (done.stdout or done.stderr), done.stderr

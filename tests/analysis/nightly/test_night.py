@@ -91,7 +91,9 @@ def test_nights_that_are_killed_lose_nothing_and_leave_nothing_in_the_way(
         before, solved = killed.answers(), killed.solved()
         process = killed.start("nightly", "--job-seconds", "20")
         time.sleep(share * duration)
-        (os.killpg if all_of_it and process.poll() is None else os.kill)(process.pid, signal.SIGKILL)
+        # On a busy machine it may have ended before.
+        if process.poll() is None:
+            (os.killpg if all_of_it else os.kill)(process.pid, signal.SIGKILL)
         process.communicate(timeout=DEADLINE)
         assert all(killed.solved()[case] == solved[case] for case in before), "solved again"
     before, solved = killed.answers(), killed.solved()
