@@ -133,6 +133,9 @@ FrameRows refused_rows(const Scene& scene, std::size_t number, const std::string
 }
 
 EarlierRows::EarlierRows(const std::filesystem::path& file) {
+  // A device may have no end.
+  if (std::filesystem::exists(file) && !std::filesystem::is_regular_file(file))
+    throw InputError(fmt::format("{} is no file that a table could be written to", file.string()));
   std::ifstream stream(file);
   std::string line;
   if (!std::getline(stream, line))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import os
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -187,6 +188,9 @@ def test_a_file_that_is_no_table_of_a_sweep_is_not_replaced(fringe_command: Comm
     done = fringe_command("sweep", scene, "--output", target)
     assert done.returncode == 2 and "is no table of a sweep" in done.stderr
     assert target.read_text() == "my,notes\n"
+    os.mkfifo(scene.with_name("pipe"))
+    done = fringe_command("sweep", scene, "--output", scene.with_name("pipe"))
+    assert done.returncode == 2 and "pipe is no file" in done.stderr
 
 
 def test_a_mesh_that_changed_is_another_scene(fringe_command: Command, scene: Path) -> None:

@@ -274,9 +274,11 @@ void remark_on_narrow_gaps(const Scene& scene, const std::vector<Body>& bodies, 
       double own_area = 0;
       for (const Triangle& triangle : body->triangles)
         own_area += twice_area(triangle) / 2;
-      if (std::isfinite(object.capacitance) &&
+      const double facing = std::min(area, own_area);
+      // The charge of what is smaller than the gap does not tell how near it is.
+      if (std::isfinite(object.capacitance) && std::sqrt(facing) > narrowest_gap &&
           object.capacitance * narrowest_gap >
-              vacuum_permittivity * scene.medium.relative_permittivity * std::min(area, own_area))
+              vacuum_permittivity * scene.medium.relative_permittivity * facing)
         near.push_back(object.name);
     }
     if (!near.empty())

@@ -242,7 +242,11 @@ def test_what_is_wrong_in_a_studys_scene_is_told_with_its_file(tmp_path: Path) -
         (HEAD, "sweep", "at least one sweep"),
         (SWEEP, "reference", "is missing"),
         ("colour = 1" + HEAD + SWEEP, "colour", "unknown key"),
-        ("solver = 1\n" + SWEEP, "solver", "unknown key; there are format, name, title, experiment, reference"),
+        (
+            "solver = 1\n" + SWEEP,
+            "solver",
+            "unknown key; there are format, name, title, experiment, reference",
+        ),
         (HEAD.replace("rtol", "accuracy") + SWEEP, "reference.accuracy", "there are method, rtol"),
         (HEAD.replace('"n"', '"../n"') + SWEEP, "name", "must not contain a path"),
         (HEAD.replace("1e-3", "0") + SWEEP, "reference.rtol", "greater than 0"),

@@ -175,6 +175,8 @@ TEST(SceneInfo, CountsAndMeasuresTheObjectsInTheWorld) {
 
 TEST(Remarks, NameObjectsThatAllButTouch) {
   Scene scene = sensor_and_box();
+  scene.objects = {object_of("speck", Plate{1e-20, 1e-20}, {0, 0, 0.03})};
+  EXPECT_THAT(remarks_on(scene, {.method = Formula{}}), IsEmpty());
   for (const char* method : {"exact", "formula"})
     for (const double gap : {1e-18, 1e-8}) {
       scene.objects = {object_of("hand", Plate{0.1, 0.1}, {0, 0, gap})};
