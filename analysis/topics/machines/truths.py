@@ -145,6 +145,8 @@ def _by(model: Any, set_up: SetUp, method: str) -> Document:
         reading = loaded.readings(**_options(method))[READING]
     except ValueError as error:
         return {"refused": str(error)}
+    if reading.change is None:
+        return {"refused": "the change is not known"}
     return {"change": float(reading.change), "seconds": perf_counter() - before}
 
 
