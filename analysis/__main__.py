@@ -228,7 +228,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True)
     for name, (does, options) in (_BEFORE_TOPICS | _topics() | _AFTER_TOPICS).items():
         command = commands.add_parser(name, help=does)
-        # What is measured at one time has no such option.
+        # Commands that start no jobs have no option --jobs.
         command.set_defaults(jobs=None)
         for each in options:
             among = command.add_mutually_exclusive_group() if isinstance(each, list) else command

@@ -37,7 +37,7 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
     try:
         found = survey(path, scene, chosen, options, model)
     except InputError as error:
-        # What the model refuses has no file of its own, unless it is the model's reader that refuses it.
+        # Errors of the reader name the file already, those of the methods do not.
         if error.file or error.reason.startswith(str(path)):
             raise
         raise InputError(str(path), error.key, error.reason) from error

@@ -10,7 +10,7 @@ int decimals(double error);
 
 /// Writes a value with its error, both to two digits of the error, as in "2.4914 ± 0.0011". Of a value that
 /// is smaller than an error of a hundred or more, no digit is known: "unknown ± 2.7e+14". An error that is
-/// not a number, or infinite, makes the value unknown too. Of contact the infinite value is certain: "inf".
+/// not a number, or infinite, makes the value unknown too. The infinite value of contact is certain: "inf".
 std::string measured(double value, double error);
 
 /// Writes a value whose error is not known, to six digits.

@@ -28,7 +28,7 @@ std::string in_picofarads(const std::optional<double>& value, const std::optiona
   if (!value)
     return "not known";
   const std::string number = fmt::format("{:.6g}", *value * picofarads_per_farad);
-  // Of contact the infinite value is certain.
+  // The infinite value of contact is certain.
   if (std::isinf(*value))
     return number + " pF";
   return error ? fmt::format("{} ± {:.2g} pF", number, *error * picofarads_per_farad)

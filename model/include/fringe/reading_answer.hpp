@@ -37,7 +37,7 @@ struct ReadingAnswer {
   Estimate background;           ///< the value without the targets
   Estimate change;               ///< value − background; errors common to both cancel
   std::string answered_by = {};  ///< the method
-  /// Whether the answer reached the accuracy asked for, with all its readings. None of methods that state no
+  /// Tells whether all readings of the answer reached the accuracy asked for; none for methods that state no
   /// errors, and where there is no answer.
   std::optional<bool> reached = {};
   /// In the order of the links; empty unless they were asked for, and where the change is not known.

@@ -429,8 +429,10 @@ class ConductorProblem : public AdaptiveProblem {
       } catch (const Interrupted&) {
         // The readings are known without them.
       }
+    const double widened = widen_unreached();
     write_delta_self(system_, solution_, bodies_, per_change_, tolerance_, iteration_share * options_.rtol,
                      surfaces_, answer_);
+    answer_.delta_self_errors *= widened;
     if (bodies_.readings.empty())
       answer_.readings = readings_of_sensors(answer_);
     return std::move(answer_);
@@ -445,6 +447,27 @@ class ConductorProblem : public AdaptiveProblem {
     per_change_ = per_change;
     write_solution(solution_, bodies_, per_change, tolerance_, surfaces_, answer_);
     write_readings(solution_, bodies_, per_change, tolerance_, surfaces_, answer_);
+  }
+
+  /// Widens the errors of values and entries if those of changes show that they are too small, and returns by
+  /// what factor. Before a gap that is narrower than the panels, two spaces agree that both miss its charge;
+  /// the error of a change also counts what the panels' parts would carry by themselves.
+  double widen_unreached() {
+    double factor = 1;
+    for (std::size_t k = 0; k < answer_.readings.size(); ++k) {
+      const auto& [name, sense, drive] = bodies_.readings[k];
+      ReadingAnswer& reading = answer_.readings[k];
+      const double of_change = *reading.change.error;
+      // Otherwise the change may be as large as the value, of which it is a part here.
+      if (sense != drive || of_change <= options_.rtol * std::abs(*reading.change.value))
+        continue;
+      const double least = *reading.background.error + of_change;
+      if (*reading.value.error > 0)
+        factor = std::max(factor, least / *reading.value.error);
+      reading.value.error = std::max(*reading.value.error, least);
+    }
+    answer_.errors *= factor;
+    return factor;
   }
 
   /// Solves with quadratures that are fine enough for a positive definite matrix. An interruption leaves the

@@ -169,7 +169,7 @@ def test_a_file_that_is_missing_or_no_text_is_refused(tmp_path: Path) -> None:
         reader.load(tmp_path / "binary.toml")
 
 
-# Of every kind of length: in millimetres where L follows, and per millimetre where P does.
+# Has every kind of length. L stands behind a number of millimetres, P behind one per millimetre.
 LENGTHS = """
 [room]
 size = [4000L, 3000L, 2500L]

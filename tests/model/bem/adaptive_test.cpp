@@ -185,7 +185,7 @@ TEST(InducedCharge, OfAStripIsNotNarrowOnAStripBesideIt) {
   EXPECT_FALSE(charge_induced_by(face(large, 0.1 * seen, close)).is_narrow_on(face(large, 0.1 * seen, 0)));
   EXPECT_FALSE(
       charge_induced_by_triangles(face(large, 0.1 * seen, close)).is_narrow_on(face(large, 0.1 * seen, 0)));
-  // Of two crossed strips, each induces a narrow charge on the other.
+  // Crossed strips induce narrow charges on each other.
   EXPECT_TRUE(charge_induced_by(face(0.1 * seen, large, close)).is_narrow_on(face(large, 0.1 * seen, 0)));
 }
 

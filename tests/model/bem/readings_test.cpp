@@ -227,5 +227,24 @@ TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
   }
 }
 
+TEST(Readings, OfAGapThatIsNotResolvedHaveTheErrorOfTheirChange) {
+  Scene scene;
+  scene.sensors = {test::sensor("front", {test::square(0.1, 0)})};
+  scene.objects = {target(object("hand", Sphere{0.02, 16}, at(0, 0, 0.020001)))};
+  // With more unknowns rtol is reached at 15.757 ± 0.043 pF. A ball 1 µm above an infinite plane has 13.07 pF
+  // to it, by the series of images; the rest is what the sensor has to infinity.
+  constexpr double truth = 15.757e-12, known_to = 0.043e-12;
+  for (const std::size_t unknowns : {2000, 4000}) {
+    const MaxwellMatrix answer = maxwell(scene, {.rtol = 1e-2, .most_unknowns = unknowns});
+    const ReadingAnswer& reading = answer.readings.front();
+    EXPECT_FALSE(answer.reached) << unknowns;
+    expect_within_errors(reading.value, truth, known_to, "value");
+    expect_within_errors({answer.values(0, 0), answer.errors(0, 0)}, truth, known_to, "entry");
+    expect_within_errors({answer.delta_self[0], answer.delta_self_errors[0]},
+                         truth - *reading.background.value, known_to + *reading.background.error,
+                         "delta_self");
+  }
+}
+
 }  // namespace
 }  // namespace fringe::FRINGE_TEST_FILE

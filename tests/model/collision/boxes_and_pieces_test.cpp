@@ -248,7 +248,7 @@ TEST(MixedOverlap, IsNeverDeniedWhenAVertexIsShared) {
   for (const test::PairClass& pair_class : test::pair_classes())
     for (int i = 0; i < 100; ++i) {
       test::ShapePair pair = pair_class.make(random);
-      // With one common vertex the volumes meet, whatever the class.
+      // A common vertex lies in the volumes around both, whatever the class.
       pair.b.push_back(pair.a.back());
       const BoundingSphere sphere = bounding_sphere(pair.a);
       const AlignedBox3d aligned = axis_aligned_box(pair.b);

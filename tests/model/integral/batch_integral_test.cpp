@@ -181,7 +181,7 @@ TEST(SurfaceIntegral, MeasuresTheSurface) {
   EXPECT_NEAR(surface.area, 22, 1e-13);
   EXPECT_LT((surface.centroid - Vector3d(4, 5, 6)).norm(), 1e-13);
   EXPECT_NEAR(surface.radius, std::sqrt(14) / 2, 1e-13);
-  // Of a face of sides a and b at a distance c/2: ab·((a² + b²)/12 + c²/4).
+  // A face of sides a and b at the distance c/2 from the centroid has the moment ab·((a² + b²)/12 + c²/4).
   const auto of_face = [](double a, double b, double c) {
     return 2 * a * b * ((a * a + b * b) / 12 + c * c / 4);
   };
