@@ -142,24 +142,28 @@ EdgeDensity::EdgeDensity(std::span<const Triangle> triangles)
 
 double EdgeDensity::at(std::size_t triangle, const Vector3d& point) const {
   const std::vector<SharpEdge>& edges = edges_[part_of_[triangle]];
-  const auto distance = [&](const SharpEdge& edge) {
-    return std::min(segment_distance(point, edge.from, edge.to) / size_, 1.0);
-  };
   const SharpEdge* nearest = nullptr;
   double away = 1;
-  for (const SharpEdge& edge : edges)
-    if (const double here = distance(edge); nearest == nullptr || here < away) {
+  std::vector<double> distances;
+  for (const SharpEdge& edge : edges) {
+    distances.push_back(std::min(segment_distance(point, edge.from, edge.to) / size_, 1.0));
+    if (nearest == nullptr || distances.back() < away) {
       nearest = &edge;
-      away = here;
+      away = distances.back();
     }
+  }
   if (nearest == nullptr)
     return 1;
   // Near a corner the second edge counts, too; an edge that continues in the same direction is the same edge.
   const Vector3d along = (nearest->to - nearest->from).normalized();
   double other = 1;
-  for (const SharpEdge& edge : edges) {
+  for (std::size_t k = 0; k < edges.size(); ++k) {
+    // No exponent is larger than 1/2, that of an angle of 2π.
+    const SharpEdge& edge = edges[k];
+    if (other * std::sqrt(distances[k]) >= 1)
+      continue;
     const double squared_sine = along.cross((edge.to - edge.from).normalized()).squaredNorm();
-    other = std::max(other, std::pow(distance(edge), -edge.exponent * squared_sine));
+    other = std::max(other, std::pow(distances[k], -edge.exponent * squared_sine));
   }
   return std::pow(away, -nearest->exponent) * other;
 }

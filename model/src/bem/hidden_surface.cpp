@@ -60,6 +60,10 @@ HiddenSurface::HiddenSurface(const ChargedBodies& bodies)
     for (const std::vector<Triangle>& part : parts)
       if (fringe::is_closed(part))
         body.closed.insert(body.closed.end(), part.begin(), part.end());
+    std::vector<AlignedBox3d> boxes;
+    for (const Triangle& triangle : body.closed)
+      boxes.push_back(axis_aligned_box(triangle));
+    body.boxes = BoxTree(boxes);
     body.box = axis_aligned_box(body.closed);
   }
   for (std::size_t k = 0; k < bodies_.size(); ++k) {
@@ -81,21 +85,17 @@ HiddenSurface::HiddenSurface(const ChargedBodies& bodies)
 
 /// Returns where a triangle is that does not cross the body's surface.
 HiddenSurface::Place HiddenSurface::place(const Triangle& shifted, const Body& body) {
-  AlignedBox3d box;
-  for (const Vector3d& corner : shifted)
-    box.extend(corner);
+  const AlignedBox3d box = axis_aligned_box(shifted);
   if (!body.box.intersects(box))
     return Place::outside;
+  bool crosses = false;
+  body.boxes.for_each(box, [&](std::uint32_t k) {
+    crosses = crosses || gjk_intersects(shifted, body.closed[k]).intersects;
+  });
+  if (crosses)
+    return Place::unknown;
   const Vector3d centre = (shifted[0] + shifted[1] + shifted[2]) / 3;
-  const bool is_inside = is_in_polyhedron(body.closed, centre);
-  for (const Triangle& triangle : body.closed) {
-    AlignedBox3d other;
-    for (const Vector3d& corner : triangle)
-      other.extend(corner);
-    if (other.intersects(box) && gjk_intersects(shifted, triangle).intersects)
-      return Place::unknown;
-  }
-  return is_inside ? Place::inside : Place::outside;
+  return is_in_polyhedron(body.closed, centre) ? Place::inside : Place::outside;
 }
 
 bool HiddenSurface::contains(const Triangle& part, std::size_t body) const {

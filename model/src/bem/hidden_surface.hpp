@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include "bem/bodies.hpp"
+#include "geometry/box_tree.hpp"
 
 namespace fringe::detail {
 
@@ -26,7 +27,8 @@ class HiddenSurface {
   struct Body {
     std::vector<Triangle> triangles;
     std::vector<Triangle> closed;
-    Eigen::AlignedBox3d box;  ///< around `closed`
+    BoxTree boxes;            ///< of `closed`
+    Eigen::AlignedBox3d box;  ///< around it
     bool is_target = false;
   };
   enum class Place { inside, outside, unknown };

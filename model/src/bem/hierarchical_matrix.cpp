@@ -51,83 +51,66 @@ HierarchicalMatrix::HierarchicalMatrix(std::vector<ClusterRange> clusters, std::
                                        std::vector<LowRankBlock> far, std::vector<DenseBlock> near,
                                        std::size_t threads)
     : clusters_(std::move(clusters)), leaves_(std::move(leaves)), far_(std::move(far)),
-      near_(std::move(near)), own_(leaves_.size()), far_uses_(leaves_.size()), near_uses_(leaves_.size()),
-      threads_(threads) {
+      near_(std::move(near)), own_(leaves_.size()), threads_(threads) {
   std::vector<std::size_t> position(clusters_.size(), 0);
-  std::vector<Index> begins;
-  std::vector<std::size_t> order(leaves_.size());
   for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) {
     position[leaves_[leaf]] = leaf;
-    order[leaf] = leaf;
     size_ += clusters_[leaves_[leaf]].count;
   }
-  const auto begin_of = [&](std::size_t leaf) { return clusters_[leaves_[leaf]].first; };
-  std::sort(order.begin(), order.end(),
-            [&](std::size_t a, std::size_t b) { return begin_of(a) < begin_of(b); });
-  begins.reserve(order.size());
-  for (const std::size_t leaf : order)
-    begins.push_back(begin_of(leaf));
-  const auto add_far = [&](std::size_t block, std::size_t cluster, bool as_rows) {
-    const ClusterRange range = clusters_[cluster];
-    auto at = static_cast<std::size_t>(std::lower_bound(begins.begin(), begins.end(), range.first) -
-                                       begins.begin());
-    for (; at < begins.size() && begins[at] < range.first + range.count; ++at)
-      far_uses_[order[at]].push_back({block, as_rows});
+  for (std::size_t block = 0; block < near_.size(); ++block)
+    if (near_[block].a == near_[block].b)
+      own_[position[near_[block].a]] = block;
+  divide();
+}
+
+/// Divides the blocks into parts of the same number of values, for the threads of a product.
+void HierarchicalMatrix::divide() {
+  /// Number of parts: enough for sixteen threads. It does not depend on theirs, so that the sums do not.
+  constexpr std::size_t most_parts = 16;
+  parts_ = {{0, 0}};
+  const std::size_t values = bytes() / sizeof(float);
+  std::size_t passed = 0;
+  const auto pass = [&](Index count) {
+    passed += static_cast<std::size_t>(count);
+    return passed * most_parts >= values * parts_.size();
   };
-  for (std::size_t block = 0; block < far_.size(); ++block) {
-    add_far(block, far_[block].a, true);
-    add_far(block, far_[block].b, false);
-  }
-  for (std::size_t block = 0; block < near_.size(); ++block) {
-    const std::size_t a = position[near_[block].a], b = position[near_[block].b];
-    near_uses_[a].push_back({block, true});
-    if (a == b)
-      own_[a] = block;
-    else
-      near_uses_[b].push_back({block, false});
-  }
+  for (std::size_t k = 0; k < near_.size(); ++k)
+    if (pass(near_[k].values.size()))
+      parts_.push_back({k + 1, 0});
+  for (std::size_t k = 0; k < far_.size(); ++k)
+    if (pass(far_[k].rows.size() + far_[k].columns.size()))
+      parts_.push_back({near_.size(), k + 1});
+  parts_.back() = {near_.size(), far_.size()};
 }
 
 MatrixXd HierarchicalMatrix::apply(const MatrixXd& factors) const {
-  /// Number of low-rank blocks in one call.
-  constexpr std::size_t together = 64;
-  struct Products {
-    MatrixXd of_rows;
-    MatrixXd of_columns;
+  const auto of = [&](auto&& vectors, std::size_t cluster) {
+    return vectors.middleRows(clusters_[cluster].first, clusters_[cluster].count);
   };
-  std::vector<Products> products(far_.size());
-  parallel_for((far_.size() + together - 1) / together, threads_, [&](std::size_t part) {
-    for (std::size_t k = part * together; k < std::min((part + 1) * together, far_.size()); ++k) {
-      const LowRankBlock& block = far_[k];
-      const ClusterRange a = clusters_[block.a], b = clusters_[block.b];
-      products[k] = {MatrixXd::Zero(block.rows.cols(), factors.cols()),
-                     MatrixXd::Zero(block.rows.cols(), factors.cols())};
-      add_transposed_product(block.rows, factors.middleRows(a.first, a.count), products[k].of_rows);
-      add_transposed_product(block.columns, factors.middleRows(b.first, b.count), products[k].of_columns);
+  std::vector<MatrixXd> sums(parts_.size() - 1);
+  parallel_for(sums.size(), threads_, [&](std::size_t part) {
+    MatrixXd sum = MatrixXd::Zero(size_, factors.cols());
+    for (std::size_t k = parts_[part].near; k < parts_[part + 1].near; ++k) {
+      const auto& [a, b, values] = near_[k];
+      add_product(values, of(factors, b), of(sum, a));
+      if (a != b)
+        add_transposed_product(values, of(factors, a), of(sum, b));
     }
+    MatrixXd product;
+    for (std::size_t k = parts_[part].far; k < parts_[part + 1].far; ++k) {
+      const auto& [a, b, rows, columns] = far_[k];
+      product.setZero(rows.cols(), factors.cols());
+      add_transposed_product(columns, of(factors, b), product);
+      add_product(rows, product, of(sum, a));
+      product.setZero();
+      add_transposed_product(rows, of(factors, a), product);
+      add_product(columns, product, of(sum, b));
+    }
+    sums[part] = std::move(sum);
   });
   MatrixXd result = MatrixXd::Zero(size_, factors.cols());
-  parallel_for(leaves_.size(), threads_, [&](std::size_t leaf) {
-    const ClusterRange range = clusters_[leaves_[leaf]];
-    MatrixXd sum = MatrixXd::Zero(range.count, factors.cols());
-    for (const Use& use : near_uses_[leaf]) {
-      const DenseBlock& block = near_[use.block];
-      const ClusterRange other = clusters_[use.as_rows ? block.b : block.a];
-      const auto of_other = factors.middleRows(other.first, other.count);
-      if (use.as_rows)
-        add_product(block.values, of_other, sum);
-      else
-        add_transposed_product(block.values, of_other, sum);
-    }
-    for (const Use& use : far_uses_[leaf]) {
-      const LowRankBlock& block = far_[use.block];
-      const MatrixXf& own = use.as_rows ? block.rows : block.columns;
-      const Index offset = range.first - clusters_[use.as_rows ? block.a : block.b].first;
-      const MatrixXd& product = use.as_rows ? products[use.block].of_columns : products[use.block].of_rows;
-      add_product(own.middleRows(offset, range.count), product, sum);
-    }
-    result.middleRows(range.first, range.count) = sum;
-  });
+  for (const MatrixXd& sum : sums)
+    result += sum;
   return result;
 }
 

@@ -76,19 +76,20 @@ class HierarchicalMatrix {
   std::size_t bytes() const;
 
  private:
-  /// A block that reaches a leaf, on one of its two sides.
-  struct Use {
-    std::size_t block;
-    bool as_rows;  ///< true if the leaf belongs to the rows
+  /// Where a part of the blocks begins.
+  struct PartBegin {
+    std::size_t near;
+    std::size_t far;
   };
+
+  void divide();
 
   std::vector<ClusterRange> clusters_;
   std::vector<std::size_t> leaves_;
   std::vector<LowRankBlock> far_;
   std::vector<DenseBlock> near_;
-  std::vector<std::size_t> own_;            ///< for each leaf, its diagonal block in near_
-  std::vector<std::vector<Use>> far_uses_;  ///< for each leaf
-  std::vector<std::vector<Use>> near_uses_;
+  std::vector<std::size_t> own_;  ///< for each leaf, its diagonal block in near_
+  std::vector<PartBegin> parts_;  ///< and where the last one ends
   Eigen::Index size_ = 0;
   std::size_t threads_ = 1;
 };

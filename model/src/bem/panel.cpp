@@ -8,6 +8,18 @@ namespace fringe::detail {
 
 using Eigen::Vector3d;
 
+namespace {
+
+/// Returns the square of a point's distance from a segment, whose ends may be the same point.
+double squared_distance(const Vector3d& point, const Vector3d& from, const Vector3d& to) {
+  const Vector3d along = to - from, offset = point - from;
+  const double squared = along.squaredNorm();
+  const double part = squared > 0 ? std::clamp(offset.dot(along) / squared, 0.0, 1.0) : 0;
+  return (offset - part * along).squaredNorm();
+}
+
+}  // namespace
+
 Panel make_panel(const Triangle& corners) {
   const Vector3d centre = (corners[0] + corners[1] + corners[2]) / 3;
   double squared_radius = 0;
@@ -82,15 +94,13 @@ std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quart
 }
 
 double segment_distance(const Vector3d& point, const Vector3d& from, const Vector3d& to) {
-  const Vector3d along = to - from, offset = point - from;
-  const double part = std::clamp(offset.dot(along) / along.squaredNorm(), 0.0, 1.0);
-  return (offset - part * along).norm();
+  return std::sqrt(squared_distance(point, from, to));
 }
 
 double outline_distance(const Triangle& triangle, const Vector3d& point) {
-  return std::min({segment_distance(point, triangle[0], triangle[1]),
-                   segment_distance(point, triangle[1], triangle[2]),
-                   segment_distance(point, triangle[2], triangle[0])});
+  return std::sqrt(std::min({squared_distance(point, triangle[0], triangle[1]),
+                             squared_distance(point, triangle[1], triangle[2]),
+                             squared_distance(point, triangle[2], triangle[0])}));
 }
 
 double triangle_distance(const Triangle& triangle, const Vector3d& point) {

@@ -182,9 +182,10 @@ class PanelMesh::Carried {
 };
 
 /// Returns points near the middles of a panel's sides, on the round shape where the body stands for one: but
-/// of the sides themselves where that would make a sliver of a quarter.
+/// of the sides themselves where that would make a sliver of a quarter or a half. On a rim, the third corner
+/// may be where the middle of the opposite arc is.
 std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t body) const {
-  /// Least area of a quarter, relative to one of a flat triangle.
+  /// Least area of a part, relative to one of a flat triangle.
   constexpr double least_area = 0.2;
   std::array<Vector3d, 3> straight = middles_of_sides(triangle);
   if (body >= followed_.size() || !followed_[body])
@@ -192,9 +193,16 @@ std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t
   std::array<Vector3d, 3> result;
   for (std::size_t side = 0; side < 3; ++side)
     result[side] = followed_[body]->middle(triangle[side], triangle[(side + 1) % 3]);
+  const auto is_sliver = [&](const Triangle& part, int parts) {
+    return parts * twice_area(part) < least_area * twice_area(triangle);
+  };
   for (const Triangle& quarter : quarters(triangle, result))
-    if (4 * twice_area(quarter) < least_area * twice_area(triangle))
+    if (is_sliver(quarter, 4))
       return straight;
+  for (std::size_t side = 0; side < 3; ++side)
+    for (const Triangle& half : halves(triangle, side, result[side]))
+      if (is_sliver(half, 2))
+        return straight;
   return result;
 }
 

@@ -461,9 +461,10 @@ MatrixXd PanelSystem::ridge_effect(const MatrixXd& charges) const {
 }
 
 PanelSolution PanelSystem::solve(double accuracy, double most_ridge, double change_part) {
-  /// Ratios of the ridges that are tried.
+  /// Ratio of the ridges that are tried. One that is just large enough for a positive definite matrix leaves
+  /// panels that nearly coincide large charges of both signs.
   constexpr double step = 10;
-  constexpr int steps = 4;
+  constexpr int steps = 2;
   PanelSolution solution = solve_once(accuracy, change_part);
   if (mesh_.panels().empty())
     return solution;

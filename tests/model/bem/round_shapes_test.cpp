@@ -72,6 +72,25 @@ TEST(RoundShapes, FlatShapesHaveNone) {
   EXPECT_FALSE(RoundShape::of(Plate{1, 2}, Eigen::Isometry3d::Identity()));
 }
 
+TEST(RoundShapes, MakeNoSliversOfATriangleOnAGreatCircle) {
+  // The middle of the long side would go to the third corner.
+  const auto on_circle = [](double angle) {
+    return Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
+  };
+  const std::vector<Triangle> fin{{on_circle(-0.3), on_circle(0.3), on_circle(0)}};
+  const auto ball = RoundShape::of(Sphere{1, 16}, Eigen::Isometry3d::Identity());
+  detail::PanelMesh mesh;
+  mesh.add(0, fin, {}, &*ball);
+  for (int level = 0; level < 2; ++level)
+    mesh.refine(std::vector<int>(mesh.groups().size(), 3),
+                Eigen::MatrixXd::Ones(detail::index_of(mesh.panels().size()), 1));
+  double least = twice_area(fin[0]) / 2;
+  for (const detail::Panel& panel : mesh.panels())
+    least = std::min(least, panel.area);
+  // Of six halvings and a division into quarters, each leaves a part a fifth at least.
+  EXPECT_GT(least, std::pow(0.2, 7) * twice_area(fin[0]) / 2 / 256);
+}
+
 /// Returns the largest distance of the corners of divided panels from a shape, relative to its size.
 double distance_from_shape(const Shape& shape, double size) {
   const auto round = RoundShape::of(shape, Eigen::Isometry3d::Identity());
