@@ -387,7 +387,8 @@ class ConductorProblem : public AdaptiveProblem {
     if (panels() > 0 && !is_first_)
       write(begun_.error_per_change * std::clamp(used_caution * used_part(before_, found), least_used, 1.0));
     before_ = std::move(found);
-    answer_.unknowns = count_unknowns(begun_.functions) + panels();
+    const std::size_t unknowns_before =
+        std::exchange(answer_.unknowns, count_unknowns(begun_.functions) + panels());
     if (!bodies_.readings.empty())
       change_part_ = smallest_part(answer_.readings);
     const GeometryErrors geometry{surfaces_.entries.lasting_errors,
@@ -395,7 +396,10 @@ class ConductorProblem : public AdaptiveProblem {
                                   !simplification_.is_changed()};
     has_given_up_ = may_give_up_ && simplification_.is_changed() &&
                     largest_geometry_error(answer_, bodies_, geometry) > too_simple * options_.rtol;
-    excess_ = excess_error(answer_, bodies_, geometry, options_.rtol);
+    const double excess_before =
+        std::exchange(excess_, excess_error(answer_, bodies_, geometry, options_.rtol));
+    if (!is_first_)
+      measure_power(excess_before, unknowns_before);
     if (has_given_up_ || excess_ <= 1 || progress_.is_in_vain(excess_, answer_.unknowns))
       return last();
     if (options_.before_refinement)
@@ -515,14 +519,23 @@ class ConductorProblem : public AdaptiveProblem {
             most_steps};
   }
 
-  /// Returns the number of panels that a refinement adds at most: as many as the error requires, if that is
-  /// no quarter of them. On nine robot arms stated errors fell at least like the fifth power of their number;
-  /// of what half as many panels more gained, a quarter gained nearly all, at the same few places.
+  /// Returns the number of panels that a refinement adds at most: as many as the error requires, if it falls
+  /// with them as it did in the refinement before. The first adds few: errors are large at few places then,
+  /// where many steps are better than many panels (nine robot arms).
   std::size_t most_added() const {
-    constexpr double power = 5, least_growth = 0.1, most_growth = 0.25;
+    constexpr double least_growth = 0.1;
+    const double most_growth = is_first_ ? 0.25 : 0.4;
     const double excess = excess_margin * excess_ * (is_first_ ? expected_use : 1);
-    const double growth = std::clamp(std::pow(excess, 1 / power) - 1, least_growth, most_growth);
+    const double growth = std::clamp(std::pow(excess, 1 / power_) - 1, least_growth, most_growth);
     return static_cast<std::size_t>(growth * static_cast<double>(panels()));
+  }
+
+  /// Finds the power of the number of unknowns with which the error has fallen since the solution before.
+  void measure_power(double excess_before, std::size_t unknowns_before) {
+    constexpr double least = 3, most = 8;
+    const double growth = static_cast<double>(answer_.unknowns) / static_cast<double>(unknowns_before);
+    power_ =
+        growth > 1 ? std::clamp(std::log(excess_before / excess_) / std::log(growth), least, most) : least;
   }
 
   /// Makes the quadratures finer if their errors matter. Their possible effect grows with the charges,
@@ -552,6 +565,7 @@ class ConductorProblem : public AdaptiveProblem {
   Progress progress_;
   double change_part_;    ///< the smallest change of a reading, as a part of its value
   double excess_ = 0;     ///< the error over what is allowed
+  double power_ = 5;      ///< of the number of unknowns, with which the error falls
   bool is_first_ = true;  ///< if there is one solution only
   bool is_interrupted_ = false;
   bool has_given_up_ = false;
