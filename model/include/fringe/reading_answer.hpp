@@ -37,8 +37,9 @@ struct ReadingAnswer {
   Estimate background;           ///< the value without the targets
   Estimate change;               ///< value − background; errors common to both cancel
   std::string answered_by = {};  ///< the method
-  /// Tells whether all readings of the answer reached the accuracy asked for; none for methods that state no
-  /// errors, and where there is no answer.
+  /// Tells whether all readings of the answer reached the accuracy asked for: relative to the values, and to
+  /// the changes or 1e-5 of the values, whichever is more, since electronics resolve no less. None for
+  /// methods that state no errors, and where there is no answer.
   std::optional<bool> reached = {};
   /// In the order of the links; empty unless they were asked for, and where the change is not known.
   std::vector<LinkDerivatives> derivatives = {};

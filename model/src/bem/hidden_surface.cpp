@@ -89,9 +89,8 @@ HiddenSurface::Place HiddenSurface::place(const Triangle& shifted, const Body& b
   if (!body.box.intersects(box))
     return Place::outside;
   bool crosses = false;
-  body.boxes.for_each(box, [&](std::uint32_t k) {
-    crosses = crosses || gjk_intersects(shifted, body.closed[k]).intersects;
-  });
+  body.boxes.for_each(
+      box, [&](std::uint32_t k) { crosses = crosses || gjk_intersects(shifted, body.closed[k]).intersects; });
   if (crosses)
     return Place::unknown;
   const Vector3d centre = (shifted[0] + shifted[1] + shifted[2]) / 3;

@@ -19,8 +19,8 @@ bool is_in_polyhedron(std::span<const Triangle> surface, const Vector3d& point) 
   for (const Triangle& triangle : surface) {
     const Vector3d a = triangle[0] - point, b = triangle[1] - point, c = triangle[2] - point;
     const double to_a = a.norm(), to_b = b.norm(), to_c = c.norm();
-    const std::complex<double> factor(to_a * to_b * to_c + a.dot(b) * to_c + b.dot(c) * to_a + c.dot(a) * to_b,
-                                      a.dot(b.cross(c)));
+    const std::complex<double> factor(
+        to_a * to_b * to_c + a.dot(b) * to_c + b.dot(c) * to_a + c.dot(a) * to_b, a.dot(b.cross(c)));
     const bool was_above = product.imag() >= 0, is_above = factor.imag() >= 0;
     product *= factor / std::sqrt(std::norm(factor));
     if (was_above == is_above && was_above != (product.imag() >= 0))

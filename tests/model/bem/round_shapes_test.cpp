@@ -74,9 +74,7 @@ TEST(RoundShapes, FlatShapesHaveNone) {
 
 TEST(RoundShapes, MakeNoSliversOfATriangleOnAGreatCircle) {
   // The middle of the long side would go to the third corner.
-  const auto on_circle = [](double angle) {
-    return Eigen::Vector3d(std::cos(angle), std::sin(angle), 0);
-  };
+  const auto on_circle = [](double angle) { return Eigen::Vector3d(std::cos(angle), std::sin(angle), 0); };
   const std::vector<Triangle> fin{{on_circle(-0.3), on_circle(0.3), on_circle(0)}};
   const auto ball = RoundShape::of(Sphere{1, 16}, Eigen::Isometry3d::Identity());
   detail::PanelMesh mesh;
