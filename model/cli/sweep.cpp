@@ -217,6 +217,7 @@ int run_sweep(const SweepRequest& request) {
   if (request.output) {
     earlier = EarlierRows(*request.output);
     folders.emplace(fs::absolute(*request.output).parent_path());
+    expect_writable(*request.output);
   }
   std::string table = sweep_header;
   std::size_t kept = 0, finished = 0, unanswered = 0;

@@ -63,14 +63,20 @@ void rename_to(const fs::path& path, const fs::path& target) {
     fail(target);
 }
 
+void expect_writable(const fs::path& target) {
+  const Unfinished trial(unfinished_path(target));
+  write_bytes(trial.path(), "", target);
+  // A folder in the place of a file would only be noticed when other files have been replaced.
+  if (fs::is_directory(target))
+    fail(target);
+}
+
 void write_whole(const std::map<fs::path, std::string>& files) {
   std::vector<std::unique_ptr<Unfinished>> written;
   for (const auto& [target, bytes] : files) {
+    expect_writable(target);
     written.push_back(std::make_unique<Unfinished>(unfinished_path(target)));
     write_bytes(written.back()->path(), bytes, target);
-    // A folder in the place of a file would only be noticed when other files have been replaced.
-    if (fs::is_directory(target))
-      fail(target);
   }
   auto unfinished = written.begin();
   for (const auto& [target, bytes] : files)

@@ -46,6 +46,10 @@ void write_bytes(const std::filesystem::path& path, const std::string& bytes,
 /// Gives a temporary file its own name. Throws std::runtime_error when that cannot be.
 void rename_to(const std::filesystem::path& path, const std::filesystem::path& target);
 
+/// Throws std::runtime_error when a file of this name cannot be written in its folder, before minutes are
+/// spent on what it is to hold.
+void expect_writable(const std::filesystem::path& target);
+
 /// Writes files under temporary names, and gives them their own when all are written, so that no unfinished
 /// file is left. Existing files are replaced. Throws std::runtime_error when one cannot be written.
 void write_whole(const std::map<std::filesystem::path, std::string>& files);

@@ -268,6 +268,9 @@ def test_a_scene_of_grounded_conductors_is_no_circuit(tmp_path: Path) -> None:
     scene.write_text('[[object]]\nname = "ball"\nshape = { type = "cube", size = 0.1 }\n')
     done = export(scene, tmp_path / "x.cir")
     assert done.returncode == 2 and "scene.toml: all conductors are grounded" in done.stderr
+    # What cannot be written is not computed first.
+    done = export(scene, Path("/proc/x.cir"))
+    assert done.returncode == 1 and "/proc/x.cir: cannot be written" in done.stderr
 
 
 def test_files_are_written_whole_or_not_at_all(scene: Path) -> None:

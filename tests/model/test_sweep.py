@@ -193,6 +193,15 @@ def test_a_file_that_is_no_table_of_a_sweep_is_not_replaced(fringe_command: Comm
     assert done.returncode == 2 and "pipe is no file" in done.stderr
 
 
+def test_a_place_that_cannot_be_written_is_told_before_a_frame_is_answered(
+    fringe_command: Command, scene: Path
+) -> None:
+    scene.with_name("scene.motion.toml").write_text(MOTION.replace("0.3]", "0]"))
+    done = fringe_command("sweep", scene, "--method", "boundary-elements", "--output", "/proc/s.csv")
+    assert done.returncode == 1 and "/proc/s.csv: cannot be written" in done.stderr
+    assert "frame" not in done.stderr
+
+
 def test_a_mesh_that_changed_is_another_scene(fringe_command: Command, scene: Path) -> None:
     mesh, target = scene.with_name("hand.obj"), scene.with_name("sweep.csv")
     scene.write_text(

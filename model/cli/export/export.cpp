@@ -93,9 +93,10 @@ int run_export(const ExportRequest& request) {
   const std::string extension = request.target.extension().string();
   if (extension != ".lst" && extension != ".cir" && extension != ".csv")
     throw InputError(fmt::format("{}: must end in .lst, .cir or .csv", request.target.string()));
+  MissingFolders folders(fs::absolute(request.target).parent_path());
+  expect_writable(request.target);
   const ExportedFiles exported =
       extension == ".lst" ? list_of(request) : matrix_of(request, extension == ".cir");
-  MissingFolders folders(fs::absolute(request.target).parent_path());
   write_whole(exported.files);
   folders.keep();
   if (!exported.reached)
