@@ -21,8 +21,12 @@ bool is_in_polyhedron(std::span<const Triangle> surface, const Vector3d& point) 
     const double to_a = a.norm(), to_b = b.norm(), to_c = c.norm();
     const std::complex<double> factor(
         to_a * to_b * to_c + a.dot(b) * to_c + b.dot(c) * to_a + c.dot(a) * to_b, a.dot(b.cross(c)));
+    const double squared = std::norm(factor);
+    // The point lies on an edge, from which no angle is seen.
+    if (squared == 0)
+      continue;
     const bool was_above = product.imag() >= 0, is_above = factor.imag() >= 0;
-    product *= factor / std::sqrt(std::norm(factor));
+    product *= factor / std::sqrt(squared);
     if (was_above == is_above && was_above != (product.imag() >= 0))
       turns += was_above ? 1 : -1;
   }

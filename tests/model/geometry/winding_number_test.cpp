@@ -39,6 +39,14 @@ TEST(WindingNumber, TellsTheInsideOfABoxAndOfAnArc) {
   }
 }
 
+TEST(WindingNumber, IsKnownOnCornersAndEdgesOfAShellInsideAnother) {
+  std::vector<Triangle> shells = triangulate(Cuboid{1, 2, 3});
+  const std::vector<Triangle> inner = triangulate(Cuboid{0.25, 0.25, 0.25});
+  shells.insert(shells.end(), inner.begin(), inner.end());
+  for (const Vector3d& point : {Vector3d(0.125, 0.125, 0.125), Vector3d(0.125, 0.125, 0.0625)})
+    EXPECT_TRUE(is_in_polyhedron(shells, point)) << point.transpose();
+}
+
 /// Returns six times the volume, and twice the sum of the areas as vectors, which vanishes if it is closed.
 std::pair<double, Vector3d> volume_and_area(const std::vector<Triangle>& surface) {
   double volume = 0;
