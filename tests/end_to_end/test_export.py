@@ -268,7 +268,7 @@ def test_a_scene_of_grounded_conductors_is_no_circuit(tmp_path: Path) -> None:
     scene.write_text('[[object]]\nname = "ball"\nshape = { type = "cube", size = 0.1 }\n')
     done = export(scene, tmp_path / "x.cir")
     assert done.returncode == 2 and "scene.toml: all conductors are grounded" in done.stderr
-    # What cannot be written is not computed first.
+    # The command tries the file before it computes, so that this error comes first.
     done = export(scene, Path("/proc/x.cir"))
     assert done.returncode == 1 and "/proc/x.cir: cannot be written" in done.stderr
 

@@ -253,8 +253,8 @@ Improved improved(const MaxwellMatrix& answer, const EffectsOfSurfaces& surfaces
 
 /// Returns the largest part of an error that turned out to be there: how much a value has changed by a
 /// refinement over how much less its estimated error is; 1 if that is not less. Values whose errors cancel by
-/// chance do not decide: diagonal entries only grow. An error larger than the value counts as this: it was
-/// not that large.
+/// chance do not decide: diagonal entries only grow. An estimated error above the value counts as the value:
+/// more cannot have been missing.
 double used_part(const Improved& before, const Improved& after) {
   double used = 0;
   for (std::size_t k = 0; k < before.values.size(); ++k) {
@@ -463,8 +463,9 @@ class ConductorProblem : public AdaptiveProblem {
       const auto& [name, sense, drive] = bodies_.readings[k];
       ReadingAnswer& reading = answer_.readings[k];
       const double of_change = *reading.change.error;
-      // Otherwise the change may be as large as the value, of which it is a part here.
-      if (sense != drive || of_change <= options_.rtol * std::abs(*reading.change.value))
+      // Only where a conductor is driven and sensed itself is the change a part of the value.
+      if (sense != drive ||
+          of_change <= options_.rtol * change_scale(*reading.value.value, *reading.change.value))
         continue;
       const double least = *reading.background.error + of_change;
       if (*reading.value.error > 0)

@@ -28,7 +28,7 @@ class HiddenSurface {
     std::vector<Triangle> triangles;
     std::vector<Triangle> closed;
     BoxTree boxes;            ///< of `closed`
-    Eigen::AlignedBox3d box;  ///< around it
+    Eigen::AlignedBox3d box;  ///< around `closed`
     bool is_target = false;
   };
   enum class Place { inside, outside, unknown };

@@ -89,7 +89,7 @@ class HierarchicalMatrix {
   std::vector<LowRankBlock> far_;
   std::vector<DenseBlock> near_;
   std::vector<std::size_t> own_;  ///< for each leaf, its diagonal block in near_
-  std::vector<PartBegin> parts_;  ///< and where the last one ends
+  std::vector<PartBegin> parts_;  ///< of the blocks in a product, and last where they end
   Eigen::Index size_ = 0;
   std::size_t threads_ = 1;
 };

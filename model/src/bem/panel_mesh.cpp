@@ -182,8 +182,8 @@ class PanelMesh::Carried {
 };
 
 /// Returns points near the middles of a panel's sides, on the round shape where the body stands for one: but
-/// of the sides themselves where that would make a sliver of a quarter or a half. On a rim, the third corner
-/// may be where the middle of the opposite arc is.
+/// of the sides themselves where that would make a sliver of a quarter or a half. If the corners
+/// lie on a circle of the shape, the third may be where the middle of the opposite arc is.
 std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t body) const {
   /// Least area of a part, relative to one of a flat triangle.
   constexpr double least_area = 0.2;

@@ -231,8 +231,8 @@ TEST(Readings, OfAGapThatIsNotResolvedHaveTheErrorOfTheirChange) {
   Scene scene;
   scene.sensors = {test::sensor("front", {test::square(0.1, 0)})};
   scene.objects = {target(object("hand", Sphere{0.02, 16}, at(0, 0, 0.020001)))};
-  // With more unknowns rtol is reached at 15.757 ± 0.043 pF. A ball 1 µm above an infinite plane has 13.07 pF
-  // to it, by the series of images; the rest is what the sensor has to infinity.
+  // Boundary elements with more unknowns reach rtol at 15.757 ± 0.043 pF. The series of images gives 13.07 pF
+  // between the ball and an infinite plane 1 µm below it; the rest is what the sensor has to infinity.
   constexpr double truth = 15.757e-12, known_to = 0.043e-12;
   for (const std::size_t unknowns : {2000, 4000}) {
     const MaxwellMatrix answer = maxwell(scene, {.rtol = 1e-2, .most_unknowns = unknowns});

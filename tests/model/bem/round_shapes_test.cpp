@@ -85,7 +85,7 @@ TEST(RoundShapes, MakeNoSliversOfATriangleOnAGreatCircle) {
   double least = twice_area(fin[0]) / 2;
   for (const detail::Panel& panel : mesh.panels())
     least = std::min(least, panel.area);
-  // Of six halvings and a division into quarters, each leaves a part a fifth at least.
+  // Each of six halvings and the division into quarters gives a part at least a fifth of its share.
   EXPECT_GT(least, std::pow(0.2, 7) * twice_area(fin[0]) / 2 / 256);
 }
 
