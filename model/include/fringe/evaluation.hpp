@@ -79,7 +79,7 @@ struct Evaluation {
   std::string answered_by;  ///< the method that answered
   /// Tells whether the stated errors are within the error asked for; true where none was asked for.
   bool reached = true;
-  double expected_seconds = 0;  ///< estimated before the answering method began
+  double expected_seconds = 0;  ///< estimated before the methods that were asked began
 };
 
 }  // namespace fringe

@@ -10,6 +10,7 @@
 
 #include "bem/adaptive.hpp"
 #include "bem/asked_error.hpp"
+#include "bem/believed_error.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/matrix_readings.hpp"
 #include "bem/maxwell_matrix.hpp"
@@ -71,10 +72,6 @@ constexpr double iteration_share = 0.005;
 /// Largest ridge on the panels' diagonal, relative to rtol, and at all. Its effect, which is stated, is far
 /// smaller: panels by themselves have a small part of the energy.
 constexpr double ridge_per_rtol = 10, most_ridge = 0.1;
-
-/// Factor by which a refinement may use up more of the estimated errors than the one before, and the least
-/// part of them that is stated whatever that used.
-constexpr double used_caution = 2, least_used = 0.25;
 
 /// Part of the first estimated errors that is stated, as a rule, once it is known how much of them a
 /// refinement uses up: with this caution 0.25 to 0.54 on eight of nine robot arms.
@@ -223,47 +220,6 @@ void write_delta_self(const PanelSystem& system, const PanelSolution& solution, 
       per_change * change.cwiseAbs().cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) + others;
 }
 
-/// Values that refinement improves, with their estimated errors.
-struct Improved {
-  std::vector<double> values;
-  std::vector<double> errors;
-};
-
-/// Returns the asked diagonal entries, and the values and changes of the readings, with the errors that
-/// refinement makes smaller.
-Improved improved(const MaxwellMatrix& answer, const EffectsOfSurfaces& surfaces,
-                  const ChargedBodies& bodies) {
-  Improved result;
-  const auto add = [&](double value, double error) {
-    result.values.push_back(value);
-    result.errors.push_back(error);
-  };
-  for (Index k = 0; k < answer.values.rows(); ++k)
-    if (bodies.conductors[static_cast<std::size_t>(k)].is_asked)
-      add(answer.values(k, k), answer.errors(k, k) - surfaces.entries.lasting_errors(k, k));
-  const ReadingEffects lasting = reading_effects(surfaces.readings.lasting_errors);
-  for (std::size_t k = 0; k < answer.readings.size(); ++k) {
-    const ReadingAnswer& reading = answer.readings[k];
-    const auto at = static_cast<Index>(k);
-    add(*reading.value.value, *reading.value.error - lasting.value[at]);
-    add(*reading.change.value, *reading.change.error - lasting.change[at]);
-  }
-  return result;
-}
-
-/// Returns the largest part of an error that turned out to be there: how much a value has changed by a
-/// refinement over how much less its estimated error is; 1 if that is not less. Values whose errors cancel by
-/// chance do not decide: diagonal entries only grow. An estimated error above the value counts as the value:
-/// more cannot have been missing.
-double used_part(const Improved& before, const Improved& after) {
-  double used = 0;
-  for (std::size_t k = 0; k < before.values.size(); ++k) {
-    const double less = std::min(before.errors[k], std::abs(after.values[k])) - after.errors[k];
-    used = std::max(used, less > 0 ? std::abs(after.values[k] - before.values[k]) / less : 1);
-  }
-  return used;
-}
-
 /// Returns the missing energy that is allowed after a refinement. The energy that is missing now is estimated
 /// by that of the highest functions and of the groups of panels.
 double allowed_energy(const PanelSolution& solution, double excess) {
@@ -382,11 +338,11 @@ class ConductorProblem : public AdaptiveProblem {
     surfaces_ = effects_of_surfaces(simplification_, system_, solution_, bodies_);
     write(begun_.error_per_change);
     // The estimates stay as cautious as the last ones turned out to be.
-    Improved found = improved(answer_, surfaces_, bodies_);
-    is_first_ = before_.values.empty();
+    is_first_ = answer_.unknowns == 0;
+    const double believed = believed_.next(answer_, surfaces_.entries.lasting_errors,
+                                           reading_effects(surfaces_.readings.lasting_errors), bodies_);
     if (panels() > 0 && !is_first_)
-      write(begun_.error_per_change * std::clamp(used_caution * used_part(before_, found), least_used, 1.0));
-    before_ = std::move(found);
+      write(begun_.error_per_change * believed);
     const std::size_t unknowns_before =
         std::exchange(answer_.unknowns, count_unknowns(begun_.functions) + panels());
     if (!bodies_.readings.empty())
@@ -561,7 +517,7 @@ class ConductorProblem : public AdaptiveProblem {
   MaxwellMatrix answer_;
   PanelSolution solution_;
   EffectsOfSurfaces surfaces_;
-  Improved before_;        ///< by the solution before, with errors by `begun_.error_per_change`
+  BelievedError believed_;
   double per_change_ = 0;  ///< the estimated error per change between the two spaces
   Progress progress_;
   double change_part_;    ///< the smallest change of a reading, as a part of its value

@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::Vector3d;
 
-/// Distance of the copies from a panel, relative to its size.
+/// Distance of a copy from its panel, relative to its size.
 constexpr double steps_per_size = 0.7;
 
 Panel shifted(const Panel& panel, const Vector3d& by) {
@@ -35,9 +35,34 @@ double step_beside(const Panel& panel) {
 MatrixXd root_of_conductor(const RoundShape& shape, const Panel& panel, const Ratios& ratios,
                            const RowVectorXd& charges) {
   const double outside = shape.is_thin() ? (ratios.behind + ratios.before) / 2 : ratios.before;
-  MatrixXd result = MatrixXd::Zero(BesideFacets::copies, charges.cols());
+  MatrixXd result = MatrixXd::Zero(BesideFacets::rows, charges.cols());
   result.row(0) = std::sqrt(shape.lack_per_squared_charge(panel) / outside) * charges;
   return result;
+}
+
+/// Returns how much the potential falls over a step along two directions of a panel's plane, by the
+/// potentials of its group. It is the same on both sides, but outside of a body of high permittivity it grows
+/// at once, and the jump of the permittivity multiplies it.
+MatrixXd falls_along(const PanelMesh& mesh, const InsulatedUnknowns& unknowns,
+                     const std::vector<Index>& place, const PanelGroup& group, const Panel& panel,
+                     const MatrixXd& values) {
+  std::vector<Index> own;
+  for (std::size_t k = group.first; k < group.first + group.count; ++k)
+    if (place[k] >= 0 && !unknowns.is_charge(place[k]))
+      own.push_back(place[k]);
+  if (own.size() < 3)
+    return MatrixXd::Zero(2, values.cols());
+  const Vector3d along = (panel.corners[1] - panel.corners[0]).normalized();
+  const Vector3d across = unit_normal(panel.corners).cross(along);
+  MatrixXd places(index_of(own.size()), 3);
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    const auto at = static_cast<std::size_t>(unknowns.panels[static_cast<std::size_t>(own[k])]);
+    const Vector3d from = mesh.panels()[at].centre - panel.centre;
+    places.row(index_of(k)) << 1, from.dot(along), from.dot(across);
+  }
+  const MatrixXd potentials = values(own, Eigen::all);
+  const MatrixXd fitted = places.colPivHouseholderQr().solve(potentials);
+  return step_beside(panel) * fitted.bottomRows(2);
 }
 
 }  // namespace
@@ -46,15 +71,17 @@ BesideFacets beside_facets(const PanelMesh& mesh, const InsulatedBodies& bodies)
   /// Largest sample.
   constexpr std::size_t most = 96;
   const std::size_t conductors = bodies.conductors.bodies.size();
-  std::vector<std::size_t> panels;
+  std::vector<std::size_t> panels, groups;
   std::vector<double> depths;
-  for (const PanelGroup& group : mesh.groups()) {
+  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
+    const PanelGroup& group = mesh.groups()[g];
     if (group.body < conductors || group.body >= conductors + bodies.insulators.size())
       continue;
     const std::optional<RoundShape>& round = bodies.insulators[group.body - conductors].round;
     for (std::size_t k = group.first; round && k < group.first + group.count; ++k)
       if (const double depth = round->depth(mesh.panels()[k].corners); depth > 0) {
         panels.push_back(k);
+        groups.push_back(g);
         depths.push_back(depth);
       }
   }
@@ -63,14 +90,10 @@ BesideFacets beside_facets(const PanelMesh& mesh, const InsulatedBodies& bodies)
   for (std::size_t k = 0; k < count; ++k) {
     const std::size_t at = k * panels.size() / count;
     const Panel& panel = mesh.panels()[panels[at]];
-    const double step = step_beside(panel);
-    const Vector3d normal = unit_normal(panel.corners);
-    const Vector3d along = (panel.corners[1] - panel.corners[0]).normalized();
     result.panels.push_back(panels[at]);
+    result.groups.push_back(groups[at]);
     result.depths.push_back(depths[at] * static_cast<double>(panels.size()) / static_cast<double>(count));
-    result.beside.push_back(shifted(panel, step * normal));
-    result.beside.push_back(shifted(panel, step * (normal + along)));
-    result.beside.push_back(shifted(panel, step * (normal + normal.cross(along))));
+    result.beside.push_back(shifted(panel, step_beside(panel) * unit_normal(panel.corners)));
   }
   return result;
 }
@@ -92,34 +115,34 @@ MatrixXd facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
       roots.push_back(is_conductor ? root_of_conductor(*round, mesh.panels()[panel],
                                                        unknowns.states[static_cast<std::size_t>(own)].ratios,
                                                        values.row(own))
-                                   : MatrixXd(MatrixXd::Zero(BesideFacets::copies, values.cols())));
+                                   : MatrixXd(MatrixXd::Zero(BesideFacets::rows, values.cols())));
     }
   }
   std::vector<AngleTarget> targets;
   for (const std::size_t panel : facets.panels) {
     const Index own = place[panel];
     const double outside = own < 0 ? 1 : unknowns.states[static_cast<std::size_t>(own)].ratios.before;
-    targets.insert(targets.end(), BesideFacets::copies, {outside, AngleSums::unknown});
+    targets.push_back({outside, AngleSums::unknown});
   }
   const MatrixXd potentials = potentials_beside(mesh, bodies, equations, facets.beside, facets.double_layer,
                                                 targets, values, tolerance);
   for (std::size_t k = 0; k < facets.panels.size(); ++k) {
     // Parts that lie on conductors, or are not there, are no unknowns.
-    const Index own = place[facets.panels[k]], first = BesideFacets::copies * index_of(k);
-    MatrixXd& root = roots.emplace_back(MatrixXd::Zero(BesideFacets::copies, values.cols()));
+    const Index own = place[facets.panels[k]];
+    MatrixXd& root = roots.emplace_back(MatrixXd::Zero(BesideFacets::rows, values.cols()));
     if (own < 0)
       continue;
     const Panel& panel = mesh.panels()[facets.panels[k]];
     const Ratios& ratios = unknowns.states[static_cast<std::size_t>(own)].ratios;
-    root << (values.row(own) - potentials.row(first)) * std::sqrt(ratios.before / ratios.behind),
-        potentials.row(first) - potentials.row(first + 1), potentials.row(first) - potentials.row(first + 2);
+    root << (values.row(own) - potentials.row(index_of(k))) * std::sqrt(ratios.before / ratios.behind),
+        falls_along(mesh, unknowns, place, mesh.groups()[facets.groups[k]], panel, values);
     root *= std::sqrt(std::abs(ratios.behind - ratios.before) / (4 * std::numbers::pi) * facets.depths[k] *
                       panel.area) /
             step_beside(panel);
   }
-  MatrixXd result(BesideFacets::copies * index_of(roots.size()), values.cols());
+  MatrixXd result(BesideFacets::rows * index_of(roots.size()), values.cols());
   for (std::size_t k = 0; k < roots.size(); ++k)
-    result.middleRows(BesideFacets::copies * index_of(k), BesideFacets::copies) = roots[k];
+    result.middleRows(BesideFacets::rows * index_of(k), BesideFacets::rows) = roots[k];
   return result;
 }
 

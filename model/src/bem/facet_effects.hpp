@@ -10,11 +10,11 @@
 /// (model/BOUNDARY_ELEMENTS.md, section 13).
 namespace fringe::detail {
 
-/// A sample of the interfaces that stand for round shapes, with copies of each panel beside it: outside of
-/// it, and from there along two directions of its plane.
+/// A sample of the interfaces that stand for round shapes, with a copy of each panel outside of it.
 struct BesideFacets {
-  static constexpr int copies = 3;
+  static constexpr int rows = 3;    ///< of the roots for each panel
   std::vector<std::size_t> panels;  ///< of the sample
+  std::vector<std::size_t> groups;  ///< of these
   std::vector<double> depths;       ///< m, from each to its shape's surface, with the weight in the sample
   std::vector<Panel> beside;        ///< the copies
   Eigen::MatrixXd double_layer;     ///< of all panels, as means over the copies (rows)

@@ -9,6 +9,7 @@
 
 #include "bem/adaptive.hpp"
 #include "bem/asked_error.hpp"
+#include "bem/believed_error.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/insulated_system.hpp"
 #include "bem/matrix_readings.hpp"
@@ -65,10 +66,6 @@ constexpr double error_of_film_effects = 0.5;
 
 /// Part of the errors of a value and its background by films in which they differ.
 constexpr double unlike_film_effects = 0.1;
-
-MatrixXd symmetric(const MatrixXd& matrix) {
-  return (matrix + matrix.transpose()) / 2;
-}
 
 /// A symmetric matrix, extrapolated and in both spaces, without floating conductors, and how far from
 /// symmetric it was solved.
@@ -155,24 +152,24 @@ double error_of_added(const MatrixXd& with, const MatrixXd& without, Index senso
   return error_between(with.col(sensor) - without.col(sensor), with.col(sensor) + without.col(sensor), rows);
 }
 
-/// Returns the errors of all entries.
-/// `undivided` is InsulatedSystem::undivided_error().
-MatrixXd errors_of(const Solved& one, double undivided) {
+/// Returns the errors of all entries. `believed` is the part of the estimates that is stated, `undivided` is
+/// InsulatedSystem::undivided_error().
+MatrixXd errors_of(const Solved& one, double believed, double undivided) {
   const VectorXd part = error_per_missed_energy * one.missed.cwiseQuotient(one.fine.diagonal());
   const VectorXd changed = (1 - one.coarse.diagonal().array() / one.fine.diagonal().array()).abs().sqrt();
   const MatrixXd growth =
       MatrixXd::Ones(part.size(), part.size()) + growth_by_change * changed * changed.transpose();
   const MatrixXd least = part.replicate(1, part.size()).cwiseMax(part.transpose().replicate(part.size(), 1));
-  return (error_per_extrapolated_change * changes(one.fine, one.coarse))
-             .cwiseMax(least.cwiseProduct(one.values.cwiseAbs()))
-             .cwiseProduct(growth) +
+  return believed * (error_per_extrapolated_change * changes(one.fine, one.coarse))
+                        .cwiseMax(least.cwiseProduct(one.values.cwiseAbs()))
+                        .cwiseProduct(growth) +
          one.asymmetry + film_errors_of(one) + errors_of_roots(one.undivided) + errors_of_roots(one.facets) +
          undivided * one.values.cwiseAbs();
 }
 
 /// Estimates a quantity and its error. `change` is that from the coarse to the whole space.
 Estimate estimate_of(double value, double change, double least_part, double undivided, double other,
-                     double error_per_change = error_per_extrapolated_change) {
+                     double error_per_change) {
   return {value, error_per_change * (1 + growth_by_change * least_part) *
                          std::max(std::abs(change), least_part * std::abs(value)) +
                      undivided * std::abs(value) + other};
@@ -213,8 +210,10 @@ ReadingEffects film_errors_of_readings(const Solved& all, const Solved& backgrou
   return result;
 }
 
-std::vector<ReadingAnswer> reading_answers(const Solved& all, const Solved& background, double undivided,
-                                           const ReadingEffects& others, const ChargedBodies& bodies) {
+std::vector<ReadingAnswer> reading_answers(const Solved& all, const Solved& background, double believed,
+                                           double undivided, const ReadingEffects& others,
+                                           const ChargedBodies& bodies) {
+  const double per_change = believed * error_per_extrapolated_change;
   std::vector<ReadingAnswer> answers;
   const Index kept = all.fine.rows();
   for (const ChargedReading& reading : bodies.readings) {
@@ -228,15 +227,17 @@ std::vector<ReadingAnswer> reading_answers(const Solved& all, const Solved& back
     const double change_alone = form(background.fine) - form(background.coarse);
     const double other = absolute_form(all.asymmetry), other_alone = absolute_form(background.asymmetry);
     answers.push_back(
-        {reading.name, estimate_of(value, change, part, undivided, other + others.value[at]),
-         estimate_of(alone, change_alone, part, undivided, other_alone + others.background[at]),
+        {reading.name, estimate_of(value, change, part, undivided, other + others.value[at], per_change),
+         estimate_of(alone, change_alone, part, undivided, other_alone + others.background[at], per_change),
          estimate_of(value - alone, change - change_alone, part, undivided,
-                     other + other_alone + others.change[at], error_of_change_per_extrapolated_change)});
+                     other + other_alone + others.change[at],
+                     believed * error_of_change_per_extrapolated_change)});
   }
   return answers;
 }
 
-void write_delta_self(const Solved& all, const Solved& alone, double undivided, MaxwellMatrix& answer) {
+void write_delta_self(const Solved& all, const Solved& alone, double believed, double undivided,
+                      MaxwellMatrix& answer) {
   const auto sensors = static_cast<Index>(answer.sensors);
   answer.delta_self.resize(sensors);
   answer.delta_self_errors.resize(sensors);
@@ -244,10 +245,10 @@ void write_delta_self(const Solved& all, const Solved& alone, double undivided, 
     const double between_spaces = all.fine(k, k) - alone.fine(k, k) - (all.coarse(k, k) - alone.coarse(k, k));
     const double other = error_of_film_effects * std::abs(all.films(k, k)) +
                          error_of_added(all.undivided, alone.undivided, k, rows_per_triangle) +
-                         error_of_added(all.facets, alone.facets, k, BesideFacets::copies);
+                         error_of_added(all.facets, alone.facets, k, BesideFacets::rows);
     const Estimate change = estimate_of(all.values(k, k) - alone.values(k, k), between_spaces,
                                         missing_part(VectorXd::Unit(all.fine.rows(), k), all), undivided,
-                                        other, error_of_change_per_extrapolated_change);
+                                        other, believed * error_of_change_per_extrapolated_change);
     answer.delta_self[k] = *change.value;
     answer.delta_self_errors[k] = *change.error;
   }
@@ -261,7 +262,7 @@ bool is_in_vain(double excess, std::size_t panels, std::size_t most, int refinem
   constexpr std::size_t many = 2000;
   constexpr int few = 3;
   return refinements >= few && panels >= many &&
-         excess * static_cast<double>(panels) > static_cast<double>(most);
+         std::sqrt(excess) * static_cast<double>(panels) > static_cast<double>(most);
 }
 
 /// The Maxwell matrix and the readings of conductors and dielectric bodies.
@@ -292,31 +293,32 @@ class InsulatedProblem : public AdaptiveProblem {
       all = solved(solution_, conductors_);
       if (answer_.sensors > 0)
         alone = solved(system_.solve(1), conductors_);
-      if (has_readings())
-        background = solved(system_.solve(2), conductors_);
+      if (has_readings()) {
+        const InsulatedSolution without = system_.solve(2);
+        background = solved(without, conductors_);
+        solution_.error_indicators =
+            solution_.error_indicators.cwiseMax(system_.change_indicators(solution_, without));
+      }
     } catch (const Interrupted&) {
       if (answer_.unknowns == 0)
         throw;
       return {true, {}, 0, 0};
     }
-    write(all, alone);
     GeometryErrors geometry{film_errors_of(all) + errors_of_roots(all.facets), {}, !films_};
-    GeometryErrors lasting{geometry.entries, {}, true};
+    // The error of undivided triangles ends when they are divided; it does not fall with the number of
+    // panels.
+    GeometryErrors lasting{geometry.entries + errors_of_roots(all.undivided), {}, true};
     if (has_readings()) {
       geometry.readings = film_errors_of_readings(all, background, conductors_);
-      geometry.readings +=
-          errors_of_readings(all.facets, background.facets, BesideFacets::copies, conductors_);
+      geometry.readings += errors_of_readings(all.facets, background.facets, BesideFacets::rows, conductors_);
       lasting.readings = geometry.readings;
       lasting.readings +=
           errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors_);
-      answer_.readings =
-          reading_answers(all, background, system_.undivided_error(), lasting.readings, conductors_);
-    } else {
-      answer_.readings = readings_of_sensors(answer_);
     }
-    // The error of undivided triangles ends when they are divided; it does not fall with the number of
-    // panels.
-    lasting.entries += errors_of_roots(all.undivided);
+    write(all, alone, background, lasting.readings, 1);
+    const double believed = believed_.next(answer_, lasting.entries, lasting.readings, conductors_);
+    if (believed < 1)
+      write(all, alone, background, lasting.readings, believed);
     return assessed(geometry, lasting);
   }
 
@@ -340,12 +342,19 @@ class InsulatedProblem : public AdaptiveProblem {
 
   bool has_readings() const { return !conductors_.readings.empty(); }
 
-  void write(const Solved& all, const Solved& alone) {
+  /// Writes the answer. `believed` is the part of the estimated errors that is stated, `others` are errors of
+  /// readings beside them.
+  void write(const Solved& all, const Solved& alone, const Solved& background, const ReadingEffects& others,
+             double believed) {
+    const double undivided = system_.undivided_error();
     answer_.values = all.values;
-    answer_.errors = errors_of(all, system_.undivided_error());
+    answer_.errors = errors_of(all, believed, undivided);
     answer_.charges = charges_of(all, solution_, conductors_);
     answer_.unknowns = system_.panels();
-    write_delta_self(all, alone, system_.undivided_error(), answer_);
+    write_delta_self(all, alone, believed, undivided, answer_);
+    answer_.readings = has_readings()
+                           ? reading_answers(all, background, believed, undivided, others, conductors_)
+                           : readings_of_sensors(answer_);
   }
 
   Assessment assessed(const GeometryErrors& geometry, const GeometryErrors& lasting) const {
@@ -367,6 +376,7 @@ class InsulatedProblem : public AdaptiveProblem {
   bool films_;
   MaxwellMatrix answer_;
   InsulatedSolution solution_;
+  BelievedError believed_;
   int refinements_ = 0;
 };
 

@@ -13,6 +13,7 @@
 #include "bem/hidden_surface.hpp"
 #include "bem/insulated_equations.hpp"
 #include "bem/proximity_refinement.hpp"
+#include "bem/readings.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "fringe/error.hpp"
 #include "numeric/interruption.hpp"
@@ -148,6 +149,10 @@ VectorXd largest_energies(const MatrixXd& energies, const VectorXd& own) {
 
 }  // namespace
 
+MatrixXd symmetric(const MatrixXd& matrix) {
+  return (matrix + matrix.transpose()) / 2;
+}
+
 InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vector<Presence>& others,
                                  const PanelGrading& grading, std::size_t threads)
     : bodies_(bodies), surroundings_{{bodies, everything(bodies)}}, threads_(threads) {
@@ -259,11 +264,12 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   const Index conductors = index_of(bodies.conductors.size());
   InsulatedSolution result;
   result.matrix = {MatrixXd::Zero(conductors, conductors), MatrixXd::Zero(conductors, conductors)};
-  result.panels = MatrixXd::Zero(index_of(panels()), conductors);
+  result.panels = result.details = MatrixXd::Zero(index_of(panels()), conductors);
   result.body_charges = MatrixXd::Zero(index_of(bodies.bodies.size()), conductors);
   for (Index k = 0; k < unknowns.size(); ++k) {
     const auto at = static_cast<std::size_t>(k);
     result.panels.row(unknowns.panels[at]) = found.fine.row(k);
+    result.details.row(unknowns.panels[at]) = found.details.row(k);
     if (unknowns.kind(k) != PartKind::conductor)
       continue;
     const Index conductor = index_of(bodies.bodies[static_cast<std::size_t>(unknowns.body[at])].conductor);
@@ -294,6 +300,23 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   result.undivided = std::move(undivided.roots);
   result.facets = facet_effects(mesh_, bodies_, equations, facets_, found.fine, tolerance_);
   result.error_indicators = largest_energies(energies + undivided.groups, result.matrix.fine.diagonal());
+  result.unknowns = unknowns;
+  return result;
+}
+
+VectorXd InsulatedSystem::change_indicators(const InsulatedSolution& all,
+                                            const InsulatedSolution& background) const {
+  const ChargedBodies& bodies = bodies_.conductors;
+  const NestedMatrix with{symmetric(all.matrix.fine), symmetric(all.matrix.coarse)},
+      without{symmetric(background.matrix.fine), symmetric(background.matrix.coarse)};
+  const MatrixXd details =
+      reading_charges(all.details, with.fine, background.details, without.fine, bodies).all();
+  const MatrixXd energies =
+      missed_energies(mesh_, all.unknowns, single_layer_, details(all.unknowns.panels, Eigen::all));
+  const VectorXd scales = change_scales(with, without, bodies);
+  VectorXd result(energies.rows());
+  for (Index group = 0; group < result.size(); ++group)
+    result[group] = largest_part_of_change(energies.row(group).cwiseSqrt(), scales);
   return result;
 }
 

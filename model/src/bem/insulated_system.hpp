@@ -7,6 +7,7 @@
 
 #include "bem/facet_effects.hpp"
 #include "bem/galerkin_system.hpp"
+#include "bem/insulated_equations.hpp"
 #include "bem/insulators.hpp"
 #include "bem/panel_mesh.hpp"
 #include "bem/undivided_gain.hpp"
@@ -19,6 +20,8 @@ struct InsulatedSolution {
   NestedMatrix matrix;           ///< as it is solved: not quite symmetric
   Eigen::MatrixXd extrapolated;  ///< beyond the whole space
   Eigen::MatrixXd panels;
+  Eigen::MatrixXd details;  ///< what panels carry beyond the coarse space
+  InsulatedUnknowns unknowns;
   Eigen::MatrixXd body_charges;      ///< on each body of a conductor, in the whole space
   Eigen::VectorXd error_indicators;  ///< of the groups of panels, relative to each conductor's own entry
   Eigen::MatrixXd undivided;         ///< of undivided triangles, UndividedGain::roots
@@ -35,6 +38,9 @@ struct InsulatedResponse {
   Eigen::MatrixXd charges;            ///< free charges of the conductors' panels
   Eigen::VectorXd energies;           ///< that groups of panels miss, the largest of all columns
 };
+
+/// Returns the symmetric part of a matrix.
+Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix);
 
 /// The boundary element equations of conductors and dielectric bodies (model/BOUNDARY_ELEMENTS.md, section
 /// 13), with dense matrices.
@@ -59,6 +65,10 @@ class InsulatedSystem {
 
   /// Solves for all bodies (set 0) or for one of the `others` (1, 2, …).
   InsulatedSolution solve(std::size_t set) const;
+
+  /// Returns the energies that groups of panels miss in the changes of readings, by the solutions with the
+  /// targets and without them: the largest of all readings, relative to its change.
+  Eigen::VectorXd change_indicators(const InsulatedSolution& all, const InsulatedSolution& background) const;
 
   /// Solves for all bodies in outer potentials, given by their means on the panels (rows). Energies are
   /// relative to `own`, one for each column.

@@ -78,9 +78,11 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const BorderedMatrix& matrix, con
   MatrixXd whole = MatrixXd::Zero(functions + coarse_size, functions + coarse_size);
   whole.topLeftCorner(functions, functions) = matrix.functions;
   whole.bottomRightCorner(coarse_size, coarse_size) = coarse.matrix;
+  MatrixXd coupling = MatrixXd::Zero(functions, coarse_size);
   for (Index k = 0; k < matrix.coupling.cols(); ++k)
-    whole.row(functions + restriction_.target[static_cast<std::size_t>(k)]).head(functions) +=
-        restriction_.weights[k] * matrix.coupling.col(k).cast<double>().transpose();
+    coupling.col(restriction_.target[static_cast<std::size_t>(k)]) +=
+        restriction_.weights[k] * matrix.coupling.col(k).cast<double>();
+  whole.bottomLeftCorner(coarse_size, functions) = coupling.transpose();
   if (present.size() > 0) {
     VectorXd kept = VectorXd::Zero(functions + coarse_size);
     kept.head(functions) = present.head(functions);

@@ -35,8 +35,10 @@ void for_columns(Index columns, Index together, double operations, std::size_t t
 /// Calls task(columns) for parts of the right sides, on several threads.
 template <class Task>
 void for_right_sides(MatrixXd& right_sides, std::size_t threads, const Task& task) {
-  /// Number of columns that are solved for together.
-  constexpr Index together = 24;
+  /// Number of columns that are solved for together: at least as many as products take at once, and more
+  /// where there are enough for several threads.
+  constexpr Index least = 6, most = 24, parts = 4;
+  const Index together = std::clamp((right_sides.cols() + parts - 1) / parts, least, most);
   const auto rows = static_cast<double>(right_sides.rows());
   for_columns(right_sides.cols(), together, rows * rows * static_cast<double>(right_sides.cols()), threads,
               [&](Index first, Index count) { task(right_sides.middleCols(first, count)); });

@@ -39,10 +39,12 @@ class Best {
   void ask(double seconds, bool is_any_use, const Answer& answer) {
     if (is_done() || (limit_ != nullptr && limit_->seconds_left() < (is_any_use ? 0 : seconds)))
       return;
+    // What was asked in vain before takes its time, too.
+    expected_ += seconds;
     try {
       Evaluation found;
       answer(found);
-      found.expected_seconds = seconds;
+      found.expected_seconds = expected_;
       const double error = found.reached ? 0 : stated_error(found, scene_, asked_.entries);
       if (!answer_ || error < error_) {
         answer_ = std::move(found);
@@ -75,6 +77,7 @@ class Best {
   TimeLimit* limit_;
   std::optional<Evaluation> answer_;
   double error_ = infinity;
+  double expected_ = 0;   ///< seconds, of all that were asked
   std::string refusals_;  ///< each once
   bool is_interrupted_ = false;
 };

@@ -14,9 +14,12 @@ struct SceneSize {
   double triangles = 0;           ///< of all objects
   double prepared_triangles = 0;  ///< of those that are neither plates nor boxes
   double curved = 0;              ///< how many these are
-  double bodies = 0;              ///< objects and plates
+  double boxes = 0;
+  double plates = 0;                 ///< those of sensors, too
+  double conductors_of_several = 0;  ///< those with more than one object
   double sensors = 0;
   bool has_insulators = false;
+  bool has_covers = false;  ///< on sensors
 };
 
 /// What of a question decides how long its answer takes.

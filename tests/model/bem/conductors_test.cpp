@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "bem/asked_error.hpp"
+#include "bem/believed_error.hpp"
 #include "bem/conductors_at_rest.hpp"
 #include "bem/face.hpp"
 #include "bem/matrix_readings.hpp"
@@ -125,6 +126,31 @@ TEST(AskedErrors, RefinementIsInVainWhereItHardlyReducesTheExcess) {
   EXPECT_TRUE(has_ended);
   Progress beginning;
   EXPECT_FALSE(beginning.is_in_vain(64, 10));
+}
+
+/// The answer of one conductor without readings.
+MaxwellMatrix answer_of_one(double value, double error) {
+  MaxwellMatrix answer;
+  answer.values = Eigen::MatrixXd::Constant(1, 1, value);
+  answer.errors = Eigen::MatrixXd::Constant(1, 1, error);
+  return answer;
+}
+
+TEST(BelievedErrors, AreTwiceWhatARefinementUsedOfThem) {
+  const auto believed = [](const MaxwellMatrix& first, const MaxwellMatrix& second) {
+    ChargedBodies bodies;
+    bodies.conductors.push_back({"body", Role::grounded, {"body"}});
+    const Eigen::MatrixXd lasting = Eigen::MatrixXd::Zero(1, 1);
+    BelievedError error;
+    EXPECT_EQ(error.next(first, lasting, {}, bodies), 1);
+    return error.next(second, lasting, {}, bodies);
+  };
+  EXPECT_NEAR(believed(answer_of_one(1, 0.4), answer_of_one(1.08, 0.2)), 0.8, 1e-12);
+  EXPECT_EQ(believed(answer_of_one(1, 0.4), answer_of_one(1.001, 0.2)), 0.25);
+  EXPECT_EQ(believed(answer_of_one(1, 0.4), answer_of_one(1.3, 0.2)), 1);
+  EXPECT_EQ(believed(answer_of_one(1, 0.2), answer_of_one(1.001, 0.4)), 1);
+  // More than the value cannot have been missing.
+  EXPECT_NEAR(believed(answer_of_one(0.9, 4), answer_of_one(1, 0.5)), 0.4, 1e-12);
 }
 
 TEST(AskedErrors, AreRelativeToTheLargerOfChangeAndAPartOfTheValue) {

@@ -247,6 +247,23 @@ TEST(Insulators, OneOfVeryHighPermittivityIsAFloatingConductor) {
   }
 }
 
+TEST(Insulators, ARoundOneOfVeryHighPermittivityStatesNoMoreForItsFacetsThanALowOne) {
+  // The field outside grows at once with the distance from such a body, whose surface has hardly any along
+  // it.
+  Scene scene;
+  scene.sensors = {sensor("front", {square(0.1, 0)})};
+  scene.objects = {object("ball", Sphere{0.03, 32}, at(0, 0, 0.06))};
+  scene.objects[0].target = true;
+  BoundaryElementOptions looser;
+  looser.rtol = 0.1;
+  for (const double permittivity : {5.0, 1e5}) {
+    scene.objects[0].role = Dielectric{permittivity};
+    const MaxwellMatrix found = maxwell(scene, looser);
+    EXPECT_TRUE(found.reached) << permittivity;
+    EXPECT_LE(*found.readings[0].value.error, 0.03 * *found.readings[0].value.value) << permittivity;
+  }
+}
+
 TEST(FilmSheets, AStripBetweenTwoConductorsHasTheCapacitanceOfItsLengthWhateverItsPanels) {
   // Two panels, and beside them three, one corner of which lies on a side of the former.
   const Eigen::Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0), e(2, 0, 0), f(2, 1, 0),

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include <Eigen/Core>
+
+#include "bem/bodies.hpp"
+#include "bem/readings.hpp"
+#include "fringe/boundary_elements.hpp"
+
+namespace fringe::detail {
+
+/// Finds which part of the estimated errors is stated: as much as they turned out to be needed, with caution.
+class BelievedError {
+ public:
+  /// Takes the answer of the next solution, with its estimated errors and how much of them refinement leaves,
+  /// of entries and of readings. Returns the part to be stated: 1 for the first.
+  double next(const MaxwellMatrix& answer, const Eigen::MatrixXd& lasting, const ReadingEffects& of_readings,
+              const ChargedBodies& bodies);
+
+ private:
+  std::vector<double> values_;  ///< of the solution before: what is asked for
+  std::vector<double> errors_;  ///< that refinement makes smaller
+};
+
+}  // namespace fringe::detail
