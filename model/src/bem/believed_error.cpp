@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <utility>
 
 namespace fringe::detail {
@@ -45,12 +46,14 @@ double BelievedError::next(const MaxwellMatrix& answer, const Eigen::MatrixXd& l
     add(*reading.value.value, *reading.value.error - of_readings.value[at]);
     add(*reading.change.value, *reading.change.error - of_readings.change[at]);
   }
-  const double part = values_.empty() ? 1
-                                      : std::clamp(used_caution * used_part(values_, errors_, values, errors),
-                                                   least_used, 1.0);
+  if (!values_.empty())
+    used_.push_back(used_part(values_, errors_, values, errors));
   values_ = std::move(values);
   errors_ = std::move(errors);
-  return part;
+  if (used_.size() < remembered_)
+    return 1;
+  const auto first = used_.end() - static_cast<std::ptrdiff_t>(remembered_);
+  return std::clamp(used_caution * *std::max_element(first, used_.end()), least_used, 1.0);
 }
 
 }  // namespace fringe::detail

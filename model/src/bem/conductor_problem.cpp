@@ -517,7 +517,7 @@ class ConductorProblem : public AdaptiveProblem {
   MaxwellMatrix answer_;
   PanelSolution solution_;
   EffectsOfSurfaces surfaces_;
-  BelievedError believed_;
+  BelievedError believed_{1};
   double per_change_ = 0;  ///< the estimated error per change between the two spaces
   Progress progress_;
   double change_part_;    ///< the smallest change of a reading, as a part of its value

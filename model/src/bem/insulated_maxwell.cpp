@@ -55,6 +55,11 @@ constexpr double growth_by_change = 10;
 /// panels, the potential's steps stiffen both spaces alike, and only the energy shows it.
 constexpr double error_per_missed_energy = 0.5;
 
+/// Number of refinements that have to use little of the estimated errors before less is stated: one of few
+/// panels may leave out where the error is, and then values hardly change (a layer before a sensor, 264
+/// panels).
+constexpr std::size_t remembered_refinements = 2;
+
 /// Error per energy that undivided triangles would gain from division: values are not extrapolated by it.
 constexpr double error_per_undivided_gain = error_per_panel_change;
 
@@ -376,7 +381,7 @@ class InsulatedProblem : public AdaptiveProblem {
   bool films_;
   MaxwellMatrix answer_;
   InsulatedSolution solution_;
-  BelievedError believed_;
+  BelievedError believed_{remembered_refinements};
   int refinements_ = 0;
 };
 

@@ -141,7 +141,7 @@ TEST(BelievedErrors, AreTwiceWhatARefinementUsedOfThem) {
     ChargedBodies bodies;
     bodies.conductors.push_back({"body", Role::grounded, {"body"}});
     const Eigen::MatrixXd lasting = Eigen::MatrixXd::Zero(1, 1);
-    BelievedError error;
+    BelievedError error(1);
     EXPECT_EQ(error.next(first, lasting, {}, bodies), 1);
     return error.next(second, lasting, {}, bodies);
   };
@@ -151,6 +151,20 @@ TEST(BelievedErrors, AreTwiceWhatARefinementUsedOfThem) {
   EXPECT_EQ(believed(answer_of_one(1, 0.2), answer_of_one(1.001, 0.4)), 1);
   // More than the value cannot have been missing.
   EXPECT_NEAR(believed(answer_of_one(0.9, 4), answer_of_one(1, 0.5)), 0.4, 1e-12);
+}
+
+TEST(BelievedErrors, CountAsManyRefinementsAsAreRemembered) {
+  ChargedBodies bodies;
+  bodies.conductors.push_back({"body", Role::grounded, {"body"}});
+  const Eigen::MatrixXd lasting = Eigen::MatrixXd::Zero(1, 1);
+  BelievedError error(2);
+  std::vector<double> believed;
+  for (const auto& [value, stated] :
+       std::vector<std::pair<double, double>>{{1, 0.4}, {1.06, 0.2}, {1.061, 0.1}, {1.062, 0.05}})
+    believed.push_back(error.next(answer_of_one(value, stated), lasting, {}, bodies));
+  EXPECT_EQ(believed[1], 1) << "one refinement is too few";
+  EXPECT_NEAR(believed[2], 0.6, 1e-9) << "the first used more";
+  EXPECT_EQ(believed[3], 0.25);
 }
 
 TEST(AskedErrors, AreRelativeToTheLargerOfChangeAndAPartOfTheValue) {

@@ -113,7 +113,8 @@ TEST(Insulators, ADiscInAFlatSpheroidHasTheCapacitanceOfConfocalLayers) {
 
 TEST(Insulators, ADiscInAWetFilmHasTheCapacitanceOfConfocalLayers) {
   const double exact = exact_of_coated_disc(0.05 / 30, 80);
-  EXPECT_NEAR(of_coated_disc(0.05 / 30, 80), exact, 1e-3 * exact);
+  // Asked to 3e-3; that of another refinement differs by up to a third of it.
+  EXPECT_NEAR(of_coated_disc(0.05 / 30, 80), exact, 2e-3 * exact);
 }
 
 /// Returns a square sensor of 10 cm below a grounded box, with other bodies.
