@@ -19,6 +19,8 @@ CommandInterruption::~CommandInterruption() {
   sigaction(SIGINT, &before_, nullptr);
 }
 
+// Only an object that listens can tell.
+// NOLINTNEXTLINE(readability-convert-member-functions-to-static)
 bool CommandInterruption::is_asked_for() const {
   return was_asked_to_end != 0;
 }

@@ -77,11 +77,11 @@ EvaluationOptions options_of(const Asked& asked) {
 void refuse(const py::kwargs& others) {
   /// What to write now.
   static const std::map<std::string, std::string> former{
-      {"correction", "method=\"formula\", or \"auto\" for what was recommended"},
-      {"plates", "+nearest after the method, as in \"exact+nearest\""},
-      {"faces", "+facing after the method, as in \"exact+facing\""},
-      {"nearest", "+nearest after the method, as in \"exact+nearest\""},
-      {"facing", "+facing after the method, as in \"exact+facing\""},
+      {"correction", R"(method="formula", or "auto" for what was recommended)"},
+      {"plates", R"(+nearest after the method, as in "exact+nearest")"},
+      {"faces", R"(+facing after the method, as in "exact+facing")"},
+      {"nearest", R"(+nearest after the method, as in "exact+nearest")"},
+      {"facing", R"(+facing after the method, as in "exact+facing")"},
       {"only_readings", "nothing: readings are what is asked for, unless entries=True"},
   };
   for (const auto& [key, value] : others) {

@@ -259,9 +259,9 @@ void write_delta_self(const Solved& all, const Solved& alone, double believed, d
   }
 }
 
-/// Tells if what is asked for is out of reach, though errors fall like the number of panels rises. Few panels
-/// are refined nevertheless, and all a few times: their error says little, and most panels may be those of
-/// bodies that hardly matter.
+/// Tells if what is asked for is out of reach, even if errors fall like the square of the number of panels,
+/// as those of changes do at best. Few panels are refined nevertheless, and all a few times: their error says
+/// little, and most panels may be those of bodies that hardly matter.
 bool is_in_vain(double excess, std::size_t panels, std::size_t most, int refinements) {
   /// Panels from which on a refinement takes seconds.
   constexpr std::size_t many = 2000;

@@ -22,7 +22,7 @@ class Automatic {
   /// @throws InputError for scenes that all methods refuse, Interrupted where time or interruption leave no
   /// answer.
   Evaluation evaluate(Methods& methods, const Scene& scene, const SceneSize& size,
-                      const EvaluationOptions& asked, bool with_sensors, TimeLimit* limit);
+                      const EvaluationOptions& options, bool with_sensors, TimeLimit* limit);
 
  private:
   double spent_ = 0;  ///< seconds by boundary elements
