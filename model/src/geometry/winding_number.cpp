@@ -22,7 +22,7 @@ bool is_in_polyhedron(std::span<const Triangle> surface, const Vector3d& point) 
     const std::complex<double> factor(
         to_a * to_b * to_c + a.dot(b) * to_c + b.dot(c) * to_a + c.dot(a) * to_b, a.dot(b.cross(c)));
     const double squared = std::norm(factor);
-    // From a point on an edge, the triangle's solid angle is not defined; it counts nothing.
+    // A triangle has no solid angle from a point on its edge; it counts nothing.
     if (squared == 0)
       continue;
     const bool was_above = product.imag() >= 0, is_above = factor.imag() >= 0;

@@ -39,7 +39,7 @@ class Best {
   void ask(double seconds, bool is_any_use, const Answer& answer) {
     if (is_done() || (limit_ != nullptr && limit_->seconds_left() < (is_any_use ? 0 : seconds)))
       return;
-    // What was asked in vain before takes its time, too.
+    // A method that answers in vain takes its time, too.
     expected_ += seconds;
     try {
       Evaluation found;

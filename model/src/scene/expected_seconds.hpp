@@ -15,11 +15,13 @@ struct SceneSize {
   double prepared_triangles = 0;  ///< of those that are neither plates nor boxes
   double curved = 0;              ///< how many these are
   double boxes = 0;
-  double plates = 0;                 ///< those of sensors, too
-  double conductors_of_several = 0;  ///< those with more than one object
+  double plates = 0;             ///< those of sensors, too
+  double joined_conductors = 0;  ///< those of more than one object
   double sensors = 0;
   bool has_insulators = false;
   bool has_covers = false;  ///< on sensors
+
+  double bodies() const { return curved + boxes + plates; }
 };
 
 /// What of a question decides how long its answer takes.

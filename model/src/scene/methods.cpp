@@ -45,7 +45,7 @@ constexpr double least_merely_rough_rtol = 0.1;
 /// Tells whether the reduced method's matrix takes no more than some seconds to prepare. Dielectric bodies
 /// take seconds to prepare, and many milliseconds for every pose.
 bool is_small(const SceneSize& size) {
-  return !size.has_insulators && size.plates + size.boxes + size.curved <= most_bodies &&
+  return !size.has_insulators && size.bodies() <= most_bodies &&
          size.prepared_triangles <= most_prepared_triangles;
 }
 

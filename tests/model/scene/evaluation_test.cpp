@@ -11,6 +11,7 @@
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "reduced/reduced_capacitance.hpp"
+#include "scene/expected_seconds.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
@@ -178,6 +179,18 @@ TEST(Auto, AnswersForADielectricBallOfManyTriangles) {
   EXPECT_EQ(answer.answered_by, "boundary-elements");
   const Estimate change = answer.readings.at(0).change;
   EXPECT_LT(change.error.value(), 0.05 * change.value.value());
+}
+
+TEST(ExpectedSeconds, OfManyBoxesAreThoseOfTheNearestFew) {
+  Scene scene = plates();
+  const auto seconds = [&] {
+    return detail::expected_seconds(BoundaryElements{}, detail::SceneSize(scene), {.rtol = 1e-2});
+  };
+  const double few = seconds();
+  for (int k = 0; k < 200; ++k)
+    scene.objects.push_back(object_of("box" + std::to_string(k), Cuboid{0.01, 0.01, 0.01}, {0, 0, 1.0 + k}));
+  EXPECT_GT(seconds(), few);
+  EXPECT_LT(seconds(), 60);
 }
 
 TEST(Auto, KnowsFloatingConductorsAsTheMatricesDo) {
