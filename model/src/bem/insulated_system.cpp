@@ -66,6 +66,25 @@ MatrixXd missed_energies(const PanelMesh& mesh, const InsulatedUnknowns& unknown
   return energies.cwiseAbs();
 }
 
+/// Returns what the conductors' charges of the whole space add to the capacitances of the coarse one. These
+/// differ by the residuals of the coarse solution times the solution of the adjoint equations, which is, on
+/// conductors, the charge over the permittivity there.
+MatrixXd gains_by_charges(const InsulatedEquations& equations, const InsulatedSolutions& found) {
+  const InsulatedUnknowns& unknowns = equations.unknowns;
+  MatrixXd coarse(unknowns.size(), found.coarse.cols()),
+      adjoint = MatrixXd::Zero(unknowns.size(), coarse.cols());
+  for (Index k = 0; k < unknowns.size(); ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    coarse.row(k) =
+        (unknowns.is_charge(k) ? unknowns.shares[k] : 1.0) * found.coarse.row(unknowns.coarse[at]);
+    if (!unknowns.is_charge(k))
+      continue;
+    const Ratios& ratios = unknowns.states[at].ratios;
+    adjoint.row(k) = 2 / (ratios.behind + ratios.before) * found.fine.row(k);
+  }
+  return adjoint.transpose() * (equations.potentials - equations.matrix * coarse);
+}
+
 /// Adds the flux that enters films from conductors to the free charges of these.
 void add_flux_into_films(const ChargedBodies& bodies, const InsulatedEquations& equations,
                          const InsulatedSolutions& found, InsulatedSolution& result) {
@@ -279,6 +298,7 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   }
   if (equations.films)
     add_flux_into_films(bodies, equations, found, result);
+  result.charged = result.matrix.coarse + gains_by_charges(equations, found);
   MatrixXd energies = missed_energies(mesh_, unknowns, single_layer_, found.details);
   const FilmEffects films =
       film_effects(mesh_, bodies_, surroundings_[set], equations, double_layer_, found.fine);

@@ -17,7 +17,9 @@ namespace fringe::detail {
 /// The capacitances of a set of bodies, in metres, and what the panels carry for every conductor at unit
 /// potential (columns): the charge of a conductor's panel, the potential of an interface's.
 struct InsulatedSolution {
-  NestedMatrix matrix;           ///< as it is solved: not quite symmetric
+  NestedMatrix matrix;  ///< as it is solved: not quite symmetric
+  /// With the conductors' charges of the whole space, and the interfaces' potentials of the coarse one.
+  Eigen::MatrixXd charged;
   Eigen::MatrixXd extrapolated;  ///< beyond the whole space
   Eigen::MatrixXd panels;
   Eigen::MatrixXd details;  ///< what panels carry beyond the coarse space
