@@ -2,9 +2,8 @@
 
 With φ and φ' the potentials of a reading's drive and of its sensed conductor at 1 V, everything else grounded, and G the part of the
 machine's Green function that the machine adds to 1/r, a grounded probe with the single-layer matrix V changes the reading by
-4πε·φ'ᵀ(V − G)⁻¹φ, to which a small one of capacitance C adds C·φ·φ' (model/CORRECTIONS.md, section 8). G is vᵀAv with v the potentials of unit
-charges on the parts of the machine's surface and −A the charges with which these answer, without net charge on what floats. It is of low rank a
-little away from the machine: G(x, y) = −c(x)·c(y).
+4πε·φ'ᵀ(V − G)⁻¹φ, to which a small one of capacitance C adds C·φ·φ' (model/CORRECTIONS.md, section 8). G is of low rank a little away from the
+machine: G(x, y) = c(x)·c(y), c the potentials of charges on its surface.
 """
 
 from __future__ import annotations
@@ -14,7 +13,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import linalg
 
 from geometries.common.errors import InputError
 
@@ -22,10 +20,6 @@ Array = NDArray[np.float64]
 
 FACTOR = 4 * np.pi * 8.8541878128e-12
 """4πε₀ (F/m), CODATA 2018."""
-_LEAST_ENERGY = 1e-6
-"""Least energy of an answer that is kept, over that of the largest one."""
-_SAMPLE = 900
-"""Largest number of points at which the machine's answers are sampled."""
 
 
 @dataclass(frozen=True)
@@ -58,24 +52,11 @@ class Machine:
         )
         self._senses = [sense for sense, _, _ in self._potentials.readings]
         self._drives = [drive for _, drive, _ in self._potentials.readings]
-        self._answers: NDArray[np.float32] = np.zeros((len(self._potentials.answers), 0), np.float32)
+        self._answers = np.zeros((0, 0), np.float32)
 
     def prepare(self, points: Array) -> None:
         """Finds the machine's answers to charges about such places as these points (n, 3)."""
-        step = max(1, -(-len(points) // _SAMPLE))
-        sources = self._potentials.at(points[::step])[1].astype(np.float64).T
-        charges = self._potentials.answers @ sources
-        # Equal weights for sources near and far.
-        weights = 1 / np.sqrt(np.einsum("pn,pn->n", sources, charges))
-        energies, vectors = linalg.eigh(weights[:, None] * (sources.T @ charges) * weights)
-        kept = energies > _LEAST_ENERGY * energies[-1]
-        basis = (charges * weights) @ (vectors[:, kept] / np.sqrt(energies[kept]))
-        self._answers = basis.astype(np.float32)
-
-    @property
-    def rank(self) -> int:
-        """The number of functions that the machine's answers are made of."""
-        return self._answers.shape[1]
+        self._answers = self._potentials.answers(points)
 
     def changes(
         self,
@@ -98,9 +79,7 @@ class Machine:
 
     def potentials(self, points: Array) -> tuple[Array, Array]:
         """Returns at points (n, 3) the potentials (n, readings) of what is sensed and of what is driven."""
-        return self._of_readings(self._potentials.at(points, with_parts=False)[0])
-
-    def _of_readings(self, loads: NDArray[np.float32]) -> tuple[Array, Array]:
+        loads = self._potentials.at(points)
         return loads[:, self._senses].astype(np.float64), loads[:, self._drives].astype(np.float64)
 
 

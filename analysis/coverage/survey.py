@@ -27,6 +27,8 @@ NEAREST, FARTHEST, COUNT = 0.005, 1.0, 9
 """The distances (m) between a place and the nearest point of a probe."""
 NEGLIGIBLE = 0.03
 """Changes below this part of the threshold are those of the limit for small probes."""
+_SAMPLE = 3000
+"""Largest number of points for which the machine's answers are chosen."""
 RESOLUTION = 0.5e-15
 """Resolution (F) of a common converter, the FDC1004 (Texas Instruments, SNOSCY5), whose five-fold is the threshold where a scene says nothing."""
 
@@ -90,6 +92,7 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
     places = spread(conductors, sheets, grid)
     distances = np.geomspace(NEAREST, FARTHEST, COUNT)
     answers = [responses.respond(probe, model) for probe in probes]
+    are_clear = [clear(probe, places, distances, live) for probe in probes]
     thresholds = tuple(
         options.threshold or reading.threshold or 5 * RESOLUTION for reading in machine.readings
     )
@@ -98,12 +101,13 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
             probe,
             places,
             distances,
+            fits,
             lambda level, turns, shifts: _small(machine, level, turns, shifts, options.to_ground),
             answer.level,
         )
-        for probe, answer in zip(probes, answers)
+        for probe, answer, fits in zip(probes, answers, are_clear)
     ]
-    machine.prepare(_where_it_counts(places, distances, probes, estimates, thresholds))
+    machine.prepare(_where_it_counts(places, distances, answers, estimates, thresholds))
     changes = tuple(
         _accurate(machine, thresholds, options.to_ground, answer, places, distances, estimate)[..., chosen]
         for answer, estimate in zip(answers, estimates)
@@ -115,7 +119,7 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
     )
     by_method = {
         method: _by_method(
-            method, live, machine, options, places, compared, distances, probes, answers, chosen
+            method, live, machine, options, places, compared, distances, probes, answers, are_clear, chosen
         )
         for method in options.methods
     }
@@ -168,18 +172,23 @@ def _grid_for(conductors: dict[str, Array], count: int) -> float:
 def _where_it_counts(
     places: Places,
     distances: Array,
-    probes: tuple[Probe, ...],
+    answers: list[responses.Response],
     estimates: list[Array],
     thresholds: tuple[float, ...],
 ) -> Array:
-    """Returns the middles of all probes where they may be noticed, or nearly so: for these the machine's answer has to be known."""
-    found = [places.points[:1] + FARTHEST * places.normals[:1]]
-    for probe, estimate in zip(probes, estimates):
-        middle = float(np.ptp(probe.triangles[..., 2])) / 2
+    """Returns points of the probes (n, 3) where they may be noticed, or nearly so: for these the machine's answer has to be known."""
+    rotations, found = places.rotations(), [places.points[:1] + FARTHEST * places.normals[:1]]
+    for answer, estimate in zip(answers, estimates):
         counts = np.nan_to_num(over_thresholds(estimate, thresholds, None), nan=0.0) > NEGLIGIBLE
-        points = places.points[:, None] + (distances[:, None] + middle) * places.normals[:, None]
-        found.append(points[counts])
-    return np.concatenate(found)
+        for step, distance in enumerate(distances):
+            here = counts[:, step]
+            translations, _ = held(answer.probe, places, float(distance))
+            placed = np.einsum("nij,pj->npi", rotations[here], answer.level(float(distance)).points)
+            found.append((placed + translations[here, None]).reshape(-1, 3))
+    points = np.concatenate(found)
+    return np.asarray(
+        points[np.random.default_rng(1).choice(len(points), min(len(points), _SAMPLE), replace=False)]
+    )
 
 
 def _accurate(
@@ -221,24 +230,42 @@ def _continued(found: Array, estimate: Array, exact: Mask) -> Array:
     return np.where(beyond[..., None], found * ratio[:, None], found)
 
 
+def clear(probe: Probe, places: Places, distances: Array, live: Any) -> Mask:
+    """Tells (places, distances) where a probe that comes from the nearest distance outwards touches nothing so far."""
+    posed = live.copy()
+    posed.add(text_of(probe, None))
+    rotations = places.rotations()
+    fits, found = np.ones(len(rotations), dtype=bool), []
+    for distance in distances:
+        translations, own = held(probe, places, float(distance))
+        fits &= own
+        for k in np.flatnonzero(fits):
+            posed.set_pose(LINK, translations[k], rotations[k])
+            fits[k] = not any(
+                pair["status"] == "collision" and _PROBE in (pair["a"], pair["b"])
+                for pair in posed.collide()["pairs"]
+            )
+        found.append(fits.copy())
+    return np.stack(found, axis=1)
+
+
 def _changes_of(
     probe: Probe,
     places: Places,
     distances: Array,
-    changes: Callable[[responses.Level, Array, Array], tuple[Array, Mask]],
+    fits: Mask,
+    changes: Callable[[responses.Level, Array, Array], Array],
     level: Callable[[float], responses.Level],
 ) -> Array:
-    """Returns the changes (places, distances, readings); NaN from the first distance on at which the probe is blocked."""
+    """Returns the changes (places, distances, readings); NaN where the probe does not fit."""
     rotations = places.rotations()
     found = []
-    fits = np.ones(len(rotations), dtype=bool)
-    for distance in distances:
-        translations, own = held(probe, places, float(distance))
-        fits &= own
-        values, clears = changes(level(float(distance)), rotations[fits], translations[fits])
-        fits[fits] = clears
+    for step, distance in enumerate(distances):
+        here = fits[:, step]
+        translations, _ = held(probe, places, float(distance))
+        values = changes(level(float(distance)), rotations[here], translations[here])
         whole = np.full((len(rotations), values.shape[1]), np.nan)
-        whole[fits] = values[clears]
+        whole[here] = values
         found.append(whole)
     return np.stack(found, axis=1)
 
@@ -260,6 +287,7 @@ def _by_method(
     distances: Array,
     probes: tuple[Probe, ...],
     answers: list[responses.Response],
+    are_clear: list[Mask],
     chosen: list[int],
 ) -> tuple[Array, ...]:
     """Returns the changes by another method at some places, as in Survey."""
@@ -270,12 +298,13 @@ def _by_method(
         places.free[compared],
     )
     found = []
-    for probe, answer in zip(probes, answers):
+    for probe, answer, fits in zip(probes, answers, are_clear):
         if method == SMALL:
             values = _changes_of(
                 probe,
                 some,
                 distances,
+                fits[compared],
                 lambda level, turns, shifts: _small(machine, level, turns, shifts, options.to_ground),
                 answer.level,
             )
@@ -286,6 +315,7 @@ def _by_method(
                 probe,
                 some,
                 distances,
+                fits[compared],
                 lambda level, turns, shifts: _asked(posed, method, machine, turns, shifts),
                 answer.level,
             )
@@ -295,7 +325,7 @@ def _by_method(
 
 def _small(
     machine: Machine, level: responses.Level, rotations: Array, translations: Array, to_ground: float | None
-) -> tuple[Array, Mask]:
+) -> Array:
     """The limit for small grounded probes: own capacitance times the potentials at the middle of the probe's charge."""
     alone = level.charges
     middle = alone @ level.points / alone.sum()
@@ -305,7 +335,7 @@ def _small(
         share = to_ground / machine.factor
         capacitance = alone.sum() * share / (alone.sum() + share)
     signs = [reading.sign for reading in machine.readings]
-    return machine.factor * capacitance * senses * drives * signs, np.ones(len(translations), dtype=bool)
+    return np.asarray(machine.factor * capacitance * senses * drives * signs)
 
 
 LINK, _PROBE = "probe of the coverage", "the probe"
@@ -321,9 +351,7 @@ def text_of(probe: Probe, to_ground: float | None) -> str:
     )
 
 
-def _asked(
-    posed: Any, method: str, machine: Machine, rotations: Array, translations: Array
-) -> tuple[Array, Mask]:
+def _asked(posed: Any, method: str, machine: Machine, rotations: Array, translations: Array) -> Array:
     """Asks the model pose by pose; NaN where it does not know the change."""
     found = np.full((len(translations), len(machine.readings)), np.nan)
     for k, (rotation, translation) in enumerate(zip(rotations, translations)):
@@ -335,4 +363,4 @@ def _asked(
         for at, reading in enumerate(machine.readings):
             change = answers[reading.name].change
             found[k, at] = np.nan if change is None else change
-    return np.nan_to_num(found, nan=0.0), np.ones(len(translations), dtype=bool)
+    return np.nan_to_num(found, nan=0.0)

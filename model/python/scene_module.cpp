@@ -215,13 +215,16 @@ std::vector<Eigen::Vector3d> points_of(const Array& positions) {
   return points;
 }
 
-py::tuple potentials_at(const MachinePotentials& machine, const Array& positions, bool with_parts) {
+TrianglePotentials potentials_at(const MachinePotentials& machine, const Array& positions) {
   const std::vector<Eigen::Vector3d> points = points_of(positions);
-  const MachinePotentials::Values values = [&] {
-    const py::gil_scoped_release unlocked;
-    return machine.at(points, with_parts);
-  }();
-  return py::make_tuple(values.of_loads, values.of_parts);
+  const py::gil_scoped_release unlocked;
+  return machine.at(points);
+}
+
+Eigen::MatrixXf answers_about(const MachinePotentials& machine, const Array& positions) {
+  const std::vector<Eigen::Vector3d> places = points_of(positions);
+  const py::gil_scoped_release unlocked;
+  return machine.answers(places);
 }
 
 py::tuple changes_by(const MachinePotentials& machine, const Array& positions,
@@ -250,9 +253,9 @@ py::tuple changes_by(const MachinePotentials& machine, const Array& positions,
 
 void add_machine_potentials(py::module_& module) {
   py::class_<MachinePotentials>(module, "MachinePotentials",
-                                "A machine at rest as others feel it: the potentials of its readings, and of "
-                                "charges on the parts of its "
-                                "surface, at any points. Scene.machine_potentials makes it.")
+                                "A machine at rest as others feel it: the potentials of its readings at any "
+                                "points, and how it answers "
+                                "charges there. Scene.machine_potentials makes it.")
       .def_property_readonly(
           "readings",
           [](const MachinePotentials& machine) {
@@ -264,17 +267,15 @@ void add_machine_potentials(py::module_& module) {
           "For each reading of the scene the columns of what it senses and drives, and the sign of its value "
           "when a "
           "grounded body comes near.")
-      .def_property_readonly(
-          "answers", &MachinePotentials::answers,
-          "The symmetric matrix (m) that maps the potentials of the parts to the charges, over "
-          "-4 pi epsilon, that the machine answers with.")
       .def_property_readonly("error", &MachinePotentials::error,
                              "The largest stated error of the energies of what is sensed, driven or floats.")
       .def_property_readonly("panels", &MachinePotentials::panels, "The number of panels.")
-      .def("at", &potentials_at, "points"_a, "with_parts"_a = true,
-           "The potentials at points (n, 3), in single precision: of 1 V on what is sensed or driven, (n, "
-           "columns), and "
-           "of a unit charge on each part, (n, parts) in 1/m; no columns of the latter without with_parts.")
+      .def("at", &potentials_at, "points"_a,
+           "The potentials (n, columns) at points (n, 3), in single precision, of 1 V on what is sensed or "
+           "driven.")
+      .def("answers", &answers_about, "places"_a,
+           "Charges on the parts of the surface (parts, k) by which the machine answers charges about places "
+           "(n, 3).")
       .def(
           "changes", &changes_by, "points"_a, "potentials"_a, "rotations"_a, "translations"_a, "answers"_a,
           "to_ground"_a = py::none(),
@@ -282,9 +283,8 @@ void add_machine_potentials(py::module_& module) {
 is apart from the machine, (n,).
 
 The body is a few points (p, 3) in its frame that stand for it, and the matrix (p, p) in 1/m that maps charges at them to
-potentials with no one else there. rotations (n, 3, 3) and translations (n, 3) map its frame to the world; answers
-(parts, k) are charges on the parts whose products with their transposes are the matrix of that name, as far as it
-matters there. The body is grounded, or else connected to ground through to_ground, over 4 pi epsilon in m.)");
+potentials with no one else there. rotations (n, 3, 3) and translations (n, 3) map its frame to the world; answers are
+those about such places. The body is grounded, or else connected to ground through to_ground, over 4 pi epsilon in m.)");
 }
 
 py::dict sense_of(SharedScene& scene, const std::string& method) {

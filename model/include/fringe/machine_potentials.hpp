@@ -20,8 +20,8 @@ struct MachinePotentialsOptions {
   std::size_t threads = 0;          ///< 0: as many as this process may run at once
 };
 
-/// A machine at rest as others feel it (model/CORRECTIONS.md, section 8): the potentials of its readings, and
-/// of charges on the parts of its surface, at any points.
+/// A machine at rest as others feel it (model/CORRECTIONS.md, section 8): the potentials of its readings at
+/// any points, and how it answers charges there.
 class MachinePotentials {
  public:
   /// Solves for the charges of what the scene's readings sense and drive, everything else grounded or
@@ -39,21 +39,18 @@ class MachinePotentials {
   /// Returns the scene's readings, in their order.
   const std::vector<OfReading>& readings() const;
 
-  /// Returns the symmetric matrix (m) that maps the potentials of the parts to the charges, over −4πε, that
-  /// the machine answers with.
-  Eigen::MatrixXd answers() const;
   /// Returns the largest stated error of the energies of what is sensed, driven or floats, relative to these.
   double error() const;
   /// Returns the number of panels.
   std::size_t panels() const;
 
-  struct Values {
-    TrianglePotentials of_loads;  ///< potentials (columns) at the points, of 1 V on what is sensed or driven
-    TrianglePotentials of_parts;  ///< 1/m, of a unit charge on each part; no columns if not asked for
-  };
-  /// Evaluates the potentials at points in the world: parts that are close as panels, the others as up to 64
-  /// charges.
-  Values at(std::span<const Eigen::Vector3d> points, bool with_parts, std::size_t threads = 0) const;
+  /// Returns the potentials (columns) at points in the world, of 1 V on what is sensed or driven: parts of
+  /// the surface that are close count as panels, the others as up to 64 charges.
+  TrianglePotentials at(std::span<const Eigen::Vector3d> points, std::size_t threads = 0) const;
+
+  /// Returns charges on the parts of the surface (rows), in √m, by which the machine answers charges about
+  /// some places: with v the potentials of a charge on the columns, the machine lowers its energy by v².
+  Eigen::MatrixXf answers(std::span<const Eigen::Vector3d> places, std::size_t threads = 0) const;
 
   /// A conductor by a few points, which stand for it as far away from others as they are.
   struct Body {
@@ -70,8 +67,7 @@ class MachinePotentials {
   /// Computes the changes of the readings by a body, by what it and the machine answer to each other.
   /// @param body the body, and the points that stand for it
   /// @param poses from the body's frame to the world
-  /// @param answers charges on the parts (rows), in √m, the sum of whose squares is the matrix answers(), as
-  /// far as it matters where the body is
+  /// @param answers answers() about such places
   /// @param to_ground capacitance over 4πε through which the body is grounded, in m; connected if not given
   /// @param threads number of threads, 0 for all; the changes have the same bits for any number
   /// @throws InputError for matrices of other sizes.

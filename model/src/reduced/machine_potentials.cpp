@@ -9,6 +9,7 @@
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 #include "numeric/parallel.hpp"
+#include "reduced/answer_modes.hpp"
 #include "reduced/linked_machine.hpp"
 #include "reduced/node_kernels.hpp"
 #include "reduced/outside_potentials.hpp"
@@ -26,6 +27,10 @@ namespace {
 
 /// Number of points that a thread takes at once, about.
 constexpr std::size_t points_together = 1024;
+
+/// Largest number of answers. Half as many leave changes by a hand or a finger before `x_ray_arm` a half less
+/// accurate.
+constexpr Eigen::Index most_answers = 256;
 
 }  // namespace
 
@@ -85,12 +90,6 @@ const std::vector<MachinePotentials::OfReading>& MachinePotentials::readings() c
   return machine_->readings;
 }
 
-Eigen::MatrixXd MachinePotentials::answers() const {
-  const detail::MachineLink& link = machine_->link();
-  return detail::charges_by_potentials(link.functions().energies(), link.net().cast<double>(),
-                                       link.to_ground());
-}
-
 double MachinePotentials::error() const {
   return machine_->link().error();
 }
@@ -99,10 +98,15 @@ std::size_t MachinePotentials::panels() const {
   return machine_->potentials.panels();
 }
 
-MachinePotentials::Values MachinePotentials::at(std::span<const Vector3d> points, bool with_parts,
-                                                std::size_t threads) const {
-  detail::OutsidePotentials::Values values = machine_->potentials.at(points, with_parts, nullptr, threads);
-  return {values.of_given.leftCols(machine_->machine.loads()), std::move(values.of_functions)};
+TrianglePotentials MachinePotentials::at(std::span<const Vector3d> points, std::size_t threads) const {
+  return machine_->potentials.at(points, false, nullptr, threads)
+      .of_given.leftCols(machine_->machine.loads());
+}
+
+MatrixXf MachinePotentials::answers(std::span<const Vector3d> places, std::size_t threads) const {
+  return detail::answer_modes(machine_->link(), detail::root_of_answers(machine_->link()),
+                              machine_->potentials, places, most_answers, threads)
+      .charges;
 }
 
 MachinePotentials::Changes MachinePotentials::changes(const Body& body,

@@ -14,7 +14,7 @@ from analysis import __main__ as command_line
 from analysis.coverage import claims, findings, response as responses, survey as surveys, tables
 from analysis.coverage.distances import Curves
 from analysis.coverage.machine import Reading
-from analysis.coverage.places import spread
+from analysis.coverage.places import Places, spread
 from analysis.coverage.probes import DEFAULT, probe
 from analysis.pipeline.model_stage import model_module
 from geometries.common.errors import InputError
@@ -135,6 +135,28 @@ def test_places_lie_outside_with_the_way_that_is_free() -> None:
     turned = places.rotations()
     np.testing.assert_allclose(np.linalg.det(turned), 1)
     np.testing.assert_allclose(turned[:, :, 2], places.normals)
+
+
+def test_a_probe_that_would_reach_into_a_wall_does_not_fit_whatever_is_free_before_its_place() -> None:
+    """A box of 4 cm on a floor, 1 cm and 5 cm from a wall of 10 cm."""
+    floor, wall = (
+        f'[[object]]\nname = "{name}"\nshape = {{ type = "cuboid", size = {size} }}\ntranslation = {at}\n'
+        for name, size, at in (
+            ("floor", [0.4, 0.4, 0.02], [0, 0, -0.01]),
+            ("wall", [0.02, 0.4, 0.1], [0.01, 0, 0.05]),
+        )
+    )
+    two = Places(
+        np.array([[-0.01, 0, 0], [-0.05, 0, 0]]),
+        np.tile([0.0, 0, 1], (2, 1)),
+        ("floor",) * 2,
+        np.full(2, np.inf),
+    )
+    distances = np.array([0.01, 0.05, 0.2])
+    live = model_module().Scene.loads(floor + wall)
+    np.testing.assert_array_equal(
+        surveys.clear(probe("box:0.04:0.04:0.04"), two, distances, live), [[False] * 3, [True] * 3]
+    )
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Core>
@@ -11,7 +12,6 @@
 #include <gtest/gtest.h>
 
 #include "bem/jacobi_basis.hpp"
-#include "bem/marking.hpp"
 #include "fringe/triangulation.hpp"
 
 /// Tests the loop of all boundary elements with a problem that counts what is asked of it, and which panels
@@ -25,15 +25,30 @@ using detail::PanelGroup;
 using testing::ElementsAre;
 using testing::IsEmpty;
 
-/// Three triangles, of which the second misses most energy.
+/// Returns groups of quartered triangles. Refining one adds four panels.
+std::vector<PanelGroup> quartered_groups(std::size_t count) {
+  std::vector<PanelGroup> groups;
+  for (std::size_t k = 0; k < count; ++k)
+    groups.push_back({4 * k, 4, 0, true});
+  return groups;
+}
+
+/// Groups of panels whose assessment stays the same.
 class CountingProblem : public detail::AdaptiveProblem {
  public:
-  CountingProblem(int solutions, int refinements) : solutions_(solutions), refinements_(refinements) {}
+  CountingProblem(std::vector<PanelGroup> groups, Assessment assessment, int solutions, int refinements)
+      : groups_(std::move(groups)), assessment_(std::move(assessment)), solutions_(solutions),
+        refinements_(refinements) {}
+
+  /// Three triangles, of which the second misses most energy.
+  CountingProblem(int solutions, int refinements, std::size_t most_added = 100)
+      : CountingProblem(quartered_groups(3), {false, Eigen::Vector3d(1e-6, 1, 1e-6), 0.5, most_added, 1},
+                        solutions, refinements) {}
 
   const std::vector<PanelGroup>& groups() const override { return groups_; }
   Assessment solve() override {
-    ++solved;
-    return {solved == solutions_, Eigen::Vector3d(1e-6, 1, 1e-6), 0.5, most_added, 1};
+    assessment_.is_last = ++solved == solutions_;
+    return assessment_;
   }
   bool refine(const std::vector<int>& steps) override {
     marked.push_back(steps);
@@ -41,13 +56,21 @@ class CountingProblem : public detail::AdaptiveProblem {
   }
 
   int solved = 0;
-  std::size_t most_added = 100;
   std::vector<std::vector<int>> marked;
 
  private:
-  std::vector<PanelGroup> groups_{{0, 4, 0, true}, {4, 4, 0, true}, {8, 4, 0, true}};
+  std::vector<PanelGroup> groups_;
+  Assessment assessment_;
   int solutions_, refinements_;
 };
+
+/// Returns the steps in which the loop refines each group after its first solution.
+std::vector<int> marked(const std::vector<PanelGroup>& groups, const Eigen::VectorXd& energies,
+                        double allowed, std::size_t most_added, int most_steps = 1) {
+  CountingProblem problem(groups, {false, energies, allowed, most_added, most_steps}, 2, 1);
+  solve_adaptively(problem);
+  return problem.marked.front();
+}
 
 TEST(SolveAdaptively, RefinesWhereEnergyIsMissingUntilTheLastSolution) {
   CountingProblem problem(3, 10);
@@ -64,8 +87,7 @@ TEST(SolveAdaptively, EndsWhereNothingIsLeftToRefine) {
 }
 
 TEST(SolveAdaptively, AsksForRefinementWithoutMarksWhereNoPanelsMayBeAdded) {
-  CountingProblem problem(2, 10);
-  problem.most_added = 0;
+  CountingProblem problem(2, 10, 0);
   solve_adaptively(problem);
   EXPECT_THAT(problem.marked, ElementsAre(IsEmpty()));
 }
@@ -74,69 +96,59 @@ using detail::ChargedBody;
 using detail::ChargedFace;
 using detail::EdgeKind;
 using detail::InducedCharge;
-using detail::mark_for_refinement;
 using detail::most_functions;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Returns groups of quartered triangles. Refining one adds four panels.
-std::vector<PanelGroup> quartered_groups(std::size_t count) {
-  std::vector<PanelGroup> groups;
-  for (std::size_t k = 0; k < count; ++k)
-    groups.push_back({4 * k, 4, 0, true});
-  return groups;
-}
-
 constexpr std::size_t plenty = 1000;
 
-TEST(MarkForRefinement, TakesTheGroupsWithTheGreaterPartOfTheEnergy) {
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 0, plenty),
-              ElementsAre(0, 1, 1, 0));
+TEST(SolveAdaptively, TakesTheGroupsWithTheGreaterPartOfTheEnergy) {
+  EXPECT_THAT(marked(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 0, plenty), ElementsAre(0, 1, 1, 0));
 }
 
-TEST(MarkForRefinement, TakesNoMoreGroupsThanTheErrorRequires) {
+TEST(SolveAdaptively, TakesNoMoreGroupsThanTheErrorRequires) {
   // Refinement leaves 3.2 of the 8, hence 7.2 of 12 in all. The others are not worth it.
   const VectorXd energies = (VectorXd(4) << 1e-3, 8, 4, 1e-3).finished();
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 7.3, plenty), ElementsAre(0, 1, 1, 0));
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, plenty), ElementsAre(0, 1, 1, 0));
+  EXPECT_THAT(marked(quartered_groups(4), energies, 7.3, plenty), ElementsAre(0, 1, 1, 0));
+  EXPECT_THAT(marked(quartered_groups(4), energies, 0, plenty), ElementsAre(0, 1, 1, 0));
 }
 
-TEST(MarkForRefinement, AddsFourTenthsOfThePanelsWhereThatIsWorthIt) {
+TEST(SolveAdaptively, AddsFourTenthsOfThePanelsWhereThatIsWorthIt) {
   const Eigen::Vector4d energies(2, 8, 1, 1);
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 7.3, plenty), ElementsAre(1, 1, 0, 0))
+  EXPECT_THAT(marked(quartered_groups(4), energies, 7.3, plenty), ElementsAre(1, 1, 0, 0))
       << "though the second alone would do";
 }
 
-TEST(MarkForRefinement, MarksGroupsOfEqualEnergyTogether) {
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), Eigen::Vector4d(3, 1, 2.999, 3), 8, plenty),
+TEST(SolveAdaptively, MarksGroupsOfEqualEnergyTogether) {
+  EXPECT_THAT(marked(quartered_groups(4), Eigen::Vector4d(3, 1, 2.999, 3), 8, plenty),
               ElementsAre(1, 0, 1, 1));
 }
 
-TEST(MarkForRefinement, AddsNoMorePanelsThanAllowed) {
+TEST(SolveAdaptively, AddsNoMorePanelsThanAllowed) {
   const Eigen::Vector4d energies(1, 8, 2, 1);
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, 7), ElementsAre(0, 1, 0, 0));
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, 3), IsEmpty());
+  EXPECT_THAT(marked(quartered_groups(4), energies, 0, 7), ElementsAre(0, 1, 0, 0));
+  EXPECT_THAT(marked(quartered_groups(4), energies, 0, 3), IsEmpty());
 }
 
-TEST(MarkForRefinement, RepeatsStepsWhereTheChargeIsConcentrated) {
+TEST(SolveAdaptively, RepeatsStepsWhereTheChargeIsConcentrated) {
   // Of 1000 the first step leaves 400, 200 for each half, and the second 160, 40 for each quarter.
   const Eigen::Vector4d energies(1000, 50, 1, 1);
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 200, plenty, 3), ElementsAre(2, 1, 0, 0));
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 200, plenty), ElementsAre(1, 1, 0, 0));
+  EXPECT_THAT(marked(quartered_groups(4), energies, 200, plenty, 3), ElementsAre(2, 1, 0, 0));
+  EXPECT_THAT(marked(quartered_groups(4), energies, 200, plenty), ElementsAre(1, 1, 0, 0));
 }
 
-TEST(MarkForRefinement, CountsThePanelsOfRepeatedSteps) {
+TEST(SolveAdaptively, CountsThePanelsOfRepeatedSteps) {
   // Steps of a quartered triangle add 4, 8 and 16 panels.
   const Eigen::Vector4d energies(1000, 1e-9, 1e-9, 1e-9);
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, 28, 3), ElementsAre(3, 0, 0, 0));
-  EXPECT_THAT(mark_for_refinement(quartered_groups(4), energies, 0, 27, 3), ElementsAre(2, 0, 0, 0));
+  EXPECT_THAT(marked(quartered_groups(4), energies, 0, 28, 3), ElementsAre(3, 0, 0, 0));
+  EXPECT_THAT(marked(quartered_groups(4), energies, 0, 27, 3), ElementsAre(2, 0, 0, 0));
 }
 
-TEST(MarkForRefinement, QuartersTrianglesOfGroupsBeforeItHalvesThem) {
+TEST(SolveAdaptively, QuartersTrianglesOfGroupsBeforeItHalvesThem) {
   // Three triangles are quartered by nine panels more, and halved by twelve more.
   const std::vector<PanelGroup> groups{{0, 3, 0, false}, {3, 4, 0, true}};
-  EXPECT_THAT(mark_for_refinement(groups, Eigen::Vector2d(100, 1e-6), 0, 21, 2), ElementsAre(2, 0));
-  EXPECT_THAT(mark_for_refinement(groups, Eigen::Vector2d(100, 1e-6), 0, 20, 2), ElementsAre(1, 0));
+  EXPECT_THAT(marked(groups, Eigen::Vector2d(100, 1e-6), 0, 21, 2), ElementsAre(2, 0));
+  EXPECT_THAT(marked(groups, Eigen::Vector2d(100, 1e-6), 0, 20, 2), ElementsAre(1, 0));
 }
 
 constexpr double large = 1;  ///< half a side, metres
