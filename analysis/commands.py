@@ -38,9 +38,17 @@ from geometries.studies.study import Study
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 
 
+def _output_of(options: argparse.Namespace) -> Path | None:
+    """Returns the one file that a command is to write, None if it is not named or there are several."""
+    one = options.command in ("diff", "show", "live", "sweep", "coverage")
+    return options.output if one else options.file if options.command == "golden" else None
+
+
 def run_command(options: argparse.Namespace) -> int:
     """Runs one command; returns the exit status, after one line on what went wrong if it did."""
     try:
+        if (output := _output_of(options)) is not None:
+            store.refuse_unwritable(output)
         status = _COMMANDS[options.command](options)
         # Jobs are parts of a command that is still at work.
         if options.command != "job":

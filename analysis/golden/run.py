@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import fnmatch
-import os
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -33,8 +32,6 @@ def run(
 ) -> Comparison | None:
     """Asks the cases whose names hold the pattern `only`, writes the file, whole or not at all, and returns the comparison with an older
     one if there is one; InputError for what cannot be used, before anything is asked."""
-    if not os.access(file.parent, os.W_OK) or file.is_dir():
-        raise InputError(str(file), "", "is a folder, or in one that is not there or cannot be written to")
     old = {name: each for name, each in load(against).items() if _matches(name, only)} if against else None
     chosen = [each for each in cases.all_cases() if _matches(each.name, only)]
     if not chosen:

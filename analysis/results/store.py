@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import fcntl
 import json
+import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -11,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from geometries.common.errors import InputError
 from geometries.common.files import whole_file
 
 Document = dict[str, Any]
@@ -23,6 +25,13 @@ def write_text(path: Path, text: str) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with whole_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
+
+
+def refuse_unwritable(path: Path) -> None:
+    """Raises InputError if a file cannot be written, before anything is computed for it."""
+    folder = next(parent for parent in path.absolute().parents if parent.exists())
+    if path.is_dir() or not folder.is_dir() or not os.access(folder, os.W_OK):
+        raise InputError(str(path), "", "is a folder, or in one that cannot be written to")
 
 
 def write_json(path: Path, document: Document) -> None:

@@ -103,6 +103,18 @@ def test_a_motion_that_cannot_be_shown(
     assert str(path) in told and place in told and not page.exists()
 
 
+@pytest.mark.parametrize("command", ["show", "live", "sweep", "coverage"])
+def test_a_page_that_cannot_be_written_is_told_before_its_scene_is_read(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
+) -> None:
+    (tmp_path / "file").write_text("")
+    given = [command, str(tmp_path / "none.toml")] + ["--motion", str(tmp_path / "none.toml")] * (
+        command == "sweep"
+    )
+    for place in (tmp_path, tmp_path / "file" / "page.html"):
+        assert f"{place}: is a folder" in _told_by([*given, "--output", str(place)], capsys)
+
+
 @pytest.mark.parametrize("command", [["report"], ["diff"]])
 def test_results_that_are_none(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]

@@ -169,7 +169,9 @@ def test_what_cannot_be_used_is_refused_in_one_line(
     few: list[Case], tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     file, other = tmp_path / "golden.json", tmp_path / "other.json"
-    assert "not there" in refused(capsys, tmp_path / "none" / "golden.json")
+    other.write_text("")
+    assert "cannot be written" in refused(capsys, other / "golden.json")
+    other.unlink()
     assert "is a folder" in refused(capsys, tmp_path)
     assert "no golden file" in refused(capsys, file, "--against", other)
     for text in ("", "[]", "{}", '{"format": 1, "cases": []}', '{"format": 1, "cases": {"a": {}}}'):
