@@ -16,7 +16,7 @@
 // Output:
 //   exact         front: 2.6755 pF, 1.629 V at the voltage divider
 //   split:4       front: 2.6758 pF, 1.628 V at the voltage divider
-//   auto          front: 3.8554 pF, 1.412 V at the voltage divider, answered by reduced
+//   auto          front: 3.8554 pF, 1.412 V at the voltage divider, answered by boundary-elements
 
 #include <cstdio>
 #include <string>

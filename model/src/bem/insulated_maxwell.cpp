@@ -29,6 +29,9 @@ using Eigen::VectorXd;
 /// Largest number of panels: their dense matrices take about 3 GiB. A browser has less.
 constexpr std::size_t most_panels = sizeof(void*) > 4 ? 9000 : 3000;
 
+/// Simplified surfaces have at most one triangle for so many panels: the others are for refinement.
+constexpr std::size_t most_simplified_part = 3;
+
 /// A-priori grading takes part of so many panels.
 constexpr std::size_t graded_of = 3000;
 
@@ -86,13 +89,15 @@ struct Solved {
   MatrixXd coarse;
   MatrixXd charged;  ///< InsulatedSolution::charged
   MatrixXd asymmetry;
-  MatrixXd films;      ///< effects of the thickness of thin films
-  VectorXd missed;     ///< energy that varies within groups, for each conductor at unit potential
-  MatrixXd undivided;  ///< of undivided triangles, UndividedGain::roots
-  MatrixXd facets;     ///< of round shapes, as from facet_effects()
+  MatrixXd films;       ///< effects of the thickness of thin films
+  VectorXd missed;      ///< energy that varies within groups, for each conductor at unit potential
+  MatrixXd undivided;   ///< of undivided triangles, UndividedGain::roots
+  MatrixXd facets;      ///< of round shapes, as from facet_effects()
+  MatrixXd simplified;  ///< roots of the errors by simplified surfaces, for every panel
 };
 
-Solved solved(const InsulatedSolution& solution, const ChargedBodies& bodies) {
+/// `deviations` are deviation_effects().
+Solved solved(const InsulatedSolution& solution, const VectorXd& deviations, const ChargedBodies& bodies) {
   const MatrixXd asymmetry = (solution.matrix.fine - solution.matrix.fine.transpose()).cwiseAbs() / 2;
   const MatrixXd values = without_floating(symmetric(solution.extrapolated), bodies);
   const MatrixXd at = potentials(symmetric(solution.matrix.fine), bodies);
@@ -104,7 +109,8 @@ Solved solved(const InsulatedSolution& solution, const ChargedBodies& bodies) {
           without_floating(symmetric(solution.extrapolated + solution.film_effects), bodies) - values,
           solution.missed_energies.head(values.rows()),
           std::sqrt(error_per_undivided_gain) * solution.undivided * at,
-          std::sqrt(error_per_facet_effect) * solution.facets * at};
+          std::sqrt(error_per_facet_effect) * solution.facets * at,
+          deviations.cwiseSqrt().asDiagonal() * solution.panels * at};
 }
 
 /// Returns the charges of the members: on a conductor of one member its entries, else those in the whole
@@ -177,7 +183,7 @@ MatrixXd errors_of(const Solved& one, double believed, double undivided) {
                         .cwiseMax(least.cwiseProduct(one.values.cwiseAbs()))
                         .cwiseProduct(growth) +
          one.asymmetry + film_errors_of(one) + errors_of_roots(one.undivided) + errors_of_roots(one.facets) +
-         undivided * one.values.cwiseAbs();
+         errors_of_roots(one.simplified) + undivided * one.values.cwiseAbs();
 }
 
 /// Returns the change of a quantity from the coarse to the whole space: that by charges and that by
@@ -270,7 +276,8 @@ void write_delta_self(const Solved& all, const Solved& alone, double believed, d
                        all.fine(k, k) - alone.fine(k, k));
     const double other = error_of_film_effects * std::abs(all.films(k, k)) +
                          error_of_added(all.undivided, alone.undivided, k, rows_per_triangle) +
-                         error_of_added(all.facets, alone.facets, k, BesideFacets::rows);
+                         error_of_added(all.facets, alone.facets, k, BesideFacets::rows) +
+                         error_of_added(all.simplified, alone.simplified, k, 1);
     const Estimate change = estimate_of(all.values(k, k) - alone.values(k, k), added,
                                         missing_part(VectorXd::Unit(all.fine.rows(), k), all), undivided,
                                         other, believed * error_of_change_per_extrapolated_change);
@@ -293,8 +300,9 @@ bool is_in_vain(double excess, std::size_t panels, std::size_t most, std::size_t
 /// The Maxwell matrix and the readings of conductors and dielectric bodies.
 class InsulatedProblem : public AdaptiveProblem {
  public:
-  InsulatedProblem(const InsulatedBodies& bodies, const BoundaryElementOptions& options)
-      : conductors_(bodies.conductors), options_(options),
+  InsulatedProblem(const InsulatedBodies& bodies, const Simplification& simplification,
+                   const BoundaryElementOptions& options)
+      : conductors_(bodies.conductors), simplification_(simplification), options_(options),
         most_(std::min(most_panels, options.most_unknowns)),
         system_(bodies, presences(bodies),
                 {grading_part * options.rtol, std::min(most_, graded_of) / most_graded_with_insulators},
@@ -313,14 +321,15 @@ class InsulatedProblem : public AdaptiveProblem {
   Assessment solve() override {
     Solved all, alone, background;
     try {
+      const VectorXd deviations = deviation_effects(simplification_, system_.mesh());
       system_.evaluate(std::min(tolerance_part * options_.rtol, coarsest_tolerance));
       solution_ = system_.solve(0);
-      all = solved(solution_, conductors_);
+      all = solved(solution_, deviations, conductors_);
       if (answer_.sensors > 0)
-        alone = solved(system_.solve(1), conductors_);
+        alone = solved(system_.solve(1), deviations, conductors_);
       if (has_readings()) {
         const InsulatedSolution without = system_.solve(2);
-        background = solved(without, conductors_);
+        background = solved(without, deviations, conductors_);
         solution_.error_indicators =
             solution_.error_indicators.cwiseMax(system_.change_indicators(solution_, without));
       }
@@ -329,13 +338,15 @@ class InsulatedProblem : public AdaptiveProblem {
         throw;
       return {true, {}, 0, 0};
     }
-    GeometryErrors geometry{film_errors_of(all) + errors_of_roots(all.facets), {}, !films_};
+    GeometryErrors geometry{
+        film_errors_of(all) + errors_of_roots(all.facets) + errors_of_roots(all.simplified), {}, !films_};
     // The error of undivided triangles ends when they are divided; it does not fall with the number of
     // panels.
     GeometryErrors lasting{geometry.entries + errors_of_roots(all.undivided), {}, true};
     if (has_readings()) {
       geometry.readings = film_errors_of_readings(all, background, conductors_);
       geometry.readings += errors_of_readings(all.facets, background.facets, BesideFacets::rows, conductors_);
+      geometry.readings += errors_of_readings(all.simplified, background.simplified, 1, conductors_);
       lasting.readings = geometry.readings;
       lasting.readings +=
           errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors_);
@@ -400,6 +411,7 @@ class InsulatedProblem : public AdaptiveProblem {
   }
 
   const ChargedBodies& conductors_;
+  const Simplification& simplification_;
   const BoundaryElementOptions& options_;
   std::size_t most_;
   InsulatedSystem system_;
@@ -410,22 +422,28 @@ class InsulatedProblem : public AdaptiveProblem {
   std::size_t refinements_ = 0;
 };
 
-MaxwellMatrix refined_answer(const InsulatedBodies& bodies, const BoundaryElementOptions& options) {
-  InsulatedProblem problem(bodies, options);
+MaxwellMatrix refined_answer(const InsulatedBodies& bodies, const Simplification& simplification,
+                             const BoundaryElementOptions& options) {
+  InsulatedProblem problem(bodies, simplification, options);
   solve_adaptively(problem);
   return problem.answer();
 }
 
 }  // namespace
 
-MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryElementOptions& options) {
+std::size_t most_triangles_beside_insulators(const BoundaryElementOptions& options) {
+  return std::min(most_panels, options.most_unknowns) / most_simplified_part;
+}
+
+MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const Simplification& simplification,
+                                const BoundaryElementOptions& options) {
   const InsulatedBodies with_films = with_thin_films(bodies);
-  MaxwellMatrix answer = refined_answer(with_films, options);
+  MaxwellMatrix answer = refined_answer(with_films, simplification, options);
   if (with_films.films.empty() || largest_error(answer, bodies.conductors) <= options.rtol)
     return answer;
   // Panels on both faces resolve the thickness, which the sheet has to first order only.
   try {
-    MaxwellMatrix other = refined_answer(bodies, options);
+    MaxwellMatrix other = refined_answer(bodies, simplification, options);
     if (largest_error(other, bodies.conductors) < largest_error(answer, bodies.conductors))
       return other;
   } catch (const Interrupted&) {

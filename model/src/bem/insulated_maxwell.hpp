@@ -1,13 +1,19 @@
 #pragma once
 
 #include "bem/insulators.hpp"
+#include "bem/simplification.hpp"
 #include "fringe/boundary_elements.hpp"
 
 namespace fringe::detail {
 
 /// Computes the Maxwell matrix of conductors beside dielectric bodies, refined until the estimated errors are
 /// within rtol or the matrices too large (model/BOUNDARY_ELEMENTS.md, section 13). In metres, to be
-/// multiplied by 4πε. No entry is a lower bound.
-MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const BoundaryElementOptions& options);
+/// multiplied by 4πε. No entry is a lower bound. The surfaces of the conductors are those of a
+/// simplification.
+MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const Simplification& simplification,
+                                const BoundaryElementOptions& options);
+
+/// Returns the largest number of triangles of conductors beside dielectric bodies.
+std::size_t most_triangles_beside_insulators(const BoundaryElementOptions& options);
 
 }  // namespace fringe::detail

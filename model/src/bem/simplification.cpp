@@ -118,8 +118,8 @@ double mean_distance(const SurfaceMesh& mesh, const std::vector<std::uint32_t>& 
 
 }  // namespace
 
-Simplification::Zones::Zones(const ChargedBodies& bodies, std::size_t body)
-    : size_(box_of(bodies.bodies[body]).diagonal().norm() / 4) {
+Simplification::Zones::Zones(const ChargedBodies& bodies, std::size_t body, std::vector<AlignedBox3d> others)
+    : size_(box_of(bodies.bodies[body]).diagonal().norm() / 4), others_(std::move(others)) {
   for (const ChargedBody& other : bodies.bodies)
     if (other.conductor != bodies.bodies[body].conductor)
       others_.push_back(box_of(other));
@@ -138,8 +138,9 @@ double Simplification::Zones::tolerance(std::size_t zone) const {
   return zone + 1 < count ? std::ldexp(size_, -static_cast<int>(zone) - 1) : 0;
 }
 
-Simplification::Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles)
-    : bodies_(std::move(bodies)) {
+Simplification::Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles,
+                               std::vector<AlignedBox3d> others)
+    : bodies_(std::move(bodies)), others_(std::move(others)) {
   if (triangles() <= few_triangles)
     return;
   /// Tolerance beyond which a surface would no longer be that of the body.
@@ -165,7 +166,7 @@ void Simplification::simplify(const ChargedBodies& original, double tolerance) {
     const std::span<const Triangle> old = triangles_of(body.surface);
     if (old.size() <= few_triangles_of_surface)
       continue;
-    Surface surface{k, Zones(original, k), std::vector<double>(Zones::count, 0)};
+    Surface surface{k, Zones(original, k, others_), std::vector<double>(Zones::count, 0)};
     const SurfaceMesh mesh(old);
     std::array<std::vector<std::uint32_t>, Zones::count> faces;
     check_interruption();
@@ -210,17 +211,33 @@ double Simplification::deviation(std::size_t body, const Vector3d& point) const 
   return surface == surfaces_.end() ? 0 : surface->deviations[surface->zones.zone(point)];
 }
 
+Eigen::VectorXd deviation_effects(const Simplification& simplification, const PanelMesh& mesh) {
+  Eigen::VectorXd effects = Eigen::VectorXd::Zero(index_of(mesh.panels().size()));
+  const std::vector<ChargedBody>& bodies = simplification.bodies().bodies;
+  for (const PanelGroup& group : mesh.groups()) {
+    // A simplified surface that stands for a round shape is as far from this as its panels are.
+    if (group.body >= bodies.size() || round_shape_of(bodies[group.body].surface) != nullptr)
+      continue;
+    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
+      const Panel& panel = mesh.panels()[k];
+      effects[index_of(k)] =
+          4 * std::numbers::pi * simplification.deviation(group.body, panel.centre) / panel.area;
+    }
+  }
+  return effects;
+}
+
 SurfaceEffects surface_effects(const Simplification& simplification, const PanelMesh& mesh,
                                const MatrixXd& charges) {
   const MatrixXd none = MatrixXd::Zero(charges.cols(), charges.cols());
   SurfaceEffects effects{none, none, none};
   if (charges.cols() == 0)
     return effects;
+  const Eigen::VectorXd of_deviations = deviation_effects(simplification, mesh);
   for (const PanelGroup& group : mesh.groups())
     for (std::size_t k = group.first; k < group.first + group.count; ++k) {
       const Panel& panel = mesh.panels()[k];
       const Eigen::RowVectorXd own = charges.row(index_of(k)), absolute = own.cwiseAbs();
-      // A simplified surface that stands for a round shape is as far from this as its panels are.
       if (const RoundShape* const round =
               round_shape_of(simplification.bodies().bodies[group.body].surface)) {
         const double lack = round->lack_per_squared_charge(panel);
@@ -232,9 +249,8 @@ SurfaceEffects surface_effects(const Simplification& simplification, const Panel
         }
         effects.facets += lack * own.transpose() * own;
         effects.facet_errors += error_per_added_facet_effect * lack * absolute.transpose() * absolute;
-      } else if (const double deviation = simplification.deviation(group.body, panel.centre); deviation > 0) {
-        effects.lasting_errors +=
-            4 * std::numbers::pi * deviation / panel.area * absolute.transpose() * absolute;
+      } else if (const double effect = of_deviations[index_of(k)]; effect > 0) {
+        effects.lasting_errors += effect * absolute.transpose() * absolute;
       }
     }
   return effects;

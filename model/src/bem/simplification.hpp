@@ -21,9 +21,12 @@ class Simplification {
   /// conductors with surfaces of triangles. Doubles the tolerance until no more than `most_triangles` are
   /// left, or as few as can be.
   ///
-  /// @param tolerance distance between old and new surface, relative to the distance from other conductors or
-  ///   the size of the own one, whichever is smaller
-  Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles);
+  /// @param tolerance distance between old and new surface, relative to the distance from other conductors
+  /// and
+  ///   the other bodies or the size of the own one, whichever is smallest
+  /// @param others boxes around bodies beside the conductors
+  Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles,
+                 std::vector<Eigen::AlignedBox3d> others = {});
 
   const ChargedBodies& bodies() const { return bodies_; }
 
@@ -44,7 +47,7 @@ class Simplification {
   /// Divides a surface by the distance from other conductors: a zone is within half the distance of the next.
   class Zones {
    public:
-    Zones(const ChargedBodies& bodies, std::size_t body);
+    Zones(const ChargedBodies& bodies, std::size_t body, std::vector<Eigen::AlignedBox3d> others);
     static constexpr std::size_t count = 10;
     std::size_t zone(const Eigen::Vector3d& point) const;
     double tolerance(std::size_t zone) const;  ///< relative to 1
@@ -65,8 +68,13 @@ class Simplification {
   std::size_t triangles() const;
 
   ChargedBodies bodies_;
+  std::vector<Eigen::AlignedBox3d> others_;
   std::vector<Surface> surfaces_;
 };
+
+/// Returns what surfaces that were replaced may change, for every panel, per squared charge on it; zero on
+/// round shapes and on bodies that are not the simplification's.
+Eigen::VectorXd deviation_effects(const Simplification& simplification, const PanelMesh& mesh);
 
 /// Effects of simplified surfaces and of facets on the capacitances between columns of charges (m). They
 /// follow from Hadamard's formula for a conductor whose surface moves by a small distance along its normal.

@@ -164,6 +164,9 @@ double kernel(const Vector3d& v0, const Vector3d& v1, const Vector3d& v2) {
       std::max({v0.lpNorm<Eigen::Infinity>(), v1.lpNorm<Eigen::Infinity>(), v2.lpNorm<Eigen::Infinity>()});
   if (largest == 0)
     return infinity;
+  // A difference of coordinates that overflows is infinitely far away.
+  if (std::isinf(largest))
+    return 0;
   // K is homogeneous of degree −1: scaling by a power of two brings the vectors to where squared lengths
   // neither underflow nor overflow.
   if (largest < smallest_length || largest > 1 / smallest_length) {

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <optional>
 #include <string>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include "bem/double_layer.hpp"
@@ -145,6 +147,28 @@ TEST(Insulators, OfBodiesThatOverlapTheLaterOneFillsTheCommonSpace) {
   lower.name = "covered";
   const MaxwellMatrix two = maxwell(below_a_box({lower, dielectric_box({-4, -4, 0}, {4, 4, 1}, 3)}), loose());
   EXPECT_LE(std::abs(one.values(0, 0) - two.values(0, 0)), one.errors(0, 0) + two.errors(0, 0));
+}
+
+TEST(Insulators, OneBesideABodyOfManyTrianglesIsAnswered) {
+  Scene scene = below_a_box({dielectric_box({-3, -3, 0}, {3, 3, 0.2}, 3)});
+  const MaxwellMatrix few = maxwell(scene, loose());
+  Object& body = scene.objects.back();
+  std::vector<Triangle> triangles = triangulate(std::get<Cuboid>(body.shape));
+  // 12,288 triangles, more than there may be panels.
+  for (int times = 0; times < 5; ++times) {
+    std::vector<Triangle> quartered;
+    for (const auto& [a, b, c] : triangles) {
+      const Eigen::Vector3d ab = (a + b) / 2, bc = (b + c) / 2, ca = (c + a) / 2;
+      for (const Triangle& part :
+           {Triangle{a, ab, ca}, Triangle{ab, b, bc}, Triangle{ca, bc, c}, Triangle{ab, bc, ca}})
+        quartered.push_back(part);
+    }
+    triangles = std::move(quartered);
+  }
+  body.shape = Mesh{"", 1, triangles};
+  const MaxwellMatrix many = maxwell(scene, loose());
+  EXPECT_NEAR(many.values(0, 0), few.values(0, 0), many.errors(0, 0) + few.errors(0, 0));
+  EXPECT_LE(many.errors(0, 0), 0.03 * few.values(0, 0));
 }
 
 TEST(Insulators, AnInsulatingTargetAddsLessThanAGroundedOne) {

@@ -34,6 +34,13 @@ TEST(PlateIntegralWithoutArea, IsZeroWhereverTheTriangleIs) {
   EXPECT_EQ(plate_integral({Vector3d{1, 1, -1}, {1, 1, 1}, {1, 1, 0}}, plate, Split{3}), 0);
 }
 
+TEST(PlateIntegralFarAway, EndsWhereDifferencesOfCoordinatesOverflow) {
+  EXPECT_EQ(detail::kernel({infinity, 0, 0}, {0, 1, 0}, {0, 0, 1}), 0);
+  const Rectangle far{{-1.5e308, 0, 0}, {3, 0, 0}, {0, 2, 0}};
+  const Triangle triangle{Vector3d{1.5e308, 0, 1}, {1.5e308, 1e300, 1}, {1.5e308, 0, 1e300}};
+  EXPECT_FALSE(plate_integral(triangle, far) > 0);
+}
+
 TEST(PlateIntegralOnThePlate, DivergesWhenTheTriangleLiesOnThePlate) {
   EXPECT_EQ(plate_integral({Vector3d{1, 1, 0}, {2, 1, 0}, {1, 2, 0}}, plate), infinity);
   EXPECT_EQ(plate_integral({Vector3d{-1, 1, 0}, {1, 1, 0}, {-1, 2, 0}}, plate), infinity) << "in part";
