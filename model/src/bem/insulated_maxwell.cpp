@@ -338,8 +338,10 @@ class InsulatedProblem : public AdaptiveProblem {
         throw;
       return {true, {}, 0, 0};
     }
-    GeometryErrors geometry{
-        film_errors_of(all) + errors_of_roots(all.facets) + errors_of_roots(all.simplified), {}, !films_};
+    GeometryErrors geometry{film_errors_of(all) + errors_of_roots(all.facets) +
+                                errors_of_roots(all.simplified),
+                            {},
+                            !films_ && !simplification_.is_changed()};
     // The error of undivided triangles ends when they are divided; it does not fall with the number of
     // panels.
     GeometryErrors lasting{geometry.entries + errors_of_roots(all.undivided), {}, true};
