@@ -250,5 +250,5 @@ def test_there_is_none_where_nothing_was_made(tmp_path: Path) -> None:
 def test_a_command_brings_it_up_to_date(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(commands.installation, "results_folder", lambda: folder)
     monkeypatch.setitem(commands._COMMANDS, "show", lambda _: 3)
-    assert commands.run_command(type("Options", (), {"command": "show"})()) == 3  # type: ignore[arg-type]
+    assert commands.run_command(type("Options", (), {"command": "show", "output": None})()) == 3  # type: ignore[arg-type]
     assert (folder / "index.html").is_file()
