@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -87,7 +88,7 @@ struct Solved {
   MatrixXd values;
   MatrixXd fine;
   MatrixXd coarse;
-  MatrixXd charged;  ///< InsulatedSolution::charged
+  MatrixXd half_refined;  ///< InsulatedSolution::half_refined
   MatrixXd asymmetry;
   MatrixXd films;       ///< effects of the thickness of thin films
   VectorXd missed;      ///< energy that varies within groups, for each conductor at unit potential
@@ -104,7 +105,7 @@ Solved solved(const InsulatedSolution& solution, const VectorXd& deviations, con
   return {values,
           without_floating(symmetric(solution.matrix.fine), bodies),
           without_floating(symmetric(solution.matrix.coarse), bodies),
-          without_floating(symmetric(solution.charged), bodies),
+          without_floating(symmetric(solution.half_refined), bodies),
           asymmetry.topLeftCorner(values.rows(), values.cols()),
           without_floating(symmetric(solution.extrapolated + solution.film_effects), bodies) - values,
           solution.missed_energies.head(values.rows()),
@@ -188,8 +189,8 @@ MatrixXd errors_of(const Solved& one, double believed, double undivided) {
 
 /// Returns the change of a quantity from the coarse to the whole space: that by charges and that by
 /// potentials of interfaces, which may have opposite signs, are both counted as positive.
-double between_spaces(double coarse, double charged, double fine) {
-  return std::abs(charged - coarse) + std::abs(fine - charged);
+double between_spaces(double coarse, double half_refined, double fine) {
+  return std::abs(half_refined - coarse) + std::abs(fine - half_refined);
 }
 
 /// Estimates a quantity and its error. `change` is that from the coarse to the whole space.
@@ -249,8 +250,8 @@ std::vector<ReadingAnswer> reading_answers(const Solved& all, const Solved& back
     const auto absolute_form = [&](const MatrixXd& matrix) { return sense.cwiseAbs().dot(matrix * drive); };
     const double part = std::sqrt(missing_part(sense, all) * missing_part(drive, all));
     const double value = form(all.values), alone = form(background.values);
-    const std::array<double, 3> with{form(all.coarse), form(all.charged), form(all.fine)},
-        without{form(background.coarse), form(background.charged), form(background.fine)};
+    const std::array<double, 3> with{form(all.coarse), form(all.half_refined), form(all.fine)},
+        without{form(background.coarse), form(background.half_refined), form(background.fine)};
     const double change = between_spaces(with[0], with[1], with[2]);
     const double change_alone = between_spaces(without[0], without[1], without[2]);
     const double change_of_both =
@@ -272,8 +273,8 @@ void write_delta_self(const Solved& all, const Solved& alone, double believed, d
   answer.delta_self_errors.resize(sensors);
   for (Index k = 0; k < sensors; ++k) {
     const double added =
-        between_spaces(all.coarse(k, k) - alone.coarse(k, k), all.charged(k, k) - alone.charged(k, k),
-                       all.fine(k, k) - alone.fine(k, k));
+        between_spaces(all.coarse(k, k) - alone.coarse(k, k),
+                       all.half_refined(k, k) - alone.half_refined(k, k), all.fine(k, k) - alone.fine(k, k));
     const double other = error_of_film_effects * std::abs(all.films(k, k)) +
                          error_of_added(all.undivided, alone.undivided, k, rows_per_triangle) +
                          error_of_added(all.facets, alone.facets, k, BesideFacets::rows) +
@@ -307,13 +308,15 @@ class InsulatedProblem : public AdaptiveProblem {
         system_(bodies, presences(bodies),
                 {grading_part * options.rtol, std::min(most_, graded_of) / most_graded_with_insulators},
                 options.threads),
-        films_(!bodies.films.empty()), answer_(named_answer(conductors_)) {
-    if (system_.panels() > most_)
-      throw InputError(fmt::format(
-          "the scene has dielectric bodies and needs at least {} panels: boundary elements take at most {}; "
-          "a "
-          "larger rtol, fewer segments of round bodies or a larger distance between bodies need fewer",
-          system_.panels(), most_));
+        films_(!bodies.films.empty()), answer_(named_answer(conductors_)) {}
+
+  bool is_too_large() const { return system_.panels() > most_; }
+
+  void refuse_size() const {
+    throw InputError(fmt::format(
+        "the scene has dielectric bodies and needs at least {} panels: boundary elements take at most {}; a "
+        "larger rtol, fewer segments of round bodies or a larger distance between bodies need fewer",
+        system_.panels(), most_));
   }
 
   const std::vector<PanelGroup>& groups() const override { return system_.groups(); }
@@ -424,9 +427,16 @@ class InsulatedProblem : public AdaptiveProblem {
   std::size_t refinements_ = 0;
 };
 
-MaxwellMatrix refined_answer(const InsulatedBodies& bodies, const Simplification& simplification,
-                             const BoundaryElementOptions& options) {
+/// Gives up as insulated_maxwell() does.
+std::optional<MaxwellMatrix> refined_answer(const InsulatedBodies& bodies,
+                                            const Simplification& simplification, bool may_give_up,
+                                            const BoundaryElementOptions& options) {
   InsulatedProblem problem(bodies, simplification, options);
+  if (problem.is_too_large()) {
+    if (!may_give_up)
+      problem.refuse_size();
+    return std::nullopt;
+  }
   solve_adaptively(problem);
   return problem.answer();
 }
@@ -437,16 +447,17 @@ std::size_t most_triangles_beside_insulators(const BoundaryElementOptions& optio
   return std::min(most_panels, options.most_unknowns) / most_simplified_part;
 }
 
-MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const Simplification& simplification,
-                                const BoundaryElementOptions& options) {
+std::optional<MaxwellMatrix> insulated_maxwell(const InsulatedBodies& bodies,
+                                               const Simplification& simplification, bool may_give_up,
+                                               const BoundaryElementOptions& options) {
   const InsulatedBodies with_films = with_thin_films(bodies);
-  MaxwellMatrix answer = refined_answer(with_films, simplification, options);
-  if (with_films.films.empty() || largest_error(answer, bodies.conductors) <= options.rtol)
+  std::optional<MaxwellMatrix> answer = refined_answer(with_films, simplification, may_give_up, options);
+  if (!answer || with_films.films.empty() || largest_error(*answer, bodies.conductors) <= options.rtol)
     return answer;
   // Panels on both faces resolve the thickness, which the sheet has to first order only.
   try {
-    MaxwellMatrix other = refined_answer(bodies, simplification, options);
-    if (largest_error(other, bodies.conductors) < largest_error(answer, bodies.conductors))
+    std::optional<MaxwellMatrix> other = refined_answer(bodies, simplification, true, options);
+    if (other && largest_error(*other, bodies.conductors) < largest_error(*answer, bodies.conductors))
       return other;
   } catch (const Interrupted&) {
     return answer;

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <optional>
+
 #include "bem/insulators.hpp"
 #include "bem/simplification.hpp"
 #include "fringe/boundary_elements.hpp"
@@ -9,11 +12,12 @@ namespace fringe::detail {
 /// Computes the Maxwell matrix of conductors beside dielectric bodies, refined until the estimated errors are
 /// within rtol or the matrices too large (model/BOUNDARY_ELEMENTS.md, section 13). In metres, to be
 /// multiplied by 4πε. No entry is a lower bound. The surfaces of the conductors are those of a
-/// simplification.
-MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const Simplification& simplification,
-                                const BoundaryElementOptions& options);
+/// simplification. If these have too many panels, gives up where it may and throws InputError elsewhere.
+std::optional<MaxwellMatrix> insulated_maxwell(const InsulatedBodies& bodies,
+                                               const Simplification& simplification, bool may_give_up,
+                                               const BoundaryElementOptions& options);
 
-/// Returns the largest number of triangles of conductors beside dielectric bodies.
+/// Returns the largest number of triangles of simplified conductors beside dielectric bodies.
 std::size_t most_triangles_beside_insulators(const BoundaryElementOptions& options);
 
 }  // namespace fringe::detail

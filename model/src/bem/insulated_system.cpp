@@ -298,7 +298,7 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   }
   if (equations.films)
     add_flux_into_films(bodies, equations, found, result);
-  result.charged = result.matrix.coarse + gains_by_charges(equations, found);
+  result.half_refined = result.matrix.coarse + gains_by_charges(equations, found);
   MatrixXd energies = missed_energies(mesh_, unknowns, single_layer_, found.details);
   const FilmEffects films =
       film_effects(mesh_, bodies_, surroundings_[set], equations, double_layer_, found.fine);

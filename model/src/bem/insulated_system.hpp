@@ -18,8 +18,8 @@ namespace fringe::detail {
 /// potential (columns): the charge of a conductor's panel, the potential of an interface's.
 struct InsulatedSolution {
   NestedMatrix matrix;  ///< as it is solved: not quite symmetric
-  /// With the conductors' charges of the whole space, and the interfaces' potentials of the coarse one.
-  Eigen::MatrixXd charged;
+  /// The matrix for charges in the whole space and potentials of interfaces in the coarse one.
+  Eigen::MatrixXd half_refined;
   Eigen::MatrixXd extrapolated;  ///< beyond the whole space
   Eigen::MatrixXd panels;
   Eigen::MatrixXd details;  ///< what panels carry beyond the coarse space

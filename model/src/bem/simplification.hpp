@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Geometry>
@@ -21,12 +22,14 @@ class Simplification {
   /// conductors with surfaces of triangles. Doubles the tolerance until no more than `most_triangles` are
   /// left, or as few as can be.
   ///
-  /// @param tolerance distance between old and new surface, relative to the distance from other conductors
-  /// and
-  ///   the other bodies or the size of the own one, whichever is smallest
-  /// @param others boxes around bodies beside the conductors
+  /// @param tolerance distance between old and new surface, relative to the smallest of the size of the own
+  ///   conductor, the distance from another one and that from `others`
+  /// @param others boxes around bodies that are no conductors
   Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles,
                  std::vector<Eigen::AlignedBox3d> others = {});
+
+  /// Leaves all surfaces as they are.
+  explicit Simplification(ChargedBodies bodies) : bodies_(std::move(bodies)) {}
 
   const ChargedBodies& bodies() const { return bodies_; }
 
