@@ -24,6 +24,7 @@ namespace {
 
 using detail::ChargedBodies;
 using detail::refined_maxwell;
+using detail::RefinedMaxwell;
 using detail::Role;
 using detail::Simplification;
 using Eigen::Index;
@@ -45,30 +46,30 @@ constexpr int most_attempts = 3;
 constexpr std::size_t most_triangles_part = 2;
 
 /// Solves with functions on faces, or with triangles in place of faces whose functions would miss another
-/// body close by: two spaces that both miss a feature agree. Retries with triangles if the error of the
-/// faces' functions stays large. Gives up as refined_maxwell() does.
+/// body close by: two spaces that both miss a feature agree. Retries with triangles in place of faces for
+/// which the most functions were too few. Gives up as refined_maxwell() does.
 std::optional<MaxwellMatrix> solve_as_needed(const Simplification& simplification, bool may_give_up,
                                              const BoundaryElementOptions& options,
                                              const detail::LinkPoses* poses) {
   const ChargedBodies& bodies = simplification.bodies();
-  if (const auto others = detail::with_triangles_by_proximity(bodies))
-    return refined_maxwell(*others, simplification, may_give_up, options, poses);
-  std::optional<MaxwellMatrix> answer = refined_maxwell(bodies, simplification, may_give_up, options, poses);
-  /// Relative error above which a second solution with triangles is worth its seconds.
-  constexpr double useless = 1e-2;
-  if (!answer || detail::largest_error(*answer, bodies) <= std::max(useless, options.rtol))
-    return answer;
+  const auto others = detail::with_triangles_by_proximity(bodies);
+  std::optional<RefinedMaxwell> answer =
+      refined_maxwell(others ? *others : bodies, simplification, may_give_up, options, poses);
+  if (!answer)
+    return std::nullopt;
+  /// Relative error up to which panels in place of many functions would take long to gain anything.
+  constexpr double good = 1e-3;
+  if (detail::largest_error(answer->matrix, bodies) <= std::max(good, options.rtol))
+    return std::move(answer->matrix);
   try {
-    if (const auto others = detail::with_triangles_beyond(bodies, detail::features_of_functions(options.rtol),
-                                                          detail::most_functions))
-      if (std::optional<MaxwellMatrix> other =
-              refined_maxwell(*others, simplification, false, options, poses);
-          detail::largest_error(*other, bodies) < detail::largest_error(*answer, bodies))
-        return other;
+    if (const auto more = detail::with_triangles(others ? *others : bodies, answer->needs_panels))
+      if (std::optional<RefinedMaxwell> other = refined_maxwell(*more, simplification, false, options, poses);
+          detail::largest_error(other->matrix, bodies) < detail::largest_error(answer->matrix, bodies))
+        return std::move(other->matrix);
   } catch (const Interrupted&) {
-    return answer;
+    // The answer by functions is the best one.
   }
-  return answer;
+  return std::move(answer->matrix);
 }
 
 /// Writes which conductors and entries have to be accurate.

@@ -263,21 +263,28 @@ std::size_t count_unknowns(const std::vector<FaceFunctions>& functions) {
   return unknowns;
 }
 
-/// The functions to begin with, and the estimated error per change between the two spaces that goes with
-/// them.
+bool has_most(const FaceFunctions& face) {
+  return face.u == most_functions || face.v == most_functions;
+}
+
+/// The functions to begin with, those that all features would take, and the estimated error per change
+/// between the two spaces that goes with the former.
 struct Beginning {
   std::vector<FaceFunctions> functions;
+  std::vector<FaceFunctions> needed;
   double error_per_change;
 };
 
 Beginning beginning(const ChargedBodies& bodies, std::size_t panels, const BoundaryElementOptions& options) {
   const int least = options.rtol >= 0.01 ? 5 : 7;
-  Beginning result{a_priori_functions(bodies, features_of_functions(options.rtol), least),
+  const double features = options.rtol > every_feature ? 1 : 2;
+  const std::vector<FaceFunctions> needed = a_priori_functions(bodies, features, least);
+  Beginning result{needed, needed,
                    panels > 0                     ? error_per_panel_change
                    : options.rtol > every_feature ? error_per_coarse_change
                                                   : error_per_change};
-  if (count_unknowns(result.functions) + panels > options.most_unknowns)
-    result = {a_priori_functions(bodies, 0, least), error_per_unresolved_change};
+  if (count_unknowns(needed) + panels > options.most_unknowns)
+    result = {a_priori_functions(bodies, 0, least), needed, error_per_unresolved_change};
   if (count_unknowns(result.functions) + panels > options.most_unknowns)
     throw InputError(fmt::format("the scene needs at least {} unknowns: boundary elements take at most {}",
                                  count_unknowns(result.functions) + panels, options.most_unknowns));
@@ -397,6 +404,19 @@ class ConductorProblem : public AdaptiveProblem {
     if (bodies_.readings.empty())
       answer_.readings = readings_of_sensors(answer_);
     return std::move(answer_);
+  }
+
+  /// Returns RefinedMaxwell::needs_panels.
+  std::vector<bool> needs_panels() const {
+    std::vector<bool> result;
+    std::size_t face = 0;
+    for (const ChargedBody& body : bodies_.bodies) {
+      bool needs = false;
+      for (const std::size_t end = face + faces_of(body.surface).size(); face < end; ++face)
+        needs = needs || has_most(begun_.functions[face]) || has_most(begun_.needed[face]);
+      result.push_back(needs);
+    }
+    return result;
   }
 
  private:
@@ -530,16 +550,15 @@ class ConductorProblem : public AdaptiveProblem {
 
 }  // namespace
 
-double features_of_functions(double rtol) {
-  return rtol > every_feature ? 1 : 2;
-}
-
-std::optional<MaxwellMatrix> refined_maxwell(const ChargedBodies& bodies,
-                                             const Simplification& simplification, bool may_give_up,
-                                             const BoundaryElementOptions& options, const LinkPoses* poses) {
+std::optional<RefinedMaxwell> refined_maxwell(const ChargedBodies& bodies,
+                                              const Simplification& simplification, bool may_give_up,
+                                              const BoundaryElementOptions& options, const LinkPoses* poses) {
   ConductorProblem problem(bodies, simplification, may_give_up, options);
   solve_adaptively(problem);
-  return problem.answer(poses);
+  std::optional<MaxwellMatrix> matrix = problem.answer(poses);
+  if (!matrix)
+    return std::nullopt;
+  return RefinedMaxwell{*std::move(matrix), problem.needs_panels()};
 }
 
 }  // namespace fringe::detail

@@ -98,24 +98,6 @@ Eigen::Vector2d least_parameters(const ChargedFace& face, const ChargedBody& bod
   return least;
 }
 
-/// Returns the bodies with triangles in place of the faces of each body that has a face for which `needed` is
-/// true. Returns nothing if there is no such body.
-template <typename Needed>
-std::optional<ChargedBodies> with_triangles_where(const ChargedBodies& bodies, const Needed& needed) {
-  ChargedBodies result = bodies;
-  bool changed = false;
-  for (ChargedBody& body : result.bodies) {
-    const ChargedBody& before = bodies.bodies[static_cast<std::size_t>(&body - result.bodies.data())];
-    const auto faces = faces_of(before.surface);
-    if (std::none_of(faces.begin(), faces.end(),
-                     [&](const ChargedFace& face) { return needed(face, before); }))
-      continue;
-    body.surface = triangulated(before.surface);
-    changed = true;
-  }
-  return changed ? std::optional(std::move(result)) : std::nullopt;
-}
-
 }  // namespace
 
 std::vector<FaceFunctions> a_priori_functions(const ChargedBodies& bodies, double features, int least) {
@@ -129,22 +111,29 @@ std::vector<FaceFunctions> a_priori_functions(const ChargedBodies& bodies, doubl
   return functions;
 }
 
-std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, double features,
-                                                   double most) {
-  return with_triangles_where(bodies, [&](const ChargedFace& face, const ChargedBody& body) {
-    return features > least_parameters(face, body, bodies).minCoeff() * (most - 1);
-  });
+std::optional<ChargedBodies> with_triangles(const ChargedBodies& bodies, const std::vector<bool>& chosen) {
+  if (std::none_of(chosen.begin(), chosen.end(), [](bool is) { return is; }))
+    return std::nullopt;
+  ChargedBodies result = bodies;
+  for (std::size_t k = 0; k < chosen.size(); ++k)
+    if (chosen[k])
+      result.bodies[k].surface = triangulated(bodies.bodies[k].surface);
+  return result;
 }
 
 std::optional<ChargedBodies> with_triangles_by_proximity(const ChargedBodies& bodies) {
   const std::vector<InducedCharge> charges = induced_charges(bodies);
-  return with_triangles_where(bodies, [&](const ChargedFace& face, const ChargedBody& body) {
-    const auto own = static_cast<std::size_t>(&body - bodies.bodies.data());
-    for (std::size_t k = 0; k < charges.size(); ++k)
-      if (k != own && charges[k].is_narrow_on(face))
-        return true;
-    return false;
-  });
+  std::vector<bool> chosen;
+  for (std::size_t own = 0; own < charges.size(); ++own) {
+    const auto faces = faces_of(bodies.bodies[own].surface);
+    chosen.push_back(std::any_of(faces.begin(), faces.end(), [&](const ChargedFace& face) {
+      for (std::size_t k = 0; k < charges.size(); ++k)
+        if (k != own && charges[k].is_narrow_on(face))
+          return true;
+      return false;
+    }));
+  }
+  return with_triangles(bodies, chosen);
 }
 
 }  // namespace fringe::detail

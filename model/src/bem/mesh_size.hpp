@@ -14,12 +14,12 @@ namespace fringe::detail {
 /// @param features least number of functions for each length over which the charge changes
 std::vector<FaceFunctions> a_priori_functions(const ChargedBodies& bodies, double features, int least);
 
-/// Returns the bodies with triangles in place of the faces of each body that would need more than `most`
-/// functions along a direction of a face. Returns nothing if there is no such body.
-std::optional<ChargedBodies> with_triangles_beyond(const ChargedBodies& bodies, double features, double most);
+/// Returns the bodies with triangles in place of the faces of those that are chosen, one choice for each
+/// body. Returns nothing if none is.
+std::optional<ChargedBodies> with_triangles(const ChargedBodies& bodies, const std::vector<bool>& chosen);
 
-/// Does the same for each body with a face to which another, far smaller body is close: its effect on the
-/// charge there is narrower than any function.
+/// Does so for each body with a face to which another, far smaller body is close: its effect on the charge
+/// there is narrower than any function.
 std::optional<ChargedBodies> with_triangles_by_proximity(const ChargedBodies& bodies);
 
 }  // namespace fringe::detail

@@ -227,6 +227,18 @@ TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
   }
 }
 
+TEST(Readings, BeforeAWallForWhichTheMostFunctionsAreTooFewReachWhatIsAskedFor) {
+  Scene scene;
+  scene.sensors = {test::sensor("front", {{{-0.05, -0.04, 0}, {0.1, 0, 0}, {0, 0.08, 0}}})};
+  scene.objects = {target(object("wall", Plate{2, 2}, at(0, 0, 0.06))),
+                   box("housing", {-6, -5, -5}, {6, 5, -1})};
+  const MaxwellMatrix answer = maxwell(scene, {.rtol = 5e-2});
+  EXPECT_TRUE(answer.reached);
+  // The field solver, to 1e-3.
+  expect_within_errors(answer.readings.front().value, 11.6233e-12, 0.0064e-12, "value");
+  expect_within_errors(answer.readings.front().change, 0.42993e-12, 0.00075e-12, "change");
+}
+
 TEST(Readings, OfAGapThatIsNotResolvedHaveTheErrorOfTheirChange) {
   Scene scene;
   scene.sensors = {test::sensor("front", {test::square(0.1, 0)})};
