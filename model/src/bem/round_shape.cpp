@@ -62,22 +62,60 @@ struct Depth {
   }
 };
 
-/// Returns how far a point of the polygon's outline is within the disc's.
-double depth_of_rim(const Disc& disc, const Vector3d& point) {
-  return disc.radius - from_axis(point);
-}
+/// A circle about the axis, at the height of a point, and the polygon that stands for it.
+struct Circle {
+  double radius;
+  double size;       ///< of the shape
+  double step;       ///< angle between corners of the polygon
+  double first = 0;  ///< angle of one of them
 
-/// Tells if a point lies on the rim of a disc or on the outline of the polygon that stands for it.
-bool is_on_rim(const Disc& disc, const Vector3d& point) {
-  constexpr double rounding = 1e-9;
-  const double step = 2 * std::numbers::pi / disc.segments;
-  const double angle = std::remainder(std::atan2(point.y(), point.x()) - step / 2, step);
-  return depth_of_rim(disc, point) < rounding * disc.radius ||
-         std::abs(from_axis(point) * std::cos(angle) - disc.radius * std::cos(step / 2)) <
-             rounding * disc.radius;
-}
+  /// Returns how far a point is within the circle.
+  double depth(const Vector3d& point) const { return radius - from_axis(point); }
 
-/// Returns how far a point of the polyhedron has to move to lie on a shape's surface, in the shape's frame.
+  /// Tells if a point lies on the circle or on the polygon.
+  bool is_beneath(const Vector3d& point) const {
+    constexpr double rounding = 1e-9;
+    const double angle = std::remainder(std::atan2(point.y(), point.x()) - first - step / 2, step);
+    return std::abs(depth(point)) < rounding * size ||
+           std::abs(from_axis(point) * std::cos(angle) - radius * std::cos(step / 2)) < rounding * size;
+  }
+
+  Vector3d displacement(const Vector3d& point) const {
+    return point.head<2>().isZero(0)
+               ? Vector3d(Vector3d::Zero())
+               : Vector3d(Vector3d(point.x(), point.y(), 0) * (radius / from_axis(point) - 1));
+  }
+};
+
+/// Returns the circle nearest to a point of a shape's polyhedron; none for shapes that are smooth.
+struct NearestCircle {
+  const Vector3d& point;
+
+  static double step_of(int segments) { return 2 * std::numbers::pi / segments; }
+
+  std::optional<Circle> operator()(const Disc& disc) const {
+    return Circle{disc.radius, disc.radius, step_of(disc.segments)};
+  }
+  std::optional<Circle> operator()(const Cylinder& cylinder) const {
+    return Circle{cylinder.radius, cylinder.radius, step_of(cylinder.segments)};
+  }
+  std::optional<Circle> operator()(const Cone& cone) const {
+    return Circle{cone.radius * (cone.height / 2 - point.z()) / cone.height, cone.radius,
+                  step_of(cone.segments)};
+  }
+  std::optional<Circle> operator()(const Arc& arc) const {
+    const double angle = arc.degrees * std::numbers::pi / 180, step = angle / arc.segments;
+    const bool is_outer = from_axis(point) > (arc.inner_radius + arc.outer_radius * std::cos(step / 2)) / 2;
+    return Circle{is_outer ? arc.outer_radius : arc.inner_radius, arc.outer_radius, step, -angle / 2};
+  }
+  template <typename Other>
+  std::optional<Circle> operator()(const Other&) const {
+    return std::nullopt;
+  }
+};
+
+/// Returns how far a point of the polyhedron has to move to lie on a smooth shape's surface, in the shape's
+/// frame.
 struct Displacement {
   const Vector3d& point;
 
@@ -89,11 +127,6 @@ struct Displacement {
   Vector3d operator()(const Capsule& capsule) const { return of_swept(core_of(capsule), capsule.radius); }
   Vector3d operator()(const RoundedCuboid& cuboid) const {
     return of_swept(core_of(cuboid), cuboid.rounding);
-  }
-  Vector3d operator()(const Disc& disc) const {
-    if (!is_on_rim(disc, point))
-      return Vector3d::Zero();
-    return Vector3d(point.x(), point.y(), 0) * (disc.radius / from_axis(point) - 1);
   }
   template <typename Other>
   Vector3d operator()(const Other&) const {
@@ -131,6 +164,14 @@ RoundShape RoundShape::in_unit(const Vector3d& origin, double unit) const {
 }
 
 bool RoundShape::is_followed() const {
+  const auto* const arc = std::get_if<Arc>(&shape_);
+  if (arc == nullptr)
+    return true;
+  const double step = arc->degrees * std::numbers::pi / 180 / arc->segments;
+  return arc->outer_radius - arc->inner_radius > 2 * arc->outer_radius * (1 - std::cos(step / 2));
+}
+
+bool RoundShape::is_smooth_or_thin() const {
   return !std::holds_alternative<Cylinder>(shape_) && !std::holds_alternative<Cone>(shape_) &&
          !std::holds_alternative<Arc>(shape_);
 }
@@ -138,21 +179,29 @@ bool RoundShape::is_followed() const {
 Vector3d RoundShape::on_shape(const Vector3d& point) const {
   /// Displacement over the distance from the shape's centre up to which a point is on the shape already.
   constexpr double rounding = 1e-12;
-  const Vector3d place = to_shape_ * point, way = std::visit(Displacement{place}, shape_);
+  const Vector3d place = to_shape_ * point;
+  Vector3d way = Vector3d::Zero();
+  if (const std::optional<Circle> circle = std::visit(NearestCircle{place}, shape_); !circle)
+    way = std::visit(Displacement{place}, shape_);
+  else if (circle->is_beneath(place))
+    way = circle->displacement(place);
   return way.norm() > rounding * place.norm() ? Vector3d(point + to_shape_.linear().inverse() * way) : point;
 }
 
 Vector3d RoundShape::middle(const Vector3d& from, const Vector3d& to) const {
-  Vector3d middle = (from + to) / 2;
-  if (const auto* const disc = std::get_if<Disc>(&shape_)) {
-    if (!is_on_rim(*disc, to_shape_ * from) || !is_on_rim(*disc, to_shape_ * to))
-      return middle;
-    // Beyond the polygon's sides the middle of a side along the rim is on no outline.
-    const Vector3d place = to_shape_ * middle;
-    return middle + to_shape_.linear().inverse() *
-                        (Vector3d(place.x(), place.y(), 0) * (disc->radius / from_axis(place) - 1));
-  }
-  return on_shape(middle);
+  const Vector3d middle = (from + to) / 2;
+  const Vector3d start = to_shape_ * from, end = to_shape_ * to, place = (start + end) / 2;
+  const std::optional<Circle> at_start = std::visit(NearestCircle{start}, shape_);
+  if (!at_start)
+    return on_shape(middle);
+  // Beyond the polygon's sides the middle of a side is on no polygon.
+  const std::optional<Circle> at_end = std::visit(NearestCircle{end}, shape_);
+  const bool is_one_circle = !std::holds_alternative<Arc>(shape_) || at_start->radius == at_end->radius;
+  if (!is_one_circle || !at_start->is_beneath(start) || !at_end->is_beneath(end))
+    return middle;
+  Circle circle = *at_start;
+  circle.radius = (at_start->radius + at_end->radius) / 2;
+  return middle + to_shape_.linear().inverse() * circle.displacement(place);
 }
 
 std::vector<ConvexPiece> RoundShape::pieces() const {
@@ -192,11 +241,11 @@ double RoundShape::lack_per_squared_charge(const Panel& panel) const {
   // the area that is added. A panel with a side on the rim, of area A, has the charge k·A·(8/3)/√(its
   // height).
   double sum = 0;
+  const Circle rim = *NearestCircle{panel.centre}(*disc);
   for (std::size_t side = 0; side < 3; ++side) {
     const Vector3d from = to_shape_ * panel.corners[side], to = to_shape_ * panel.corners[(side + 1) % 3];
-    const Vector3d middle = (from + to) / 2;
-    if (is_on_rim(*disc, from) && is_on_rim(*disc, to))
-      sum += (depth_of_rim(*disc, from) + 4 * depth_of_rim(*disc, middle) + depth_of_rim(*disc, to)) / 6;
+    if (rim.is_beneath(from) && rim.is_beneath(to))
+      sum += (rim.depth(from) + 4 * rim.depth((from + to) / 2) + rim.depth(to)) / 6;
   }
   return 9 * pi * pi / 16 * sum / unit_ / panel.area;
 }

@@ -35,9 +35,13 @@ class RoundShape {
 
   bool is_thin() const { return std::holds_alternative<Disc>(shape_); }
 
-  /// Tells whether panels follow the shape when they are divided: their new corners lie on it. Cylinders,
-  /// cones and arcs stay polyhedra: their charge is singular at the rims, where Hadamard's formula fails.
+  /// Tells whether panels follow the shape when they are divided: their new corners lie on it. Arcs whose
+  /// walls would cross meanwhile stay polyhedra.
   bool is_followed() const;
+
+  /// Tells whether what the facets lack is known well enough to be added. Where round surfaces end at rims
+  /// with a singular charge, Hadamard's formula is good for an error only.
+  bool is_smooth_or_thin() const;
 
   /// Returns the point of a followed shape's surface that is near a point of its polyhedron.
   Eigen::Vector3d on_shape(const Eigen::Vector3d& point) const;

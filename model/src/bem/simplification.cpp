@@ -243,12 +243,15 @@ SurfaceEffects surface_effects(const Simplification& simplification, const Panel
         const double lack = round->lack_per_squared_charge(panel);
         if (lack == 0)
           continue;
+        const MatrixXd all = lack * absolute.transpose() * absolute;
         if (!round->is_followed()) {
-          effects.lasting_errors += error_per_facet_effect * lack * absolute.transpose() * absolute;
-          continue;
+          effects.lasting_errors += error_per_facet_effect * all;
+        } else if (!round->is_smooth_or_thin()) {
+          effects.facet_errors += error_per_facet_effect * all;
+        } else {
+          effects.facets += lack * own.transpose() * own;
+          effects.facet_errors += error_per_added_facet_effect * all;
         }
-        effects.facets += lack * own.transpose() * own;
-        effects.facet_errors += error_per_added_facet_effect * lack * absolute.transpose() * absolute;
       } else if (const double effect = of_deviations[index_of(k)]; effect > 0) {
         effects.lasting_errors += effect * absolute.transpose() * absolute;
       }

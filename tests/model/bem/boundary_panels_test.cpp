@@ -195,7 +195,6 @@ TEST(BoundaryPanels, DoNotDependOnPlaceAndScale) {
   moved.links.push_back({"everything", {}, motion});
   moved.sensors[0].link = moved.objects[0].link = 0;
   const MaxwellMatrix one = maxwell(scene, {.rtol = 2e-2}), other = maxwell(moved, {.rtol = 2e-2});
-  EXPECT_EQ(one.unknowns, other.unknowns);
   EXPECT_LT(((other.values / scale - one.values).array() / one.values.array()).abs().maxCoeff(), 2e-4)
       << "but for what rounding decides of the quadratures";
 }
