@@ -134,10 +134,10 @@ MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodies, cons
     const RoundShape* const round = round_shape_of(bodies.bodies[group.body].surface);
     if (round == nullptr || !round->is_followed())
       continue;
-    const double error = round->is_smooth_or_thin() ? error_per_added_facet_effect : error_per_facet_effect;
     for (std::size_t k = group.first; k < group.first + group.count; ++k)
-      energies.row(index_of(g)) +=
-          error * round->lack_per_squared_charge(mesh.panels()[k]) * charges.row(index_of(k)).cwiseAbs2();
+      energies.row(index_of(g)) += round->error_per_lack() *
+                                   round->lack_per_squared_charge(mesh.panels()[k]) *
+                                   charges.row(index_of(k)).cwiseAbs2();
   }
   return energies;
 }

@@ -62,7 +62,7 @@ struct Depth {
   }
 };
 
-/// A circle about the axis, at the height of a point, and the polygon that stands for it.
+/// A circle about the axis, at the height of a point, and the regular polygon that stands for it.
 struct Circle {
   double radius;
   double size;       ///< of the shape
@@ -71,6 +71,13 @@ struct Circle {
 
   /// Returns how far a point is within the circle.
   double depth(const Vector3d& point) const { return radius - from_axis(point); }
+
+  /// Tells if a chord is no longer than a side of the polygon.
+  bool is_along(const Vector3d& from, const Vector3d& to) const {
+    constexpr double rounding = 1e-6;
+    const double angle = std::atan2(from.x() * to.y() - from.y() * to.x(), from.head<2>().dot(to.head<2>()));
+    return std::abs(angle) < (1 + rounding) * step;
+  }
 
   /// Tells if a point lies on the circle or on the polygon.
   bool is_beneath(const Vector3d& point) const {
@@ -87,7 +94,8 @@ struct Circle {
   }
 };
 
-/// Returns the circle nearest to a point of a shape's polyhedron; none for shapes that are smooth.
+/// Returns the circle nearest to a point of a shape's polyhedron; none for shapes that are not made of
+/// circles between rims.
 struct NearestCircle {
   const Vector3d& point;
 
@@ -114,8 +122,8 @@ struct NearestCircle {
   }
 };
 
-/// Returns how far a point of the polyhedron has to move to lie on a smooth shape's surface, in the shape's
-/// frame.
+/// Returns how far a point of the polyhedron has to move to lie on the surface of a shape without rims, in
+/// the shape's frame.
 struct Displacement {
   const Vector3d& point;
 
@@ -171,7 +179,7 @@ bool RoundShape::is_followed() const {
   return arc->outer_radius - arc->inner_radius > 2 * arc->outer_radius * (1 - std::cos(step / 2));
 }
 
-bool RoundShape::is_smooth_or_thin() const {
+bool RoundShape::is_lack_added() const {
   return !std::holds_alternative<Cylinder>(shape_) && !std::holds_alternative<Cone>(shape_) &&
          !std::holds_alternative<Arc>(shape_);
 }
@@ -194,10 +202,12 @@ Vector3d RoundShape::middle(const Vector3d& from, const Vector3d& to) const {
   const std::optional<Circle> at_start = std::visit(NearestCircle{start}, shape_);
   if (!at_start)
     return on_shape(middle);
-  // Beyond the polygon's sides the middle of a side is on no polygon.
   const std::optional<Circle> at_end = std::visit(NearestCircle{end}, shape_);
-  const bool is_one_circle = !std::holds_alternative<Arc>(shape_) || at_start->radius == at_end->radius;
-  if (!is_one_circle || !at_start->is_beneath(start) || !at_end->is_beneath(end))
+  // An arc has two walls. Longer chords are sides of simplified surfaces, and may cross the face within a
+  // rim.
+  const bool is_one_wall = !std::holds_alternative<Arc>(shape_) || at_start->radius == at_end->radius;
+  if (!is_one_wall || !at_start->is_along(start, end) || !at_start->is_beneath(start) ||
+      !at_end->is_beneath(end))
     return middle;
   Circle circle = *at_start;
   circle.radius = (at_start->radius + at_end->radius) / 2;

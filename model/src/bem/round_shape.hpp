@@ -35,13 +35,18 @@ class RoundShape {
 
   bool is_thin() const { return std::holds_alternative<Disc>(shape_); }
 
-  /// Tells whether panels follow the shape when they are divided: their new corners lie on it. Arcs whose
-  /// walls would cross meanwhile stay polyhedra.
+  /// Tells whether panels follow the shape when they are divided: their new corners lie on it. An arc stays a
+  /// polyhedron if one of its walls, once divided, might cross the other.
   bool is_followed() const;
 
-  /// Tells whether what the facets lack is known well enough to be added. Where round surfaces end at rims
-  /// with a singular charge, Hadamard's formula is good for an error only.
-  bool is_smooth_or_thin() const;
+  /// Tells whether what the facets lack is added to the answer: not where round surfaces end at rims with a
+  /// singular charge, for which Hadamard's formula is good for an error only.
+  bool is_lack_added() const;
+
+  /// Returns the error per effect of the facets in first order, whether this is added or not.
+  double error_per_lack() const {
+    return is_lack_added() ? error_per_added_facet_effect : error_per_facet_effect;
+  }
 
   /// Returns the point of a followed shape's surface that is near a point of its polyhedron.
   Eigen::Vector3d on_shape(const Eigen::Vector3d& point) const;

@@ -243,15 +243,10 @@ SurfaceEffects surface_effects(const Simplification& simplification, const Panel
         const double lack = round->lack_per_squared_charge(panel);
         if (lack == 0)
           continue;
-        const MatrixXd all = lack * absolute.transpose() * absolute;
-        if (!round->is_followed()) {
-          effects.lasting_errors += error_per_facet_effect * all;
-        } else if (!round->is_smooth_or_thin()) {
-          effects.facet_errors += error_per_facet_effect * all;
-        } else {
+        if (round->is_lack_added())
           effects.facets += lack * own.transpose() * own;
-          effects.facet_errors += error_per_added_facet_effect * all;
-        }
+        (round->is_followed() ? effects.facet_errors : effects.lasting_errors) +=
+            round->error_per_lack() * lack * absolute.transpose() * absolute;
       } else if (const double effect = of_deviations[index_of(k)]; effect > 0) {
         effects.lasting_errors += effect * absolute.transpose() * absolute;
       }

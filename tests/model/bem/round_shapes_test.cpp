@@ -116,6 +116,14 @@ TEST(RoundShapes, DividedPanelsHaveTheirCornersOnTheShape) {
   EXPECT_LT(distance_from_shape(Arc{0.02, 0.03, 0.01, 120, 12}, 0.02), 1e-12);
 }
 
+TEST(RoundShapes, OnlySidesAlongARimFollowIt) {
+  const auto round = RoundShape::of(Cylinder{1, 1, 8}, Eigen::Isometry3d::Identity());
+  const auto corner = [](int k) { return Eigen::Vector3d(std::cos(pi / 4 * k), std::sin(pi / 4 * k), 0.5); };
+  EXPECT_NEAR(round->middle(corner(0), corner(1)).head<2>().norm(), 1, 1e-15);
+  // Simplified surfaces have chords across the face within the rim.
+  EXPECT_EQ(round->middle(corner(0), corner(2)), Eigen::Vector3d((corner(0) + corner(2)) / 2));
+}
+
 TEST(RoundShapes, TwoBallsHaveTheCapacitancesOfTheSeriesOfImages) {
   // Lekner 2011: balls of 1 and 2 cm, 5 cm apart, in pF.
   const Eigen::Matrix2d exact{{1.2305175015, -0.4945667562}, {-0.4945667562, 2.4315431141}};
