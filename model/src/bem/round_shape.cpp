@@ -197,7 +197,7 @@ Vector3d RoundShape::on_shape(const Vector3d& point) const {
 }
 
 Vector3d RoundShape::middle(const Vector3d& from, const Vector3d& to) const {
-  const Vector3d middle = (from + to) / 2;
+  Vector3d middle = (from + to) / 2;
   const Vector3d start = to_shape_ * from, end = to_shape_ * to, place = (start + end) / 2;
   const std::optional<Circle> at_start = std::visit(NearestCircle{start}, shape_);
   if (!at_start)
