@@ -198,6 +198,19 @@ TEST(RoundShapes, TheErrorOfAChangeContainsTheRoundTarget) {
   EXPECT_LE(*found.readings[0].change.error, 0.2 * exact);
 }
 
+TEST(RoundShapes, TheErrorOfTheChangeByAFlatConeContainsTheRoundOne) {
+  // At a sharp rim, Hadamard's formula finds half of what the facets of the polyhedron cost.
+  Scene scene;
+  scene.sensors = {test::sensor("front", {test::square(0.08, 0)})};
+  scene.objects = {object("cone", Cone{0.0333, 0.0108, 12}, at(0, 0, 0.1))};
+  scene.objects[0].target = true;
+  const MaxwellMatrix found = maxwell(scene, within(3e-2));
+  ASSERT_EQ(found.readings.size(), 1U);
+  // The field solver on the round cone, in pF, to 1e-3.
+  EXPECT_NEAR(1e12 * *found.readings[0].change.value, 0.20018, 1e12 * *found.readings[0].change.error);
+  EXPECT_LE(*found.readings[0].change.error, 3e-2 * *found.readings[0].change.value);
+}
+
 TEST(RoundShapes, TheErrorOfARoundDielectricBodyContainsTheSeries) {
   // The series of analysis/topics/verification/truths.py, two_balls(0.01, 0.02, 0.05,
   // dielectric(5)).
