@@ -134,10 +134,12 @@ MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodies, cons
     const RoundShape* const round = round_shape_of(bodies.bodies[group.body].surface);
     if (round == nullptr || !round->is_followed())
       continue;
-    for (std::size_t k = group.first; k < group.first + group.count; ++k)
-      energies.row(index_of(g)) += round->error_per_lack() *
-                                   round->lack_per_squared_charge(mesh.panels()[k]) *
-                                   charges.row(index_of(k)).cwiseAbs2();
+    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
+      const auto own = charges.row(index_of(k));
+      const double lack = round->lack_per_squared_charge(mesh.panels()[k]) +
+                          round->lack_along_rim(mesh.panels()[k], own.cwiseAbs().maxCoeff());
+      energies.row(index_of(g)) += round->error_per_lack() * lack * own.cwiseAbs2();
+    }
   }
   return energies;
 }

@@ -260,4 +260,27 @@ double RoundShape::lack_per_squared_charge(const Panel& panel) const {
   return 9 * pi * pi / 16 * sum / unit_ / panel.area;
 }
 
+double RoundShape::lack_along_rim(const Panel& panel, double largest_charge) const {
+  constexpr double pi = std::numbers::pi;
+  const auto& [a, b, c] = panel.corners;
+  const Vector3d normal = to_shape_.linear() * (b - a).cross(c - a);
+  if (is_lack_added() || std::abs(normal.z()) < same_direction * normal.norm() || largest_charge == 0)
+    return 0;
+  double result = 0;
+  for (std::size_t side = 0; side < 3; ++side) {
+    const Vector3d &from = panel.corners[side], &to = panel.corners[(side + 1) % 3];
+    const Vector3d start = to_shape_ * from, end = to_shape_ * to;
+    const Circle circle = *std::visit(NearestCircle{start}, shape_);
+    if (!circle.is_along(start, end) || !circle.is_beneath(start) || !circle.is_beneath(end))
+      continue;
+    const double length = (to - from).norm();
+    const double depth =
+        std::abs(circle.depth(start) + 4 * circle.depth((start + end) / 2) + circle.depth(end)) / 6 / unit_;
+    // The field before the panel reaches as far as the gap is wide, the charge on the wall about as far.
+    const double reach = std::min(panel.area / length, panel.area / (4 * pi * largest_charge));
+    result += 4 * pi * depth * length * reach / (panel.area * panel.area);
+  }
+  return result;
+}
+
 }  // namespace fringe::detail

@@ -67,6 +67,13 @@ class RoundShape {
   /// plane.
   double lack_per_squared_charge(const Panel& panel) const;
 
+  /// Returns the same for the area that a flat panel lacks along the rim of a round surface, where
+  /// lack_per_squared_charge() finds too little: before a narrow gap, or where the rim is sharp, the wall's
+  /// charge is next to the rim, and panels average it. Only an error follows from it.
+  ///
+  /// @param largest_charge the panel's largest one, for unit potentials
+  double lack_along_rim(const Panel& panel, double largest_charge) const;
+
  private:
   RoundShape(Shape shape, const Eigen::Isometry3d& pose)
       : shape_(std::move(shape)), to_shape_(pose.inverse()) {}

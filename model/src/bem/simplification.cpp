@@ -241,12 +241,13 @@ SurfaceEffects surface_effects(const Simplification& simplification, const Panel
       if (const RoundShape* const round =
               round_shape_of(simplification.bodies().bodies[group.body].surface)) {
         const double lack = round->lack_per_squared_charge(panel);
-        if (lack == 0)
+        const double along_rim = round->lack_along_rim(panel, absolute.maxCoeff());
+        if (lack + along_rim == 0)
           continue;
         if (round->is_lack_added())
           effects.facets += lack * own.transpose() * own;
         (round->is_followed() ? effects.facet_errors : effects.lasting_errors) +=
-            round->error_per_lack() * lack * absolute.transpose() * absolute;
+            round->error_per_lack() * (lack + along_rim) * absolute.transpose() * absolute;
       } else if (const double effect = of_deviations[index_of(k)]; effect > 0) {
         effects.lasting_errors += effect * absolute.transpose() * absolute;
       }

@@ -252,8 +252,8 @@ TEST(Auto, HasNotReachedWhatItKnowsNothingOf) {
   // Ten micrometres between two hexagons of 14 mm: the reduced method knows nothing of their charges. Their
   // faces alone have 112.7 pF.
   Scene scene;
-  scene.objects = {electrode("a", Cylinder{0.007, 0.001, 6}, {0, 0, 0}),
-                   electrode("b", Cylinder{0.007, 0.001, 6}, {0, 0, 0.00101})};
+  const Mesh hexagon{"", 1, triangulate(Cylinder{0.007, 0.001, 6})};
+  scene.objects = {electrode("a", hexagon, {0, 0, 0}), electrode("b", hexagon, {0, 0, 0.00101})};
   const Evaluation answer = evaluate(scene, {.method = Auto{}, .rtol = 0.1});
   ASSERT_TRUE(answer.matrix);
   EXPECT_TRUE(answer.matrix->errors.allFinite());
