@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 from analysis.honesty.methods import ANSWERED, Answer, Stated
 from analysis.results.answers import Estimate
-from analysis.results.units import picofarads
+from geometries.common.measured import picofarads
 
 MOST_WIDER, MOST_SLOWER = 1.1, 1.1
 """Largest ratio of a new stated error to the old one, and of the new times of a method to the old ones."""

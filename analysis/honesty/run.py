@@ -22,9 +22,9 @@ from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import parallel_jobs, run_all
 from analysis.results.store import write_text
 from analysis.results.study_results import Failure
-from analysis.results.units import picofarads
 from geometries.common import installation
 from geometries.common.errors import InputError
+from geometries.common.measured import picofarads
 
 FOLDER, TABLE, MESHES = "honesty", "league.md", "meshes"
 SCENES = 32 * len(KINDS)

@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from analysis.honesty.judging import Judged, Record, judged
 from analysis.honesty.methods import ANSWERED, ENDED, LATE, REFUSED
 from analysis.results.refusals import without_numbers
-from analysis.results.units import picofarads
+from geometries.common.measured import picofarads
 
 LEAST_HELD, MOST_EXCEEDED = 0.95, 3.0
 """The target, for each method and kind: the part of the stated errors that hold, and the most that one is exceeded by."""

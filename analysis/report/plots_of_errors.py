@@ -13,7 +13,8 @@ from analysis.report.plot import Panel, Plot, axis, by_family, family_marker, fi
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.set_up import SetUp
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, QUANTITIES, Row, compared
-from analysis.results.units import PICOFARAD, in_words, too
+from analysis.results.units import in_words, too
+from geometries.common.measured import PICOFARAD
 from geometries.studies.machines import NONE
 
 TITLE = "Model error in the change of a reading"

@@ -16,7 +16,8 @@ from analysis.results.study_results import Results
 from analysis.results.symmetry import Pair
 from analysis.results.table import CHANGE, QUANTITIES, Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN
-from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent, too
+from analysis.results.units import percent, signed_percent, too
+from geometries.common.measured import PICOFARAD, picofarads
 from geometries.studies.study import NO_REFERENCE
 
 

@@ -1,4 +1,4 @@
-"""How reports write numbers, with their errors and units, and name cases in words, "parallel, gap 2 cm"."""
+"""How reports write numbers with their units, and name cases in words, "parallel, gap 2 cm"."""
 
 from __future__ import annotations
 
@@ -6,20 +6,16 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
+from geometries.common.measured import PICOFARAD
 from geometries.studies.families import USUAL
 from geometries.studies.study import EMPTY, Parameter
 
-PICOFARAD = 1e-12
 CENTIMETRE = 1e-2
 VACUUM_PERMITTIVITY = 8.8541878128e-12
 """Permittivity of empty space (F/m), CODATA 2018."""
 
 _EXACT, _TIMES = 1e-12, 3.0
 """The relative error below which a value is called exact, and the ratio to the truth from which on it is told instead of per cent."""
-_LARGE, _LEAST, _MOST_PLACES = 100.0, 1e-8, 9
-"""The error from which on values of its size are unknown, the error below which it is written with an exponent, and the most decimals."""
-_SMALL, _MANY_PLACES, _MOST_DIGITS = 1e-2, 7, 7
-"""An exponent is written for values below `_SMALL` whose error needs more than `_MANY_PLACES` decimals; most digits after the point then."""
 
 
 def percent(value: float) -> str:
@@ -64,30 +60,6 @@ def duration(seconds: float, digits: int = 3) -> str:
         if seconds >= unit:
             break
     return f"{float(f'{seconds / unit:.{digits}g}'):,g} {name}"
-
-
-def measured(value: float, error: float) -> str:
-    """Writes a value with its error, both to two digits of the error: 2.4914 ± 0.0011. Of a value that is smaller than an error of a
-    hundred or more no digit is known: unknown ± 2.7e+14. The command `fringe` writes its tables so, too (model/cli/measured.cpp).
-    """
-    if not (math.isfinite(value) and math.isfinite(error)):
-        return "unknown"
-    if error >= _LARGE and error > abs(value):
-        return f"unknown ± {error:.2g}"
-    if error == 0:
-        return f"{value:.6g} ± 0"
-    # The exponent after rounding to two digits: 0.0996 is 0.10.
-    places = min(max(1 - int(f"{error:.1e}".partition("e")[2]), 0), _MOST_PLACES)
-    if places > _MANY_PLACES and 0 < abs(value) < _SMALL:
-        digits = math.floor(math.log10(abs(value))) - math.floor(math.log10(error)) + 1
-        return f"{value:.{min(max(digits, 0), _MOST_DIGITS)}e} ± {error:.1e}"
-    shown = f"{error:.1e}" if error < _LEAST else f"{error:.{places}f}"
-    return f"{value:.{places}f} ± {shown}"
-
-
-def picofarads(value: float, error: float) -> str:
-    """Writes a capacitance with its error, both given in farads, in pF."""
-    return measured(value / PICOFARAD, error / PICOFARAD)
 
 
 _WITHOUT_UNIT, _CAPACITANCE = "relative_permittivity", "to_ground"

@@ -18,9 +18,10 @@ from analysis.results.store import write_text
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.results.truth import FIELD, Known
-from analysis.results.units import PICOFARAD, duration, in_words, picofarads, signed_percent
+from analysis.results.units import duration, in_words, signed_percent
 from analysis.topics.errors import section as errors_section
 from analysis.topics.errors.records import Entry
+from geometries.common.measured import PICOFARAD, picofarads
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
 _FILES = (SCENE, REFERENCE, MODEL, BOUNDARY, SLICE)

@@ -10,8 +10,8 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, guide, joined, power_axis, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.units import measured
 from analysis.sweep.series import Crossing, Series, Sweep, crossings, place_words
+from geometries.common.measured import measured
 from geometries.scene.motion import Frame
 
 _FEMTO, _PICO, _MILLI = 1e-15, 1e-12, 1e-3

@@ -12,8 +12,9 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, marks, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.units import PICOFARAD, percent, picofarads, signed_percent
+from analysis.results.units import percent, signed_percent
 from analysis.topics.field_solver import Comparison, FieldCheck
+from geometries.common.measured import PICOFARAD, picofarads
 
 TITLE = "Checked by the field solver"
 ABSENT = "None of these set-ups has a reading by the field solver."

@@ -19,7 +19,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fem_reference.output.pictures import potential_slice, write_field_file
-from fem_reference.output.readings import PICOFARAD, readings_document, readings_table
+from fem_reference.output.readings import readings_document, readings_table
 from fem_reference.solve.level import Level
 from fem_reference.common.limits import Limits
 from fem_reference.common.supervision import AnswerSoFar, Report
@@ -27,6 +27,7 @@ from fem_reference.answer.wrapped import GeometryError
 from fem_reference.answer.reference import ErrorKind, Reference, maxwell
 from fem_reference.bodies.remarks import remarks
 from geometries.common.files import whole_file
+from geometries.common.measured import PICOFARAD, picofarad_interval, picofarads
 from geometries.scene.reader import load
 
 # Version of the documents' format, as geometries/schemas/FORMATS.md describes it.
@@ -264,19 +265,17 @@ def table(reference: Reference) -> str:
     problem, names = reference.problem, reference.problem.names
     width = max(8, *(len(name) for name in names)) + 2
     lines = ["Maxwell matrix, pF: charge on the row's conductor per volt on the column's"]
-    lines.append(" " * width + "".join(f"{name:>24}" for name in names))
-    value, error = reference.maxwell.value / PICOFARAD, reference.maxwell.error / PICOFARAD
-    lines += _rows(width, names, [[f"{v:.6f} ± {e:.6f}" for v, e in zip(*row)] for row in zip(value, error)])
+    lines.append(" " * width + "".join(f"  {name:>22}" for name in names))
+    entries = zip(reference.maxwell.value, reference.maxwell.error)
+    lines += _rows(width, names, [list(map(picofarads, *row)) for row in entries])
     for members in problem.members[: len(names)]:
         if len(members) > 1:
             lines.append(f"one conductor: {', '.join(members)}")
     if reference.enclosure is not None:
         why = reference.unproven_because
         lines.append("proven to lie in" if why is None else f"estimated to lie in, because {why}")
-        lower, upper = reference.lower / PICOFARAD, reference.upper / PICOFARAD
-        lines += _rows(
-            width, names, [[f"[{v:.6f}, {w:.6f}]" for v, w in zip(*row)] for row in zip(lower, upper)]
-        )
+        bounds = zip(reference.lower, reference.upper)
+        lines += _rows(width, names, [list(map(picofarad_interval, *row)) for row in bounds])
     for wrap in problem.wraps:
         lines.append(
             f"wrapped: {', '.join(wrap.members)}, {len(wrap.triangles)} triangles, offset {wrap.offset * 1e3:.3g} mm"
@@ -286,8 +285,8 @@ def table(reference: Reference) -> str:
         lines.append(f"largest relative error due to the wraps: {worst:.2e}, included in all errors")
     if reference.has_objects:
         lines.append("delta_self, pF: the sensor's own entry less what it is without the objects")
-        changes = zip(reference.delta_self.value / PICOFARAD, reference.delta_self.error / PICOFARAD)
-        lines += _rows(width, names[: problem.sensors], [[f"{v:.6f} ± {e:.6f}"] for v, e in changes])
+        changes = zip(reference.delta_self.value, reference.delta_self.error)
+        lines += _rows(width, names[: problem.sensors], [[picofarads(*change)] for change in changes])
     lines += readings_table(reference.readings)
     if problem.grounded:
         lines.append(f"grounded, their columns not asked for: {', '.join(problem.grounded)}")
@@ -314,7 +313,7 @@ def table(reference: Reference) -> str:
 def _rows(width: int, names: Sequence[str], entries: Sequence[Sequence[str]]) -> list[str]:
     """Lines of a table, each with its name and its entries."""
     return [
-        f"{name:<{width}}" + "".join(f"{entry:>24}" for entry in row) for name, row in zip(names, entries)
+        f"{name:<{width}}" + "".join(f"  {entry:>22}" for entry in row) for name, row in zip(names, entries)
     ]
 
 

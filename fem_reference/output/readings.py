@@ -6,9 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from fem_reference.answer.readings import Quantity, ReadingAnswer
+from geometries.common.measured import picofarad_interval, picofarads
 
-PICOFARAD = 1e-12
-"""Farads in the unit in which people read the answers."""
 ANSWERED_BY = "field"
 PARTS = ("value", "background", "change")
 
@@ -38,17 +37,17 @@ def readings_table(readings: Sequence[ReadingAnswer]) -> list[str]:
     lines = [
         "readings, pF: charge sensed per volt on what is driven; without the targets; the change by the targets"
     ]
-    lines.append(" " * width + "".join(f"{part:>24}" for part in PARTS))
+    lines.append(" " * width + "".join(f"  {part:>22}" for part in PARTS))
     for reading in readings:
         quantities: list[Quantity] = [getattr(reading, part) for part in PARTS]
-        entries = (f"{q.value / PICOFARAD:.6f} ± {q.error / PICOFARAD:.6f}" for q in quantities)
-        lines.append(f"{reading.name:<{width}}" + "".join(f"{entry:>24}" for entry in entries))
+        entries = (picofarads(quantity.value, quantity.error) for quantity in quantities)
+        lines.append(f"{reading.name:<{width}}" + "".join(f"  {entry:>22}" for entry in entries))
         if any(quantity.lower is not None for quantity in quantities):
-            lines.append(f"{'  proven':<{width}}" + "".join(f"{_interval(q):>24}" for q in quantities))
+            lines.append(f"{'  proven':<{width}}" + "".join(f"  {_interval(q):>22}" for q in quantities))
     return lines
 
 
 def _interval(quantity: Quantity) -> str:
     if quantity.lower is None or quantity.upper is None:
         return ""
-    return f"[{quantity.lower / PICOFARAD:.6f}, {quantity.upper / PICOFARAD:.6f}]"
+    return picofarad_interval(quantity.lower, quantity.upper)

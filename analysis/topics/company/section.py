@@ -10,7 +10,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, log_axis, marks, rows_axis, series_colour
-from analysis.results.units import PICOFARAD, percent, picofarads
+from analysis.results.units import percent
 from analysis.topics.company.factors import (
     CONNECTIONS,
     PARTS,
@@ -24,6 +24,7 @@ from analysis.topics.company.factors import (
 )
 from analysis.topics.company.set_ups import MACHINES, NOTHING, RTOL, TO_GROUND
 from analysis.topics.spread import ratio, spread
+from geometries.common.measured import PICOFARAD, picofarads
 from geometries.studies.families import FLOATING, GROUNDED
 
 TITLE = "In company: Experiment VII"

@@ -12,9 +12,10 @@ from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, family_marker, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.store import Document
-from analysis.results.units import CENTIMETRE, PICOFARAD, measured, percent, signed_percent, too
+from analysis.results.units import CENTIMETRE, percent, signed_percent, too
 from analysis.topics.corrections.estimates import FORMULA, PLAIN, REDUCED, Estimates
 from analysis.topics.corrections.set_ups import RTOL, SetUp, load
+from geometries.common.measured import PICOFARAD, measured
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape

@@ -8,9 +8,10 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, by_family, figure, guide, marks, power_axis, series_colour
 from analysis.results.study_results import Results
-from analysis.results.units import PICOFARAD, duration, percent, picofarads
+from analysis.results.units import duration, percent
 from analysis.topics.cross_check import agreement
 from analysis.topics.cross_check.agreement import Bracket, Comparison
+from geometries.common.measured import PICOFARAD, picofarads
 
 TITLE = "Boundary elements against the field solver"
 _ABSENT = "No case of these results was solved by both methods: run the study's command again."

@@ -9,11 +9,12 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, series_colour
 from analysis.results.table import DELTA_SELF
-from analysis.results.units import PICOFARAD, percent, signed_percent, too
+from analysis.results.units import percent, signed_percent, too
 from analysis.topics.errors import parts, records
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry
 from analysis.topics.errors.set_ups import DEFAULT, MAPS, OFFSET_MAP, SIZE_MAP, TILT_MAP
+from geometries.common.measured import PICOFARAD
 
 PERCENT = 100.0
 # A part has the same colour for both quantities.

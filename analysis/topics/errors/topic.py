@@ -10,13 +10,14 @@ from markupsafe import Markup
 from analysis.report import page, plots_in_space
 from analysis.results.set_up import describe
 from analysis.results.store import write_text
-from analysis.results.units import picofarads, too
+from analysis.results.units import too
 from analysis.topics.errors import records, section, set_ups
 from analysis.topics.errors.parts import PARTS
 from analysis.topics.errors.records import Entry
 from analysis.topics.errors.set_ups import STAGES, SetUp
 from analysis.topics.topic import Topic
 from geometries.common import installation
+from geometries.common.measured import picofarads
 
 TITLE = "Where does the model's error come from?"
 

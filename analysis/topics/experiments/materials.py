@@ -12,8 +12,9 @@ from analysis.report.plot import INK, Panel, axis, figure, joined, log_axis, pow
 from analysis.results.answers import Estimate
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.study_results import CaseResult, Results
-from analysis.results.units import CENTIMETRE, PICOFARAD, picofarads
+from analysis.results.units import CENTIMETRE
 from analysis.topics.experiments.curves import DISTANCE, place
+from geometries.common.measured import PICOFARAD, picofarads
 from geometries.studies.families import DIELECTRIC, GROUNDED
 
 _FAMILY = "box"

@@ -12,7 +12,8 @@ from analysis.report.plot import Panel, axis, figure, guide, joined, log_axis, p
 from analysis.results.answers import Estimate
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.study_results import CaseResult, Results
-from analysis.results.units import CENTIMETRE, PICOFARAD, percent, picofarads, signed_percent
+from analysis.results.units import CENTIMETRE, percent, signed_percent
+from geometries.common.measured import PICOFARAD, picofarads
 
 FAMILY, ALONE = "sensors", "parallel"
 NEAR, NEIGHBOUR = "sensor", "neighbour"

@@ -7,9 +7,9 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, figure, joined, power_axis, series_colour
 from analysis.results.study_results import Results
-from analysis.results.units import PICOFARAD
 from analysis.topics.experiments import curves, materials, neighbours, splitting
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve, with_flat_start
+from geometries.common.measured import PICOFARAD
 
 NOTHING_MEASURED = (
     "Measured quantity: none. The thesis compares two evaluations of its own formula, and so does this section; their difference is the same "

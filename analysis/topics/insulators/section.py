@@ -11,10 +11,11 @@ from analysis.report import page
 from analysis.report.plot import Panel, axis, boxes, figure, log_axis, marks, rows_axis, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
-from analysis.results.units import percent, picofarads, signed_percent
+from analysis.results.units import percent, signed_percent
 from analysis.topics.insulators.set_ups import BLANKET, COUNTS, COVER, FILM, TARGET, SetUp
 from analysis.topics.insulators.truths import IGNORING, REDUCED, RTOL, Truths, read
 from analysis.topics.spread import Spread, range_of, spread
+from geometries.common.measured import picofarads
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,13 +24,14 @@ from analysis.report.plot import (
 )
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
-from analysis.results.units import picofarads, signed_percent
+from analysis.results.units import signed_percent
 from analysis.topics.errors import records as records_of_pairs
 from analysis.topics.machines import parts
 from analysis.topics.machines.parts import ALL_PARTS, COMPANY, OnMachine, Pairs
 from analysis.topics.machines.set_ups import FAMILIES, SetUp
 from analysis.topics.machines.truths import METHODS, RTOL
 from analysis.topics.spread import Spread, range_of, ratio, spread
+from geometries.common.measured import picofarads
 
 
 @dataclass(frozen=True, eq=False)

@@ -16,10 +16,11 @@ from analysis.report.plot import Panel, axis, by_family, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results.store import Document
 from analysis.results.study_results import Failure
-from analysis.results.units import CENTIMETRE, measured
+from analysis.results.units import CENTIMETRE
 from analysis.topics.published import files
 from analysis.topics.published.files import MUTUAL, QUANTITIES, Check, Row
 from analysis.topics.topic import Topic
+from geometries.common.measured import measured
 from geometries.studies.study import Case
 
 TITLE = "A reference table of capacitances around a plate"

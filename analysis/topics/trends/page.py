@@ -11,10 +11,11 @@ from analysis.pipeline import keys
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, joined, series_colour
 from analysis.results import study_results
-from analysis.results.units import PICOFARAD, signed_percent
+from analysis.results.units import signed_percent
 from analysis.topics.trends import changes, records
 from analysis.topics.trends.changes import Mark
 from analysis.topics.trends.records import INSTRUCTIONS, Record
+from geometries.common.measured import PICOFARAD
 
 PAGE = "trends.html"
 # Curves in a figure. More cannot be told apart; the table has all values.

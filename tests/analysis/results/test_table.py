@@ -1,5 +1,5 @@
 """`table.csv`: its rows, the reference's error carried into the model error, the commands that recompute, and what pandas finds in it.
-How reports write numbers and name cases: as the command does, to the digits that an error leaves."""
+How reports name cases and differences."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import pytest
 
 from analysis.results import commands, study_results as results, table
 from analysis.results.answers import Estimate
-from analysis.results.units import in_words, measured, of_cases, picofarads, signed_percent, too
+from analysis.results.units import in_words, of_cases, signed_percent, too
 from analysis.study import report
 from tests.analysis.synthetic import (
     PARALLEL,
@@ -172,30 +172,6 @@ def test_what_is_infinite_is_infinite_and_what_is_absent_is_no_number(frame: pan
     assert np.isinf(frame["model_exact_F"].iloc[4:]).any()
     assert frame["check_F"].isna().any()
     assert frame.loc[frame["quantity"] == "delta_self", "object"].isna().all()
-
-
-IN_CPP = (Path(__file__).parents[2] / "model" / "cli" / "measured_test.cpp").read_text(encoding="utf-8")
-CASES = re.findall(r'EXPECT_EQ\(measured\((-?[\d.e+-]+), (-?[\d.e+-]+)\), "(.*)"\);', IN_CPP)
-
-
-@pytest.mark.parametrize(("value", "error", "text"), CASES)
-def test_a_value_with_its_error_is_written_as_the_command_writes_it(
-    value: str, error: str, text: str
-) -> None:
-    assert measured(float(value), float(error)) == text
-
-
-def test_these_are_all_cases_of_the_command_with_finite_numbers() -> None:
-    assert len(CASES) == IN_CPP.count("EXPECT_EQ(measured(") - 3
-
-
-@pytest.mark.parametrize("error", [math.nan, math.inf])
-def test_without_a_finite_error_a_value_is_unknown(error: float) -> None:
-    assert measured(20.0, error) == "unknown"
-
-
-def test_capacitances_are_given_in_farads() -> None:
-    assert picofarads(2.4914e-12, 1.1e-15) == "2.4914 ± 0.0011"
 
 
 def test_a_difference_without_an_upper_end_is_told_in_words() -> None:

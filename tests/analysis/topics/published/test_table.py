@@ -10,11 +10,11 @@ import pytest
 
 from analysis.pipeline.model_stage import model_module
 from analysis.results.set_up import rectangles
-from analysis.results.units import PICOFARAD
 from analysis.topics.published import files, topic
 from analysis.topics.published.files import QUANTITIES, Row
 from fem_reference.bodies.conductors import conductors
 from fem_reference.bodies.symmetry import mirror_planes
+from geometries.common.measured import PICOFARAD
 from geometries.studies.study import Case
 
 MOST_ERROR = 5e-5
