@@ -12,12 +12,12 @@
 
 #include <fmt/format.h>
 
-#include "bem/bodies.hpp"
 #include "bem/panel_system.hpp"
 #include "boundary_element_scenes.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/interruption.hpp"
 #include "own_process.hpp"
+#include "surface/bodies.hpp"
 
 namespace {
 

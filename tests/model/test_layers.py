@@ -11,14 +11,17 @@ SOURCES = ROOT / "model" / "src"
 HEADERS = ROOT / "model" / "include"
 
 # The layers from the bottom to the top. Vector registers need nothing; arithmetic, products of matrices and quadrature rules compute with
-# them; shapes and poses are made of both. Files, integrals over triangles and collisions know shapes, but not each other. Boundary elements integrate with the
-# quadratures of the integrals and measure gaps by collision; the pair formula needs no more; the reduced method compresses boundary elements. A sensing cone is a shape
-# that collision measures; a scene asks them all.
+# them; shapes and poses are made of both. Files, integrals over triangles and collisions know shapes, but not each other. Surfaces are the
+# bodies that carry charge, whose gaps collision measures; readings follow from the matrix of their conductors, whoever found it. Boundary
+# elements integrate with the quadratures of the integrals; the pair formula needs no more; the reduced method compresses boundary elements.
+# A sensing cone is a shape that collision measures; a scene asks them all.
 LAYERS = (
     {"simd"},
     {"numeric"},
     {"geometry"},
     {"io", "integral", "collision"},
+    {"surface"},
+    {"readings"},
     {"bem", "formula"},
     {"reduced"},
     {"sensing"},

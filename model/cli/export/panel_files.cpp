@@ -8,9 +8,9 @@
 
 #include <fmt/format.h>
 
-#include "bem/bodies.hpp"
 #include "fringe/conductors.hpp"
 #include "fringe/error.hpp"
+#include "surface/bodies.hpp"
 #include "unique_names.hpp"
 
 namespace fringe::cli {

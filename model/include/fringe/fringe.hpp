@@ -15,6 +15,7 @@
 #include "fringe/joint.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/machine_potentials.hpp"
+#include "fringe/maxwell_matrix.hpp"
 #include "fringe/mesh_defects.hpp"
 #include "fringe/mesh_file.hpp"
 #include "fringe/method.hpp"

@@ -8,16 +8,16 @@
 
 #include <fmt/format.h>
 
-#include "bem/asked_error.hpp"
-#include "bem/bodies.hpp"
 #include "bem/conductor_problem.hpp"
 #include "bem/insulated_maxwell.hpp"
-#include "bem/insulators.hpp"
 #include "bem/mesh_size.hpp"
-#include "bem/readings.hpp"
-#include "bem/simplification.hpp"
 #include "fringe/error.hpp"
 #include "fringe/interruption.hpp"
+#include "readings/asked_error.hpp"
+#include "readings/readings.hpp"
+#include "surface/bodies.hpp"
+#include "surface/insulators.hpp"
+#include "surface/simplification.hpp"
 
 namespace fringe {
 namespace {

@@ -8,8 +8,9 @@
 
 #include <Eigen/Geometry>
 
-#include "bem/panel.hpp"
+#include "bem/jacobi_basis.hpp"
 #include "numeric/triangle_rules.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::detail {
 namespace {

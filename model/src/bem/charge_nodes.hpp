@@ -7,8 +7,8 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
 #include "bem/panel_system.hpp"
+#include "surface/bodies.hpp"
 
 /// Charges of rigid bodies as point charges, dense enough for the forces between bodies on different links
 /// (model/BOUNDARY_ELEMENTS.md, section 12).

@@ -9,18 +9,20 @@
 #include <fmt/format.h>
 
 #include "bem/adaptive.hpp"
-#include "bem/asked_error.hpp"
-#include "bem/believed_error.hpp"
 #include "bem/group_densities.hpp"
-#include "bem/matrix_readings.hpp"
-#include "bem/maxwell_matrix.hpp"
+#include "bem/jacobi_basis.hpp"
 #include "bem/mesh_size.hpp"
 #include "bem/panel_system.hpp"
-#include "bem/readings.hpp"
+#include "bem/simplification_effects.hpp"
 #include "fringe/error.hpp"
 #include "fringe/interruption.hpp"
 #include "numeric/infinity.hpp"
 #include "numeric/memory.hpp"
+#include "readings/asked_error.hpp"
+#include "readings/believed_error.hpp"
+#include "readings/matrix_readings.hpp"
+#include "readings/maxwell_matrix.hpp"
+#include "readings/readings.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -3,10 +3,10 @@
 #include <optional>
 #include <vector>
 
-#include "bem/bodies.hpp"
 #include "bem/reading_derivatives.hpp"
-#include "bem/simplification.hpp"
 #include "fringe/boundary_elements.hpp"
+#include "surface/bodies.hpp"
+#include "surface/simplification.hpp"
 
 namespace fringe::detail {
 

@@ -9,9 +9,9 @@
 #include <fmt/format.h>
 
 #include "bem/group_densities.hpp"
-#include "bem/maxwell_matrix.hpp"
-#include "bem/simplification.hpp"
 #include "numeric/progress.hpp"
+#include "readings/maxwell_matrix.hpp"
+#include "surface/simplification.hpp"
 
 namespace fringe::detail {
 namespace {

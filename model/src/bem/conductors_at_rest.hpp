@@ -6,8 +6,8 @@
 #include <Eigen/Geometry>
 
 #include "bem/adaptive.hpp"
-#include "bem/bodies.hpp"
 #include "bem/panel_system.hpp"
+#include "surface/bodies.hpp"
 
 namespace fringe::detail {
 

@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "bem/panel.hpp"
 #include "bem/single_layer_panels.hpp"
+#include "surface/panel.hpp"
 
 /// The double-layer operator of panels with a constant dipole density (model/BOUNDARY_ELEMENTS.md, section
 /// 13).

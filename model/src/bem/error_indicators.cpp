@@ -8,8 +8,8 @@
 #include <Eigen/Cholesky>
 
 #include "bem/group_densities.hpp"
-#include "bem/readings.hpp"
 #include "bem/single_layer_panels.hpp"
+#include "readings/readings.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -5,7 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "bem/face.hpp"
+#include "bem/jacobi_basis.hpp"
+#include "surface/face.hpp"
 
 /// The single-layer interaction of a rectangular face with itself (model/BOUNDARY_ELEMENTS.md, section 3).
 namespace fringe::detail {

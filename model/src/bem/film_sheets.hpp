@@ -9,7 +9,7 @@
 #include <Eigen/Core>
 #include <Eigen/SparseCholesky>
 
-#include "bem/panel.hpp"
+#include "surface/panel.hpp"
 
 /// Thin films as sheets along which the polarisation carries flux (model/BOUNDARY_ELEMENTS.md, section 13).
 namespace fringe::detail {

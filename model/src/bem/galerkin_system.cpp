@@ -8,11 +8,11 @@
 #include <utility>
 
 #include "bem/face_self_interaction.hpp"
-#include "bem/maxwell_matrix.hpp"
-#include "bem/readings.hpp"
 #include "bem/single_layer_faces.hpp"
 #include "numeric/cholesky.hpp"
 #include "numeric/interruption.hpp"
+#include "readings/maxwell_matrix.hpp"
+#include "readings/readings.hpp"
 
 namespace fringe::detail {
 

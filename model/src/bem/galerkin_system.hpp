@@ -5,19 +5,14 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
-#include "bem/face.hpp"
+#include "bem/jacobi_basis.hpp"
+#include "readings/maxwell_matrix.hpp"
+#include "surface/bodies.hpp"
+#include "surface/face.hpp"
 
 /// The Galerkin equations of charged bodies (model/BOUNDARY_ELEMENTS.md, section 1). Capacitances are in
 /// metres: to be multiplied by 4πε.
 namespace fringe::detail {
-
-/// A capacitance matrix in the whole space of functions, and in the coarse space of about two thirds of them
-/// along each direction.
-struct NestedMatrix {
-  Eigen::MatrixXd fine;
-  Eigen::MatrixXd coarse;
-};
 
 /// The capacitances of a system and their error indicators.
 struct GalerkinSolution {

@@ -9,10 +9,10 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
-#include "bem/panel.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "geometry/surface_mesh.hpp"
 #include "numeric/interruption.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -7,9 +7,9 @@
 #include <Eigen/Core>
 
 #include "bem/film_sheets.hpp"
-#include "bem/insulators.hpp"
 #include "bem/panel_mesh.hpp"
 #include "bem/solid_angle_sums.hpp"
+#include "surface/insulators.hpp"
 
 /// The equations of conductors, dielectric bodies and films on panels, and their solution
 /// (model/BOUNDARY_ELEMENTS.md, section 13).

@@ -10,15 +10,16 @@
 #include <fmt/format.h>
 
 #include "bem/adaptive.hpp"
-#include "bem/asked_error.hpp"
-#include "bem/believed_error.hpp"
 #include "bem/group_densities.hpp"
 #include "bem/insulated_system.hpp"
-#include "bem/matrix_readings.hpp"
-#include "bem/maxwell_matrix.hpp"
-#include "bem/readings.hpp"
+#include "bem/simplification_effects.hpp"
 #include "fringe/error.hpp"
 #include "fringe/interruption.hpp"
+#include "readings/asked_error.hpp"
+#include "readings/believed_error.hpp"
+#include "readings/matrix_readings.hpp"
+#include "readings/maxwell_matrix.hpp"
+#include "readings/readings.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <optional>
 
-#include "bem/insulators.hpp"
-#include "bem/simplification.hpp"
 #include "fringe/boundary_elements.hpp"
+#include "surface/insulators.hpp"
+#include "surface/simplification.hpp"
 
 namespace fringe::detail {
 

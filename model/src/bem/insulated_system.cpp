@@ -10,13 +10,14 @@
 
 #include "bem/double_layer.hpp"
 #include "bem/film_effects.hpp"
-#include "bem/hidden_surface.hpp"
 #include "bem/insulated_equations.hpp"
 #include "bem/proximity_refinement.hpp"
-#include "bem/readings.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "fringe/error.hpp"
 #include "numeric/interruption.hpp"
+#include "readings/maxwell_matrix.hpp"
+#include "readings/readings.hpp"
+#include "surface/hidden_surface.hpp"
 
 namespace fringe::detail {
 namespace {

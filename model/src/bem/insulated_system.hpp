@@ -8,9 +8,9 @@
 #include "bem/facet_effects.hpp"
 #include "bem/galerkin_system.hpp"
 #include "bem/insulated_equations.hpp"
-#include "bem/insulators.hpp"
 #include "bem/panel_mesh.hpp"
 #include "bem/undivided_gain.hpp"
+#include "surface/insulators.hpp"
 
 namespace fringe::detail {
 

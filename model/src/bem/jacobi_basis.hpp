@@ -5,16 +5,11 @@
 
 #include <Eigen/Core>
 
+#include "surface/face.hpp"
+
 /// The edge-weighted (Jacobi) basis: functions (1 − x²)^α·p_k(x) on [−1, 1] that carry the charge, and
 /// quadrature for them (model/BOUNDARY_ELEMENTS.md, section 2).
 namespace fringe::detail {
-
-/// The kind of an edge, by the exponent with which a conductor's charge density grows with the distance from
-/// it.
-enum class EdgeKind {
-  thin,         ///< the edge of a plate: −1/2
-  right_angle,  ///< the edge of a box: −1/3
-};
 
 double edge_exponent(EdgeKind edge);
 
@@ -26,6 +21,14 @@ inline double edge_weight(EdgeKind edge, double from_left, double from_right) {
 
 /// Largest number of functions along one direction of a face.
 constexpr int most_functions = 31;
+
+/// The numbers of functions that a face has along its two directions.
+struct FaceFunctions {
+  int u;
+  int v;
+  int count() const { return u * v; }
+  bool operator==(const FaceFunctions&) const = default;
+};
 
 /// The polynomials p_0, p_1, … orthonormal under the weight (1 − x²)^α. Only p_0 carries a net charge.
 class WeightedPolynomials {

@@ -3,7 +3,8 @@
 #include <optional>
 #include <vector>
 
-#include "bem/bodies.hpp"
+#include "bem/jacobi_basis.hpp"
+#include "surface/bodies.hpp"
 
 namespace fringe::detail {
 

@@ -1,5 +1,7 @@
 #include "bem/panel_equations.hpp"
 
+#include "bem/jacobi_basis.hpp"
+
 namespace fringe::detail {
 
 using Eigen::Index;

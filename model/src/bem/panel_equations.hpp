@@ -4,10 +4,10 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
 #include "bem/galerkin_system.hpp"
 #include "bem/panel_mesh.hpp"
 #include "bem/panel_operator.hpp"
+#include "surface/bodies.hpp"
 
 namespace fringe::detail {
 

@@ -10,9 +10,9 @@
 
 #include <Eigen/Core>
 
-#include "bem/hidden_surface.hpp"
-#include "bem/panel.hpp"
-#include "bem/round_shape.hpp"
+#include "surface/hidden_surface.hpp"
+#include "surface/panel.hpp"
+#include "surface/round_shape.hpp"
 
 /// Surfaces of triangles as panels in groups (model/BOUNDARY_ELEMENTS.md, section 9).
 namespace fringe::detail {

@@ -5,7 +5,7 @@
 
 #include <Eigen/Core>
 
-#include "bem/panel.hpp"
+#include "surface/panel.hpp"
 
 /// The interaction ∫∫1/r of two panels with unit charges that are near each other, touch, cross or overlap
 /// (model/BOUNDARY_ELEMENTS.md, section 9).

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "bem/panel.hpp"
+#include "surface/panel.hpp"
 
 /// Quadrature over panels for potentials with singularities beside them (model/BOUNDARY_ELEMENTS.md, section
 /// 9).

@@ -11,14 +11,14 @@
 
 #include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
-#include "bem/maxwell_matrix.hpp"
 #include "bem/panel_equations.hpp"
 #include "bem/proximity_refinement.hpp"
-#include "bem/readings.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "bem/two_level_preconditioner.hpp"
 #include "numeric/interruption.hpp"
 #include "numeric/parallel.hpp"
+#include "readings/maxwell_matrix.hpp"
+#include "readings/readings.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -6,12 +6,13 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
 #include "bem/galerkin_system.hpp"
+#include "bem/jacobi_basis.hpp"
 #include "bem/panel_equations.hpp"
 #include "bem/panel_mesh.hpp"
 #include "bem/panel_operator.hpp"
 #include "bem/space_solution.hpp"
+#include "surface/bodies.hpp"
 
 /// The Galerkin equations of bodies some of which have faces and some panels (model/BOUNDARY_ELEMENTS.md,
 /// section 9).

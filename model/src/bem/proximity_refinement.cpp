@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bem/panel.hpp"
+#include "bem/jacobi_basis.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/gjk.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
+#include "surface/bodies.hpp"
 
 namespace fringe::detail {
 

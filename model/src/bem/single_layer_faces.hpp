@@ -4,7 +4,8 @@
 
 #include <Eigen/Core>
 
-#include "bem/face.hpp"
+#include "bem/jacobi_basis.hpp"
+#include "surface/face.hpp"
 
 namespace fringe::detail {
 

@@ -8,10 +8,11 @@
 
 #include <Eigen/Core>
 
-#include "bem/face.hpp"
-#include "bem/panel.hpp"
+#include "bem/jacobi_basis.hpp"
 #include "bem/panel_pair.hpp"
 #include "numeric/triangle_rules.hpp"
+#include "surface/face.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::detail {
 

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "bem/insulators.hpp"
 #include "bem/panel_mesh.hpp"
+#include "surface/insulators.hpp"
 
 /// The solid angles of closed dielectric surfaces, which add up to 4π inside, 2π on them and nothing outside
 /// (model/BOUNDARY_ELEMENTS.md, section 13).

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "bem/readings.hpp"
 #include "numeric/cholesky.hpp"
+#include "readings/readings.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -5,12 +5,12 @@
 
 #include <fmt/format.h>
 
-#include "bem/bodies.hpp"
 #include "bem/conductors_at_rest.hpp"
 #include "bem/panel_pair.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "fringe/error.hpp"
 #include "numeric/parallel.hpp"
+#include "surface/bodies.hpp"
 
 namespace fringe {
 namespace {

@@ -8,10 +8,10 @@
 
 #include <fmt/format.h>
 
-#include "bem/insulators.hpp"
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 #include "reduced/body_gap.hpp"
+#include "surface/insulators.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -8,12 +8,12 @@
 
 #include <Eigen/Geometry>
 
-#include "bem/bodies.hpp"
-#include "bem/contact.hpp"
 #include "geometry/link_motion.hpp"
 #include "reduced/node_pair.hpp"
 #include "reduced/reduced_capacitance.hpp"
 #include "reduced/rigid_bodies.hpp"
+#include "surface/bodies.hpp"
+#include "surface/contact.hpp"
 
 namespace fringe::detail {
 

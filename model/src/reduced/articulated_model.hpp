@@ -19,7 +19,7 @@
 #include "reduced/moving_solver.hpp"
 #include "reduced/prepared_parts.hpp"
 #include "reduced/tabulated_solver.hpp"
-#include "reduced/target_contacts.hpp"
+#include "surface/target_contacts.hpp"
 
 namespace fringe::detail {
 

@@ -9,9 +9,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
-#include "bem/bodies.hpp"
-#include "bem/round_shape.hpp"
 #include "geometry/median_split.hpp"
+#include "surface/bodies.hpp"
+#include "surface/round_shape.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -11,12 +11,12 @@
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 
-#include "bem/panel.hpp"
 #include "bem/panel_mesh.hpp"
 #include "geometry/winding_number.hpp"
 #include "numeric/interruption.hpp"
 #include "reduced/outside_charges.hpp"
 #include "simd/dispatch.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::detail {
 namespace {

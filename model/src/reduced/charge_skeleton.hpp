@@ -5,8 +5,8 @@
 #include <optional>
 #include <span>
 
-#include "bem/bodies.hpp"
 #include "reduced/panel_clusters.hpp"
+#include "surface/bodies.hpp"
 
 /// Few point charges in the place of a body's panels (model/BOUNDARY_ELEMENTS.md, section 8).
 namespace fringe::detail {

@@ -2,8 +2,8 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
 #include "reduced/charge_functions.hpp"
+#include "surface/bodies.hpp"
 
 /// The charges that functions take at given potentials, and what half as many functions lose of their energy
 /// (model/CORRECTIONS.md, section 8).

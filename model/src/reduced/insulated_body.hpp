@@ -6,8 +6,8 @@
 
 #include <Eigen/Core>
 
-#include "bem/insulators.hpp"
 #include "bem/panel_mesh.hpp"
+#include "surface/insulators.hpp"
 
 /// Conductors at one potential and the dielectric bodies that are fixed to them, alone in space
 /// (model/BOUNDARY_ELEMENTS.md, section 8).

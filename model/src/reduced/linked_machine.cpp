@@ -8,11 +8,12 @@
 
 #include <fmt/format.h>
 
-#include "bem/readings.hpp"
 #include "numeric/infinity.hpp"
 #include "numeric/parallel.hpp"
 #include "numeric/progress.hpp"
+#include "readings/readings.hpp"
 #include "reduced/prepared_parts.hpp"
+#include "surface/charged_readings.hpp"
 
 namespace fringe::detail {
 namespace {

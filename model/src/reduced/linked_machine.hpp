@@ -7,9 +7,9 @@
 
 #include <Eigen/Geometry>
 
-#include "bem/readings.hpp"
 #include "geometry/wrench.hpp"
 #include "io/prepared_files.hpp"
+#include "readings/readings.hpp"
 #include "reduced/machine_link.hpp"
 #include "reduced/target_at_rest.hpp"
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <utility>
 
-#include "bem/maxwell_matrix.hpp"
+#include "readings/maxwell_matrix.hpp"
 
 namespace fringe::detail {
 namespace {

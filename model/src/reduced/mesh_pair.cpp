@@ -4,10 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "bem/panel.hpp"
 #include "numeric/interruption.hpp"
 #include "reduced/node_rules.hpp"
 #include "simd/dispatch.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -5,8 +5,8 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
-#include "bem/panel.hpp"
+#include "surface/bodies.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::detail {
 

@@ -11,12 +11,12 @@
 
 #include <fmt/format.h>
 
-#include "bem/panel.hpp"
 #include "bem/panel_pair.hpp"
 #include "numeric/parallel.hpp"
 #include "numeric/progress.hpp"
 #include "numeric/triangle_rules.hpp"
 #include "simd/dispatch.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -7,9 +7,9 @@
 
 #include <Eigen/Core>
 
-#include "bem/panel.hpp"
 #include "collision/gjk_filter.hpp"
 #include "reduced/node_kernels.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::detail {
 

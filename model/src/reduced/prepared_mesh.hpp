@@ -9,11 +9,11 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
-#include "bem/insulators.hpp"
 #include "reduced/charge_skeleton.hpp"
 #include "reduced/panel_clusters.hpp"
 #include "reduced/prepared_shape.hpp"
+#include "surface/bodies.hpp"
+#include "surface/insulators.hpp"
 
 /// What does not change when a body of triangles moves or grows (model/BOUNDARY_ELEMENTS.md, section 8).
 namespace fringe::detail {

@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "bem/bodies.hpp"
 #include "fringe/scene.hpp"
 #include "io/prepared_files.hpp"
+#include "surface/bodies.hpp"
 
 /// Keeps machine, links and targets of readings before a machine in files, found by all that they depend on.
 namespace fringe::detail {

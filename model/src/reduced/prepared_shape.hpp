@@ -8,10 +8,10 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
-#include "bem/insulators.hpp"
 #include "fringe/triangle.hpp"
 #include "reduced/node_kernels.hpp"
+#include "surface/bodies.hpp"
+#include "surface/insulators.hpp"
 
 /// What does not change when a body moves or grows (model/BOUNDARY_ELEMENTS.md, section 8).
 namespace fringe::detail {

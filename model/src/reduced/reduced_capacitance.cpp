@@ -11,17 +11,18 @@
 
 #include <fmt/format.h>
 
-#include "bem/matrix_readings.hpp"
-#include "bem/maxwell_matrix.hpp"
-#include "bem/readings.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 #include "numeric/interruption.hpp"
+#include "readings/matrix_readings.hpp"
+#include "readings/maxwell_matrix.hpp"
+#include "readings/readings.hpp"
 #include "reduced/arrangement.hpp"
 #include "reduced/reduced_derivatives.hpp"
 #include "reduced/reduced_readings.hpp"
 #include "reduced/reduced_system.hpp"
+#include "surface/charged_readings.hpp"
 
 namespace fringe {
 namespace {

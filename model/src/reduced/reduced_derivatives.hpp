@@ -2,11 +2,11 @@
 
 #include <vector>
 
-#include "bem/bodies.hpp"
 #include "fringe/reading_answer.hpp"
 #include "reduced/arrangement.hpp"
 #include "reduced/reduced_readings.hpp"
 #include "reduced/reduced_system.hpp"
+#include "surface/bodies.hpp"
 
 namespace fringe::detail {
 

@@ -5,8 +5,8 @@
 
 #include <Eigen/Cholesky>
 
-#include "bem/maxwell_matrix.hpp"
-#include "bem/readings.hpp"
+#include "readings/maxwell_matrix.hpp"
+#include "readings/readings.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -2,10 +2,10 @@
 
 #include <vector>
 
-#include "bem/bodies.hpp"
-#include "bem/readings.hpp"
 #include "fringe/reading_answer.hpp"
+#include "readings/readings.hpp"
 #include "reduced/reduced_system.hpp"
+#include "surface/bodies.hpp"
 
 /// Readings by the reduced method, with the background on the basis of the whole scene
 /// (model/BOUNDARY_ELEMENTS.md, section 11).

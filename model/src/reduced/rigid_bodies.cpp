@@ -9,12 +9,12 @@
 #include <fmt/format.h>
 
 #include "bem/box_self_interaction.hpp"
-#include "bem/contact.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "reduced/prepared_mesh.hpp"
 #include "reduced/single_body_system.hpp"
+#include "surface/contact.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <Eigen/Geometry>
 
-#include "bem/bodies.hpp"
-#include "bem/insulators.hpp"
 #include "fringe/error.hpp"
 #include "reduced/prepared_shape.hpp"
+#include "surface/bodies.hpp"
+#include "surface/insulators.hpp"
 
 namespace fringe::detail {
 

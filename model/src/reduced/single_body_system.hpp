@@ -5,9 +5,9 @@
 
 #include <Eigen/Core>
 
-#include "bem/bodies.hpp"
 #include "bem/panel_mesh.hpp"
 #include "numeric/cholesky.hpp"
+#include "surface/bodies.hpp"
 
 /// The solution for a single body of triangles (model/BOUNDARY_ELEMENTS.md, sections 8 and 9).
 namespace fringe::detail {

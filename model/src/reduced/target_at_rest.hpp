@@ -9,8 +9,8 @@
 
 #include "reduced/charge_functions.hpp"
 #include "reduced/coarse_charges.hpp"
-#include "reduced/placed_box.hpp"
 #include "reduced/surface_resolution.hpp"
+#include "surface/placed_box.hpp"
 
 namespace fringe::detail {
 

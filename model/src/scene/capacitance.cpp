@@ -1,7 +1,7 @@
 #include "fringe/evaluation.hpp"
 
-#include "bem/insulators.hpp"
 #include "scene/scene_evaluator.hpp"
+#include "surface/insulators.hpp"
 
 namespace fringe {
 

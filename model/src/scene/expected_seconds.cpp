@@ -6,8 +6,8 @@
 #include <string>
 #include <variant>
 
-#include "bem/insulators.hpp"
 #include "fringe/triangulation.hpp"
+#include "surface/insulators.hpp"
 
 namespace fringe::detail {
 namespace {

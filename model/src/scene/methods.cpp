@@ -4,12 +4,13 @@
 #include <cmath>
 #include <utility>
 
-#include "bem/insulators.hpp"
-#include "bem/readings.hpp"
 #include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 #include "numeric/infinity.hpp"
+#include "readings/readings.hpp"
 #include "reduced/rigid_bodies.hpp"
+#include "surface/charged_readings.hpp"
+#include "surface/insulators.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -2,6 +2,7 @@
 /// Galerkin method. The set-ups whose matrix is known from another boundary-element method are in
 /// test_boundary_elements.py.
 
+#include "bem/jacobi_basis.hpp"
 #include "fringe/boundary_elements.hpp"
 
 #include <array>
@@ -11,10 +12,10 @@
 #include <Eigen/Cholesky>
 #include <gtest/gtest.h>
 
-#include "bem/bodies.hpp"
 #include "bem/galerkin_system.hpp"
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
+#include "surface/bodies.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {

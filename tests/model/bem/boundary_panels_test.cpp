@@ -13,11 +13,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bem/bodies.hpp"
 #include "bem/panel_system.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
+#include "surface/bodies.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {

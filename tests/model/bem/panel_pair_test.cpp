@@ -1,3 +1,4 @@
+#include "bem/jacobi_basis.hpp"
 #include "bem/panel_pair.hpp"
 #include "bem/single_layer_faces.hpp"
 
@@ -8,10 +9,10 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "bem/panel.hpp"
 #include "bem/panel_quadrature.hpp"
 #include "bem/patch_distance.hpp"
 #include "geometry.hpp"
+#include "surface/panel.hpp"
 
 /// Interactions ∫∫1/r of two triangles with unit charges, against closed forms and what must not matter.
 /// Tests the interaction of two separate faces against sums over many points, from far to nearly touching.

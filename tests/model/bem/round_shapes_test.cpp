@@ -10,11 +10,11 @@
 #include <gtest/gtest.h>
 
 #include "bem/panel_mesh.hpp"
-#include "bem/round_shape.hpp"
 #include "bem/scenes.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangle.hpp"
 #include "fringe/triangulation.hpp"
+#include "surface/round_shape.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
@@ -30,47 +30,6 @@ BoundaryElementOptions within(double rtol) {
   BoundaryElementOptions options;
   options.rtol = rtol;
   return options;
-}
-
-/// Returns the sum of depth times area over the triangles of a shape.
-double missing_volume(const Shape& shape) {
-  const auto round = RoundShape::of(shape, Eigen::Isometry3d::Identity());
-  double sum = 0;
-  for (const Triangle& triangle : triangulate(shape))
-    sum += round->depth(triangle) * twice_area(triangle) / 2;
-  return sum;
-}
-
-double volume(const Shape& shape) {
-  const std::vector<Triangle> triangles = triangulate(shape);
-  return signed_volume(triangles);
-}
-
-/// Expects the depths to add up to the volume that the polyhedron lacks, to first order.
-void expect_depths(const Shape& shape, double round) {
-  const double lacks = round - volume(shape);
-  EXPECT_NEAR(missing_volume(shape), lacks, 0.05 * lacks);
-}
-
-TEST(RoundShapes, TheDepthsOfFacetsAddUpToTheVolumeThatThePolyhedronLacks) {
-  expect_depths(Cylinder{0.02, 0.05, 24}, pi * 0.02 * 0.02 * 0.05);
-  expect_depths(Cone{0.02, 0.05, 24}, pi * 0.02 * 0.02 * 0.05 / 3);
-  expect_depths(Sphere{0.02, 24}, 4 * pi / 3 * 0.02 * 0.02 * 0.02);
-  expect_depths(Ellipsoid{0.03, 0.02, 0.01, 32}, 4 * pi / 3 * 0.03 * 0.02 * 0.01);
-  expect_depths(Capsule{0.02, 0.03, 24}, pi * 0.02 * 0.02 * (0.03 + 4.0 / 3 * 0.02));
-}
-
-TEST(RoundShapes, OnAnArcTheDepthsOfBothSidesAddUp) {
-  // The inner facets take as much from the hole as the outer ones lack, in proportion to the radii squared.
-  const Arc arc{0.01, 0.02, 0.005, 90, 8};
-  const double angle = pi / 2 / 8, segment = (angle - std::sin(angle)) / 2;
-  const double lacks = 8 * segment * (0.01 * 0.01 + 0.02 * 0.02) * 0.005;
-  EXPECT_NEAR(missing_volume(arc), lacks, 0.05 * lacks);
-}
-
-TEST(RoundShapes, FlatShapesHaveNone) {
-  EXPECT_FALSE(RoundShape::of(Cuboid{1, 2, 3}, Eigen::Isometry3d::Identity()));
-  EXPECT_FALSE(RoundShape::of(Plate{1, 2}, Eigen::Isometry3d::Identity()));
 }
 
 TEST(RoundShapes, MakeNoSliversOfATriangleOnAGreatCircle) {
@@ -114,14 +73,6 @@ TEST(RoundShapes, DividedPanelsHaveTheirCornersOnTheShape) {
   EXPECT_LT(distance_from_shape(Cylinder{0.02, 0.03, 12}, 0.02), 1e-12);
   EXPECT_LT(distance_from_shape(Cone{0.02, 0.03, 12}, 0.02), 1e-12);
   EXPECT_LT(distance_from_shape(Arc{0.02, 0.03, 0.01, 120, 12}, 0.02), 1e-12);
-}
-
-TEST(RoundShapes, OnlySidesAlongARimFollowIt) {
-  const auto round = RoundShape::of(Cylinder{1, 1, 8}, Eigen::Isometry3d::Identity());
-  const auto corner = [](int k) { return Eigen::Vector3d(std::cos(pi / 4 * k), std::sin(pi / 4 * k), 0.5); };
-  EXPECT_NEAR(round->middle(corner(0), corner(1)).head<2>().norm(), 1, 1e-15);
-  // Simplified surfaces have chords across the face within the rim.
-  EXPECT_EQ(round->middle(corner(0), corner(2)), Eigen::Vector3d((corner(0) + corner(2)) / 2));
 }
 
 TEST(RoundShapes, TwoBallsHaveTheCapacitancesOfTheSeriesOfImages) {

@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/bodies.hpp"
 #include "fringe/pose.hpp"
 #include "reduced/charge_skeleton.hpp"
+#include "surface/bodies.hpp"
 
 /// Tests that few point charges have the potentials of a body's panels beyond their distance.
 namespace fringe::detail::FRINGE_TEST_FILE {

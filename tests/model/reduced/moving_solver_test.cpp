@@ -17,7 +17,7 @@
 #include "geometry.hpp"
 #include "reduced/link_tables.hpp"
 #include "reduced/linked_machine.hpp"
-#include "reduced/placed_box.hpp"
+#include "surface/placed_box.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {

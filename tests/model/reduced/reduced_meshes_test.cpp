@@ -8,7 +8,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bem/panel.hpp"
 #include "bem/scenes.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
@@ -17,6 +16,7 @@
 #include "reduced/body_gap.hpp"
 #include "reduced/prepared_mesh.hpp"
 #include "reduced/reduced_capacitance.hpp"
+#include "surface/panel.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {

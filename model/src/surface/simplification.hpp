@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include <Eigen/Geometry>
+
+#include "surface/bodies.hpp"
+
+namespace fringe::detail {
+
+/// Surfaces of many triangles replaced by such of fewer, the coarser the farther they are from all other
+/// conductors (model/BOUNDARY_ELEMENTS.md, section 10).
+class Simplification {
+ public:
+  /// Total number of triangles up to which surfaces stay as they are. Their equations are solved in seconds.
+  static constexpr std::size_t few_triangles = 5000;
+
+  /// Simplifies the surfaces of a scene that has more than `few_triangles`, as far as its bodies are
+  /// conductors with surfaces of triangles. Doubles the tolerance until no more than `most_triangles` are
+  /// left, or as few as can be.
+  ///
+  /// @param tolerance distance between old and new surface, relative to the smallest of the size of the own
+  ///   conductor, the distance from another one and that from `others`
+  /// @param others boxes around bodies that are no conductors
+  Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles,
+                 std::vector<Eigen::AlignedBox3d> others = {});
+
+  /// Leaves all surfaces as they are.
+  explicit Simplification(ChargedBodies bodies) : bodies_(std::move(bodies)) {}
+
+  const ChargedBodies& bodies() const { return bodies_; }
+
+  /// Tells whether a surface was replaced.
+  bool is_changed() const { return !surfaces_.empty(); }
+
+  /// Tells whether a surface differs from its body's: it was replaced, or it stands for a round shape.
+  bool differs() const;
+
+  /// Tells whether all surfaces that differ lie within their bodies, so that capacitances are bounded from
+  /// below.
+  bool is_within() const;
+
+  /// Returns the mean distance (m) between the old and the new surface of a body near a point of it.
+  double deviation(std::size_t body, const Eigen::Vector3d& point) const;
+
+ private:
+  /// Divides a surface by the distance from other conductors: a zone is within half the distance of the next.
+  class Zones {
+   public:
+    Zones(const ChargedBodies& bodies, std::size_t body, std::vector<Eigen::AlignedBox3d> others);
+    static constexpr std::size_t count = 10;
+    std::size_t zone(const Eigen::Vector3d& point) const;
+    double tolerance(std::size_t zone) const;  ///< relative to 1
+
+   private:
+    double size_;
+    std::vector<Eigen::AlignedBox3d> others_;
+  };
+
+  /// A surface that was replaced; `zones` and `deviations` belong to its body.
+  struct Surface {
+    std::size_t body;
+    Zones zones;
+    std::vector<double> deviations;  ///< m, of each zone
+  };
+
+  void simplify(const ChargedBodies& original, double tolerance);
+  std::size_t triangles() const;
+
+  ChargedBodies bodies_;
+  std::vector<Eigen::AlignedBox3d> others_;
+  std::vector<Surface> surfaces_;
+};
+
+}  // namespace fringe::detail
