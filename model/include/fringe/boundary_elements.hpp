@@ -45,16 +45,17 @@ void validate(const BoundaryElementOptions& options);
 
 /// Computes the Maxwell matrix by the Galerkin boundary element method (model/BOUNDARY_ELEMENTS.md), refined
 /// until the estimated errors are within rtol. Supports every shape in any pose, sensors of several plates,
-/// grounded and floating objects, electrodes, and conductors of several objects. Round shapes
-/// are solved as round, but beside dielectric bodies; an arc with thin walls is represented by its triangles
-/// (triangulate()). What the facets cost is in the stated errors. Meshes need not be closed or
-/// oriented; their triangles may cross, overlap and be given twice. Grounded objects that touch, overlap or
-/// contain each other are one conductor. Dielectric objects are bodies of triangles, too. They may touch and
-/// overlap conductors, which displace them, and each other, where the later one fills the common space; no
-/// entry is then a lower bound, and refinement ends at 9,000 panels. Throws InputError for dielectric objects
-/// whose surface is not closed or that are inside a conductor, plates that are not rectangles, meshes without
-/// area, rooms, conductors that may have different potentials and touch, cross or are inside each other, more
-/// surfaces than unknowns allow, a scene without sensors and objects, and options out of range.
+/// grounded and floating objects, electrodes, and conductors of several objects. Round shapes are solved as
+/// round, but beside dielectric bodies; an arc with thin walls is represented by its triangles
+/// (triangulate()). What the facets cost is in the stated errors. Meshes need not be closed or oriented;
+/// their triangles may cross, overlap and be given twice. Grounded objects that touch, overlap or contain
+/// each other are one conductor. Dielectric objects are bodies of triangles, too. They may touch and overlap
+/// conductors, which displace them, and each other, where the later one fills the common space; no entry is
+/// then a lower bound, and refinement ends where the matrices, whose size is the square of the number of
+/// panels, take a quarter of the memory. Throws InputError for dielectric objects whose surface is not closed
+/// or that are inside a conductor, plates that are not rectangles, meshes without area, rooms, conductors
+/// that may have different potentials and touch, cross or are inside each other, more surfaces than unknowns
+/// allow, a scene without sensors and objects, and options out of range.
 MaxwellMatrix maxwell(const Scene& scene, const BoundaryElementOptions& options = {});
 
 /// Evaluates every sensor of the scene by its Maxwell matrix: an object's capacitance is the charge that it

@@ -97,27 +97,35 @@ MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Pan
   }
   const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
   const auto size = static_cast<Index>(panels.size());
-  MatrixXd transposed = MatrixXd::Zero(size, static_cast<Index>(targets.size()));
-  parallel_for(targets.size(), threads, [&](std::size_t row) {
-    const Panel& target = targets[row];
-    const std::vector<Vector3d> points = dipoles_of(target).points;
-    double* const column = transposed.data() + static_cast<Index>(row) * size;
+  MatrixXd result(static_cast<Index>(targets.size()), size);
+  /// Number of rows that one thread evaluates at a time.
+  constexpr std::size_t together = 16;
+  parallel_for((targets.size() + together - 1) / together, threads, [&](std::size_t block) {
+    const std::size_t first = block * together, rows = std::min(together, targets.size() - first);
+    // Elements of a row follow each other while they are evaluated.
+    MatrixXd transposed = MatrixXd::Zero(size, static_cast<Index>(rows));
     PotentialSums angles = PotentialSums::of_solid_angles();
-    for (std::size_t k = 0; k < panels.size(); ++k) {
-      if (!is_source[k])
-        continue;
-      const Panel& source = panels[k];
-      const double reach = farthest * (target.radius + source.radius);
-      if (place(row) >= 0 && place(k) >= 0)
-        column[k] = known.matrix(place(row), place(k));
-      else if ((target.centre - source.centre).squaredNorm() > reach * reach)
-        column[k] = far_element(points, dipoles[k]);
-      else if (!lies_in_plane(target, source, normals[k]))
-        add_near_element(target, source, tolerance, angles, column[k]);
+    for (std::size_t row = first; row < first + rows; ++row) {
+      const Panel& target = targets[row];
+      const std::vector<Vector3d> points = dipoles_of(target).points;
+      double* const elements = transposed.col(static_cast<Index>(row - first)).data();
+      for (std::size_t k = 0; k < panels.size(); ++k) {
+        if (!is_source[k])
+          continue;
+        const Panel& source = panels[k];
+        const double reach = farthest * (target.radius + source.radius);
+        if (place(row) >= 0 && place(k) >= 0)
+          elements[k] = known.matrix(place(row), place(k));
+        else if ((target.centre - source.centre).squaredNorm() > reach * reach)
+          elements[k] = far_element(points, dipoles[k]);
+        else if (!lies_in_plane(target, source, normals[k]))
+          add_near_element(target, source, tolerance, angles, elements[k]);
+      }
     }
     angles.flush();
+    result.middleRows(static_cast<Index>(first), static_cast<Index>(rows)) = transposed.transpose();
   });
-  return transposed.transpose();
+  return result;
 }
 
 MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bool>& is_source,

@@ -35,8 +35,10 @@ double step_beside(const Panel& panel) {
 MatrixXd root_of_conductor(const RoundShape& shape, const Panel& panel, const Ratios& ratios,
                            const RowVectorXd& charges) {
   const double outside = shape.is_thin() ? (ratios.behind + ratios.before) / 2 : ratios.before;
+  const double lack = shape.lack_per_squared_charge(panel) +
+                      shape.lack_along_rim(panel, charges.cwiseAbs().maxCoeff() / outside);
   MatrixXd result = MatrixXd::Zero(BesideFacets::rows, charges.cols());
-  result.row(0) = std::sqrt(shape.lack_per_squared_charge(panel) / outside) * charges;
+  result.row(0) = std::sqrt(lack / outside) * charges;
   return result;
 }
 

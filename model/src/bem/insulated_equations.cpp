@@ -9,6 +9,8 @@
 #include "geometry/median_split.hpp"
 #include "numeric/gmres.hpp"
 #include "numeric/interruption.hpp"
+#include "numeric/parallel.hpp"
+#include "numeric/products.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -133,24 +135,51 @@ class NearbyPanels {
   std::vector<Eigen::PartialPivLU<MatrixXd>> factors_;
 };
 
-/// Returns the product of a large matrix and few columns. A general product first copies all of the matrix
-/// into another order, which takes longer.
-MatrixXd times_few(const MatrixXd& matrix, const MatrixXd& columns) {
-  /// Number of the matrix' columns at a time: these stay in the cache.
-  constexpr Index together = 16;
-  MatrixXd result = MatrixXd::Zero(matrix.rows(), columns.cols());
-  for (Index first = 0; first < matrix.cols(); first += together) {
-    const Index count = std::min(together, matrix.cols() - first);
-    for (Index c = 0; c < columns.cols(); ++c)
-      result.col(c).noalias() += matrix.middleCols(first, count) * columns.col(c).segment(first, count);
+/// A large matrix for products with few columns, which take as long as its memory is read: in single
+/// precision, and in tiles that lie in one piece each. The elements' quadratures are less accurate.
+class TiledMatrix {
+ public:
+  TiledMatrix(const MatrixXd& matrix, std::size_t threads)
+      : rows_(matrix.rows()), tiles_(count(rows_, tile_rows) * count(matrix.cols(), tile_columns)),
+        threads_(threads) {
+    const std::size_t across = count(matrix.cols(), tile_columns);
+    parallel_for(tiles_.size(), threads, [&](std::size_t k) {
+      const Index row = index_of(k / across) * tile_rows, column = index_of(k % across) * tile_columns;
+      tiles_[k] = matrix
+                      .block(row, column, std::min(tile_rows, rows_ - row),
+                             std::min(tile_columns, matrix.cols() - column))
+                      .cast<float>();
+    });
   }
-  return result;
-}
+
+  MatrixXd times(const MatrixXd& columns) const {
+    MatrixXd result = MatrixXd::Zero(rows_, columns.cols());
+    const std::size_t down = count(rows_, tile_rows), across = tiles_.size() / std::max<std::size_t>(down, 1);
+    parallel_for(down, threads_, [&](std::size_t k) {
+      for (std::size_t l = 0; l < across; ++l) {
+        const Eigen::MatrixXf& tile = tiles_[k * across + l];
+        add_product(MatrixReference<float>(tile), columns.middleRows(index_of(l) * tile_columns, tile.cols()),
+                    result.middleRows(index_of(k) * tile_rows, tile.rows()));
+      }
+    });
+    return result;
+  }
+
+ private:
+  static constexpr Index tile_rows = 256, tile_columns = 128;
+  static std::size_t count(Index size, Index of_tile) {
+    return static_cast<std::size_t>((size + of_tile - 1) / of_tile);
+  }
+
+  Index rows_;
+  std::vector<Eigen::MatrixXf> tiles_;  ///< row by row
+  std::size_t threads_;
+};
 
 /// Solves the equations of all panels: by factorisation if there are few, else by generalised minimal
 /// residuals with the coarse space and the blocks of nearby panels as preconditioner.
 MatrixXd solve_all(const PanelMesh& mesh, const InsulatedUnknowns& unknowns, const MatrixXd& matrix,
-                   const CoarseCorrection& coarse, const MatrixXd& right_sides) {
+                   const CoarseCorrection& coarse, const MatrixXd& right_sides, std::size_t threads) {
   /// Least number of unknowns for each right side, and altogether, with which the iteration takes less time.
   constexpr Index least_per_column = 60, least_unknowns = 1200;
   /// Largest residual, relative to the right side: far below the accuracy that can be asked for.
@@ -158,14 +187,15 @@ MatrixXd solve_all(const PanelMesh& mesh, const InsulatedUnknowns& unknowns, con
   constexpr int most_steps = 150;
   if (unknowns.size() >= std::max(least_unknowns, least_per_column * right_sides.cols())) {
     const NearbyPanels nearby(mesh, unknowns, matrix);
+    const TiledMatrix tiled(matrix, threads);
     const auto solution = gmres(
         [&](const MatrixXd& columns) {
           check_interruption();
-          return times_few(matrix, columns);
+          return tiled.times(columns);
         },
         [&](const MatrixXd& columns) {
           const MatrixXd first = coarse.on_panels(coarse.solve(columns));
-          return MatrixXd(first + nearby.solve(columns - times_few(matrix, first)));
+          return MatrixXd(first + nearby.solve(columns - tiled.times(first)));
         },
         right_sides, residual, most_steps);
     if (solution)
@@ -214,7 +244,7 @@ AngleTarget InsulatedEquations::target(Index k) const {
 
 InsulatedEquations insulated_equations(const PanelMesh& mesh, const InsulatedBodies& bodies,
                                        const Surroundings& surroundings, const MatrixXd& single_layer,
-                                       const MatrixXd& double_layer) {
+                                       const MatrixXd& double_layer, std::size_t threads) {
   InsulatedEquations result;
   result.unknowns = insulated_unknowns(mesh, surroundings);
   const InsulatedUnknowns& unknowns = result.unknowns;
@@ -233,43 +263,51 @@ InsulatedEquations insulated_equations(const PanelMesh& mesh, const InsulatedBod
   });
   result.matrix.resize(size, size);
   result.potentials = MatrixXd::Zero(size, index_of(bodies.conductors.conductors.size()));
-  for (Index column = 0; column < size; ++column) {
-    const auto at = static_cast<std::size_t>(column);
-    const Ratios& ratios = unknowns.states[at].ratios;
-    const double jump = ratios.behind - ratios.before, mean = (ratios.behind + ratios.before) / 2;
-    const Index source = unknowns.panels[at];
-    VectorXd layer;
-    if (jump != 0) {
-      layer.resize(size);
-      for (Index row = 0; row < size; ++row)
-        layer[row] = angles.corrected(row, column,
-                                      double_layer(unknowns.panels[static_cast<std::size_t>(row)], source));
-      layer[column] -= mean;
+  /// Number of rows that one thread fills at a time.
+  constexpr Index together = 256;
+  parallel_for(static_cast<std::size_t>((size + together - 1) / together), threads, [&](std::size_t block) {
+    const Index first = index_of(block) * together, rows = std::min(together, size - first);
+    VectorXd layer(rows);
+    for (Index column = 0; column < size; ++column) {
+      const auto at = static_cast<std::size_t>(column);
+      const Ratios& ratios = unknowns.states[at].ratios;
+      const double jump = ratios.behind - ratios.before, mean = (ratios.behind + ratios.before) / 2;
+      const Index source = unknowns.panels[at], own = column - first;
+      const bool is_own = own >= 0 && own < rows;
+      const auto panel = [&](Index row) { return unknowns.panels[static_cast<std::size_t>(first + row)]; };
+      auto elements = result.matrix.col(column).segment(first, rows);
+      if (jump != 0) {
+        for (Index row = 0; row < rows; ++row)
+          layer[row] = angles.corrected(first + row, column, double_layer(panel(row), source));
+        if (is_own)
+          layer[own] -= mean;
+      }
+      if (!unknowns.is_charge(column)) {
+        elements = layer;
+        continue;
+      }
+      for (Index row = 0; row < rows; ++row)
+        elements[row] = single_layer(panel(row), source);
+      if (unknowns.kind(column) == PartKind::film)
+        continue;
+      auto potentials = result.potentials.col(conductor_of(column)).segment(first, rows);
+      if (jump != 0)
+        potentials -= layer;
+      else if (is_own)
+        potentials[own] += mean;
     }
-    if (!unknowns.is_charge(column)) {
-      result.matrix.col(column) = layer;
-      continue;
-    }
-    for (Index row = 0; row < size; ++row)
-      result.matrix(row, column) = single_layer(unknowns.panels[static_cast<std::size_t>(row)], source);
-    if (unknowns.kind(column) == PartKind::film)
-      continue;
-    if (jump != 0)
-      result.potentials.col(conductor_of(column)) -= layer;
-    else
-      result.potentials(column, conductor_of(column)) += mean;
-  }
+  });
   if (!bodies.films.empty())
     add_films(mesh, bodies, surroundings, result);
   return result;
 }
 
 InsulatedSolutions solved(const PanelMesh& mesh, const InsulatedEquations& equations,
-                          const MatrixXd& right_sides) {
+                          const MatrixXd& right_sides, std::size_t threads) {
   const InsulatedUnknowns& unknowns = equations.unknowns;
   const CoarseCorrection coarse(unknowns, equations.matrix);
   InsulatedSolutions result;
-  result.fine = solve_all(mesh, unknowns, equations.matrix, coarse, right_sides);
+  result.fine = solve_all(mesh, unknowns, equations.matrix, coarse, right_sides, threads);
   result.coarse = coarse.solve(right_sides);
   result.details = result.fine;
   const MatrixXd means = summed_rows(unknowns, result.fine, false),

@@ -53,7 +53,7 @@ struct InsulatedEquations {
 /// @param double_layer means over panels (rows) of solid angles over 4π
 InsulatedEquations insulated_equations(const PanelMesh& mesh, const InsulatedBodies& bodies,
                                        const Surroundings& surroundings, const Eigen::MatrixXd& single_layer,
-                                       const Eigen::MatrixXd& double_layer);
+                                       const Eigen::MatrixXd& double_layer, std::size_t threads);
 
 /// Solutions in the whole space and in the coarse one, and what the coarse space misses.
 struct InsulatedSolutions {
@@ -62,8 +62,9 @@ struct InsulatedSolutions {
   Eigen::MatrixXd details;
 };
 
-/// Solves for right sides (columns): by factorisation if there are few unknowns, else iteratively.
+/// Solves for right sides (columns): by factorisation if there are few unknowns, else iteratively. The same
+/// bits for any number of threads.
 InsulatedSolutions solved(const PanelMesh& mesh, const InsulatedEquations& equations,
-                          const Eigen::MatrixXd& right_sides);
+                          const Eigen::MatrixXd& right_sides, std::size_t threads);
 
 }  // namespace fringe::detail

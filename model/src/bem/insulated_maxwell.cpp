@@ -15,6 +15,7 @@
 #include "bem/simplification_effects.hpp"
 #include "fringe/error.hpp"
 #include "fringe/interruption.hpp"
+#include "numeric/memory.hpp"
 #include "readings/asked_error.hpp"
 #include "readings/believed_error.hpp"
 #include "readings/matrix_readings.hpp"
@@ -28,8 +29,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Largest number of panels: their dense matrices take about 3 GiB. A browser has less.
-constexpr std::size_t most_panels = sizeof(void*) > 4 ? 9000 : 3000;
+/// Returns the largest number of panels: their dense matrices take a quarter of the memory.
+std::size_t most_panels(const BoundaryElementOptions& options) {
+  /// Memory of a pair of panels, in all matrices together: measured with 9,000 panels.
+  constexpr double bytes_per_pair = 30, part_of_memory = 4;
+  const double pairs = static_cast<double>(physical_memory()) / part_of_memory / bytes_per_pair;
+  return std::min(static_cast<std::size_t>(std::sqrt(pairs)), options.most_unknowns);
+}
 
 /// Simplified surfaces have at most one triangle for so many panels: the others are for refinement.
 constexpr std::size_t most_simplified_part = 3;
@@ -305,7 +311,7 @@ class InsulatedProblem : public AdaptiveProblem {
   InsulatedProblem(const InsulatedBodies& bodies, const Simplification& simplification,
                    const BoundaryElementOptions& options)
       : conductors_(bodies.conductors), simplification_(simplification), options_(options),
-        most_(std::min(most_panels, options.most_unknowns)),
+        most_(most_panels(options)),
         system_(bodies, presences(bodies),
                 {grading_part * options.rtol, std::min(most_, graded_of) / most_graded_with_insulators},
                 options.threads),
@@ -445,7 +451,7 @@ std::optional<MaxwellMatrix> refined_answer(const InsulatedBodies& bodies,
 }  // namespace
 
 std::size_t most_triangles_beside_insulators(const BoundaryElementOptions& options) {
-  return std::min(most_panels, options.most_unknowns) / most_simplified_part;
+  return most_panels(options) / most_simplified_part;
 }
 
 std::optional<MaxwellMatrix> insulated_maxwell(const InsulatedBodies& bodies,

@@ -15,6 +15,7 @@
 #include "bem/single_layer_panels.hpp"
 #include "fringe/error.hpp"
 #include "numeric/interruption.hpp"
+#include "numeric/parallel.hpp"
 #include "readings/maxwell_matrix.hpp"
 #include "readings/readings.hpp"
 #include "surface/hidden_surface.hpp"
@@ -36,6 +37,22 @@ constexpr double almost_conductor = 20;
 /// Part of the energy that potentials along films lose from triangles to their quarters, by which they go on
 /// losing: panels of half the size quarter it.
 constexpr double still_too_stiff = 1.0 / 3;
+
+/// Makes a matrix symmetric of which the upper triangle is known.
+void mirror_upper_triangle(MatrixXd& matrix, std::size_t threads) {
+  /// Number of rows and columns of a tile: two of them fit in the nearest cache.
+  constexpr Index together = 32;
+  parallel_for(
+      static_cast<std::size_t>((matrix.cols() + together - 1) / together), threads, [&](std::size_t k) {
+        const Index first = index_of(k) * together, columns = std::min(together, matrix.cols() - first);
+        auto own = matrix.block(first, first, columns, columns);
+        own.triangularView<Eigen::StrictlyLower>() = own.transpose();
+        for (Index row = first + columns; row < matrix.rows(); row += together) {
+          const Index rows = std::min(together, matrix.rows() - row);
+          matrix.block(row, first, rows, columns) = matrix.block(first, row, columns, rows).transpose();
+        }
+      });
+}
 
 /// Returns the energies that the coarse space misses in the groups (rows), for every column of the details.
 MatrixXd missed_energies(const PanelMesh& mesh, const InsulatedUnknowns& unknowns,
@@ -260,9 +277,8 @@ void InsulatedSystem::evaluate(double tolerance) {
   // The first matrices have none before them, though the mesh may have been refined by proximity.
   const std::span<const Index> places =
       single.size() == 0 ? std::span<const Index>() : std::span(mesh_.places_before());
-  single_layer_ = single_layer_matrix(mesh_.panels(), tolerance, {single, places});
-  single_layer_.triangularView<Eigen::StrictlyLower>() =
-      single_layer_.transpose().triangularView<Eigen::StrictlyLower>();
+  single_layer_ = single_layer_matrix(mesh_.panels(), tolerance, {single, places}, threads_);
+  mirror_upper_triangle(single_layer_, threads_);
   const std::vector<bool> is_source = have_flux();
   double_layer_ = double_layer_matrix(mesh_.panels(), is_source, tolerance, {twofold, places}, threads_);
   const auto means_over = [&](std::span<const Panel> targets) {
@@ -278,9 +294,9 @@ void InsulatedSystem::evaluate(double tolerance) {
 InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   const ChargedBodies& bodies = bodies_.conductors;
   const InsulatedEquations equations =
-      insulated_equations(mesh_, bodies_, surroundings_[set], single_layer_, double_layer_);
+      insulated_equations(mesh_, bodies_, surroundings_[set], single_layer_, double_layer_, threads_);
   const InsulatedUnknowns& unknowns = equations.unknowns;
-  const InsulatedSolutions found = solved(mesh_, equations, equations.potentials);
+  const InsulatedSolutions found = solved(mesh_, equations, equations.potentials, threads_);
   const Index conductors = index_of(bodies.conductors.size());
   InsulatedSolution result;
   result.matrix = {MatrixXd::Zero(conductors, conductors), MatrixXd::Zero(conductors, conductors)};
@@ -343,13 +359,13 @@ VectorXd InsulatedSystem::change_indicators(const InsulatedSolution& all,
 
 InsulatedResponse InsulatedSystem::respond(const MatrixXd& outer, const VectorXd& own) const {
   const InsulatedEquations equations =
-      insulated_equations(mesh_, bodies_, surroundings_.front(), single_layer_, double_layer_);
+      insulated_equations(mesh_, bodies_, surroundings_.front(), single_layer_, double_layer_, threads_);
   const InsulatedUnknowns& unknowns = equations.unknowns;
   const auto size = static_cast<std::size_t>(unknowns.size());
   MatrixXd right_sides(unknowns.size(), outer.cols());
   for (std::size_t k = 0; k < size; ++k)
     right_sides.row(index_of(k)) = -outer.row(unknowns.panels[k]);
-  const InsulatedSolutions found = solved(mesh_, equations, right_sides);
+  const InsulatedSolutions found = solved(mesh_, equations, right_sides, threads_);
   InsulatedResponse result;
   result.potentials = result.coarse_potentials = result.charges =
       MatrixXd::Zero(index_of(panels()), outer.cols());

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "bem/panel_pair.hpp"
@@ -11,6 +13,7 @@
 #include "bem/single_layer_faces.hpp"
 #include "integral/batch/kernels.hpp"
 #include "numeric/interruption.hpp"
+#include "numeric/parallel.hpp"
 #include "numeric/triangle_rules.hpp"
 #include "simd/dispatch.hpp"
 
@@ -52,7 +55,7 @@ PointCharges::PointCharges(std::span<const Panel> panels, int degree)
 void PointCharges::fill(const Panel& panel, std::size_t first, std::size_t count, double* means) const {
   /// Number of columns whose distances fit in a cache of 32 kB.
   constexpr std::size_t together = 256;
-  constexpr std::size_t most_points = 6;
+  constexpr std::size_t most_points = 7;
   std::array<double, most_points * 3> rows{};
   for (std::size_t k = 0; k < points(); ++k) {
     const Vector3d point = point_of(panel, rule_.nodes[k]);
@@ -80,58 +83,77 @@ void PointCharges::fill(const Panel& panel, std::size_t first, std::size_t count
 }
 
 PanelElements::PanelElements(std::span<const Panel> panels, double tolerance)
-    : panels_(panels), tolerance_(tolerance), farthest_(1 / far_ratio(tolerance, far_degree)),
-      far_(panels, far_degree) {}
-
-bool PanelElements::is_far(const Panel& a, const Panel& b) const {
-  const double reach = farthest_ * (a.radius + b.radius);
-  return (a.centre - b.centre).squaredNorm() > reach * reach;
-}
+    : panels_(panels), tolerance_(tolerance), far_(panels, far_degree), beside_(panels, beside_degree),
+      far_reach_(1 / far_ratio(tolerance, far_degree)),
+      beside_reach_(1 / far_ratio(tolerance, beside_degree)) {}
 
 void PanelElements::fill(const Panel& panel, std::size_t first, std::size_t count, PotentialSums& sums,
                          const Known& known, double* row) const {
   far_.fill(panel, first, count, row);
-  for (std::size_t k = 0; k < count; ++k) {
-    const Panel& other = panels_[first + k];
-    if (is_far(panel, other))
-      continue;
-    if (known)
-      if (const std::optional<double> value = known(first + k)) {
-        row[k] = *value;
+  /// Number of columns of which those that are neither far nor near are evaluated together.
+  constexpr std::size_t together = 64;
+  for (std::size_t begin = 0; begin < count; begin += together) {
+    std::uint64_t beside = 0;
+    for (std::size_t k = begin; k < std::min(begin + together, count); ++k) {
+      const Panel& other = panels_[first + k];
+      const double radii = panel.radius + other.radius,
+                   squared = (panel.centre - other.centre).squaredNorm() / (radii * radii);
+      if (squared > far_reach_ * far_reach_)
+        continue;
+      if (known)
+        if (const std::optional<double> value = known(first + k)) {
+          row[k] = *value;
+          continue;
+        }
+      if (squared > beside_reach_ * beside_reach_) {
+        beside |= std::uint64_t{1} << (k - begin);
         continue;
       }
-    row[k] = 0;
-    add_pair(panel, other, tolerance_, sums, row[k]);
+      row[k] = 0;
+      add_pair(panel, other, tolerance_, sums, row[k]);
+    }
+    if (beside == 0)
+      continue;
+    std::array<double, together> means{};
+    const auto low = static_cast<std::size_t>(std::countr_zero(beside)),
+               high = together - static_cast<std::size_t>(std::countl_zero(beside));
+    beside_.fill(panel, first + begin + low, high - low, means.data());
+    for (std::size_t k = low; k < high; ++k)
+      if ((beside >> k & 1) != 0)
+        row[begin + k] = means[k - low];
   }
 }
 
-MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance, const KnownElements& known) {
+MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance, const KnownElements& known,
+                             std::size_t threads) {
   const auto size = static_cast<Index>(panels.size());
   MatrixXd matrix(size, size);
   const PanelElements elements(panels, tolerance);
-  PotentialSums sums;
   const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
-  for (std::size_t i = 0; i < panels.size(); ++i) {
-    check_interruption();
-    double* const column = matrix.data() + static_cast<Index>(i) * size;
-    const Index old_i = place(i);
-    elements.fill(
-        panels[i], 0, i, sums,
-        [&](std::size_t j) -> std::optional<double> {
+  /// Number of columns whose potentials are evaluated together.
+  constexpr std::size_t together = 16;
+  parallel_for((panels.size() + together - 1) / together, threads, [&](std::size_t block) {
+    PotentialSums sums;
+    for (std::size_t i = block * together; i < std::min((block + 1) * together, panels.size()); ++i) {
+      double* const column = matrix.data() + static_cast<Index>(i) * size;
+      const Index old_i = place(i);
+      PanelElements::Known known_of_column;
+      if (old_i >= 0)
+        known_of_column = [&, old_i](std::size_t j) -> std::optional<double> {
           const Index old_j = place(j);
-          if (old_i < 0 || old_j < 0)
-            return std::nullopt;
-          return known.matrix(std::min(old_i, old_j), std::max(old_i, old_j));
-        },
-        column);
-    column[i] = panel_self(panels[i]);
-  }
-  sums.flush();
+          return old_j < 0 ? std::nullopt
+                           : std::optional(known.matrix(std::min(old_i, old_j), std::max(old_i, old_j)));
+        };
+      elements.fill(panels[i], 0, i, sums, known_of_column, column);
+      column[i] = panel_self(panels[i]);
+    }
+    sums.flush();
+  });
   return matrix;
 }
 
 MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance) {
-  return single_layer_matrix(panels, tolerance, {MatrixXd(), {}});
+  return single_layer_matrix(panels, tolerance, {MatrixXd(), {}}, 1);
 }
 
 MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const Panel> panels,

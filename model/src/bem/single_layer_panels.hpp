@@ -48,14 +48,15 @@ class PanelElements {
             double* row) const;
 
  private:
-  /// Degree of the rule for panels that are far apart, of three points.
-  static constexpr int far_degree = 2;
-  bool is_far(const Panel& a, const Panel& b) const;
+  /// Degrees of the rules for panels that are far apart, of three points, and for those less so, of seven.
+  static constexpr int far_degree = 2, beside_degree = 5;
 
   std::span<const Panel> panels_;
   double tolerance_;
-  double farthest_;
   PointCharges far_;
+  PointCharges beside_;
+  double far_reach_;  ///< distance of two panels over their radii, from which on the rule suffices
+  double beside_reach_;
 };
 
 /// Elements that are known from another matrix: those between panels that have a place there. A negative
@@ -69,7 +70,7 @@ struct KnownElements {
 /// nothing below it. `tolerance` is the error aimed at for each element (model/BOUNDARY_ELEMENTS.md, section
 /// 9).
 Eigen::MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance,
-                                    const KnownElements& known);
+                                    const KnownElements& known, std::size_t threads);
 Eigen::MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance);
 
 /// Computes the mean potentials on targets, which may be parts of panels, of charges on the panels; one

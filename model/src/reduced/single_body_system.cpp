@@ -124,7 +124,7 @@ class SingleBodyProblem : public AdaptiveProblem {
     before.diagonal() /= 1 + std::exchange(panels_.ridge, 0);
     panels_.mesh.refine(steps, responses_);
     panels_.matrix =
-        single_layer_matrix(panels_.mesh.panels(), panels_.tolerance, {before, panels_.mesh.places_before()});
+        single_layer_matrix(panels_.mesh.panels(), panels_.tolerance, {before, panels_.mesh.places_before()}, 1);
     return true;
   }
 
