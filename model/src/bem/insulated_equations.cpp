@@ -64,13 +64,15 @@ MatrixXd summed_rows(const InsulatedUnknowns& unknowns, const MatrixXd& rows, bo
 /// The equations in the coarse space: one density, or one potential, on panels that are alike.
 class CoarseCorrection {
  public:
-  CoarseCorrection(const InsulatedUnknowns& unknowns, const MatrixXd& matrix) : unknowns_(unknowns) {
-    MatrixXd half = summed_rows(unknowns, matrix, true).transpose();
+  CoarseCorrection(const InsulatedUnknowns& unknowns, const MatrixXd& matrix)
+      : unknowns_(unknowns), columns_(MatrixXd::Zero(matrix.rows(), unknowns.coarse_size)) {
     for (Index k = 0; k < unknowns.size(); ++k)
-      if (unknowns.is_charge(k))
-        half.row(k) *= unknowns.shares[k];
-    factor_.compute(summed_rows(unknowns, half, false).transpose());
+      columns_.col(unknowns.coarse[static_cast<std::size_t>(k)]) += share(k) * matrix.col(k);
+    factor_.compute(summed_rows(unknowns, columns_, true));
   }
+
+  /// Returns the product of the matrix and each density or potential of the coarse space.
+  const MatrixXd& columns() const { return columns_; }
 
   /// Solves for the densities and potentials of the coarse space.
   MatrixXd solve(const MatrixXd& potentials) const {
@@ -81,13 +83,16 @@ class CoarseCorrection {
   MatrixXd on_panels(const MatrixXd& solution) const {
     MatrixXd result(unknowns_.size(), solution.cols());
     for (Index k = 0; k < unknowns_.size(); ++k)
-      result.row(k) = (unknowns_.is_charge(k) ? unknowns_.shares[k] : 1.0) *
-                      solution.row(unknowns_.coarse[static_cast<std::size_t>(k)]);
+      result.row(k) = share(k) * solution.row(unknowns_.coarse[static_cast<std::size_t>(k)]);
     return result;
   }
 
  private:
+  /// Returns what a panel has of a charge, or of a potential, of the coarse space.
+  double share(Index k) const { return unknowns_.is_charge(k) ? unknowns_.shares[k] : 1; }
+
   const InsulatedUnknowns& unknowns_;
+  MatrixXd columns_;
   Eigen::PartialPivLU<MatrixXd> factor_;
 };
 
@@ -187,15 +192,15 @@ MatrixXd solve_all(const PanelMesh& mesh, const InsulatedUnknowns& unknowns, con
   constexpr int most_steps = 150;
   if (unknowns.size() >= std::max(least_unknowns, least_per_column * right_sides.cols())) {
     const NearbyPanels nearby(mesh, unknowns, matrix);
-    const TiledMatrix tiled(matrix, threads);
+    const TiledMatrix tiled(matrix, threads), tiled_columns(coarse.columns(), threads);
     const auto solution = gmres(
         [&](const MatrixXd& columns) {
           check_interruption();
           return tiled.times(columns);
         },
         [&](const MatrixXd& columns) {
-          const MatrixXd first = coarse.on_panels(coarse.solve(columns));
-          return MatrixXd(first + nearby.solve(columns - tiled.times(first)));
+          const MatrixXd first = coarse.solve(columns);
+          return MatrixXd(coarse.on_panels(first) + nearby.solve(columns - tiled_columns.times(first)));
         },
         right_sides, residual, most_steps);
     if (solution)
