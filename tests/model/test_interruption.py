@@ -49,9 +49,9 @@ LONG = SENSOR + (
 SHORT = SENSOR + scenes.body("hand", "sphere", radius=0.05, segments=16, translation=[0, 0, 0.17])
 # A first matrix in about a second, and three times as long to an error of 1e-3.
 REFINED = SENSOR + (
-    scenes.body("a", "cone", radius=0.05, height=0.1, segments=6, translation=[0, 0, 0.07])
-    + scenes.body("b", "cylinder", radius=0.05, height=0.1, segments=12, translation=[0.15, 0, 0.07])
-    + scenes.body("c", "cylinder", radius=0.05, height=0.1, segments=12, translation=[-0.15, 0, 0.07])
+    scenes.body("a", "cone", radius=0.05, height=0.1, segments=24, translation=[0, 0, 0.07])
+    + scenes.body("b", "cylinder", radius=0.05, height=0.1, segments=24, translation=[0.15, 0, 0.07])
+    + scenes.body("c", "cylinder", radius=0.05, height=0.1, segments=24, translation=[-0.15, 0, 0.07])
 )
 MOTION = scenes.table("frame", name="first") + scenes.table("frame", name="second")
 

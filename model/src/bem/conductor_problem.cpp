@@ -309,7 +309,7 @@ double quadrature_excess(const PanelSolution& solution, const ChargedBodies& bod
                          const MaxwellMatrix& answer) {
   double excess =
       (solution.quadrature_effect.topLeftCorner(answer.values.rows(), answer.values.cols()).array() /
-       error_scales(answer, bodies))
+       error_scales(answer.values, bodies))
           .maxCoeff();
   if (bodies.readings.empty())
     return excess;

@@ -16,6 +16,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
 /// Returns the mean potentials of all charges on panels that need not be the system's own.
@@ -34,16 +35,35 @@ MatrixXd potentials_on(const std::vector<Panel>& targets, const PanelEquations& 
 }
 
 /// Returns the energy that a group's own densities add to that of one density, in each column.
-Eigen::RowVectorXd energies_of_details(const PanelGroup& group, const MatrixXd& block, const VectorXd& shares,
-                                       const MatrixXd& charges) {
+RowVectorXd energies_of_details(const PanelGroup& group, const MatrixXd& block, const VectorXd& shares,
+                                const MatrixXd& charges) {
   const auto first = index_of(group.first), count = index_of(group.count);
-  Eigen::RowVectorXd energies(charges.cols());
+  RowVectorXd energies(charges.cols());
   for (Index c = 0; c < charges.cols(); ++c) {
     VectorXd details = charges.col(c).segment(first, count);
     details -= details.sum() * shares.segment(first, count);
     energies[c] = std::max(details.dot(block * details), 0.0);
   }
   return energies;
+}
+
+/// Calls task(group, error, charges) for the panels that follow round shapes: with the error by a panel's
+/// facet per product of its charges, and these.
+template <class Task>
+void for_each_facet(const PanelMesh& mesh, const ChargedBodies& bodies, const MatrixXd& charges,
+                    const Task& task) {
+  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
+    const PanelGroup& group = mesh.groups()[g];
+    const RoundShape* const round = round_shape_of(bodies.bodies[group.body].surface);
+    if (round == nullptr || !round->is_followed())
+      continue;
+    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
+      const RowVectorXd own = charges.row(index_of(k));
+      const double lack = round->lack_per_squared_charge(mesh.panels()[k]) +
+                          round->lack_along_rim(mesh.panels()[k], own.cwiseAbs().maxCoeff());
+      task(index_of(g), round->error_per_lack() * lack, own);
+    }
+  }
 }
 
 }  // namespace
@@ -110,8 +130,7 @@ MatrixXd detail_energies(const PanelMesh& mesh, const std::vector<MatrixXd>& blo
                          const MatrixXd& charges) {
   MatrixXd energies = MatrixXd::Zero(charges.cols(), charges.cols());
   for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
-    const Eigen::RowVectorXd roots =
-        energies_of_details(mesh.groups()[g], blocks[g], shares, charges).cwiseSqrt();
+    const RowVectorXd roots = energies_of_details(mesh.groups()[g], blocks[g], shares, charges).cwiseSqrt();
     energies += roots.transpose() * roots;
   }
   return energies;
@@ -129,19 +148,26 @@ VectorXd change_indicators(const PanelMesh& mesh, const std::vector<MatrixXd>& b
 
 MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodies, const MatrixXd& charges) {
   MatrixXd energies = MatrixXd::Zero(index_of(mesh.groups().size()), charges.cols());
-  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
-    const PanelGroup& group = mesh.groups()[g];
-    const RoundShape* const round = round_shape_of(bodies.bodies[group.body].surface);
-    if (round == nullptr || !round->is_followed())
-      continue;
-    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
-      const auto own = charges.row(index_of(k));
-      const double lack = round->lack_per_squared_charge(mesh.panels()[k]) +
-                          round->lack_along_rim(mesh.panels()[k], own.cwiseAbs().maxCoeff());
-      energies.row(index_of(g)) += round->error_per_lack() * lack * own.cwiseAbs2();
-    }
-  }
+  for_each_facet(mesh, bodies, charges, [&](Index group, double error, const RowVectorXd& own) {
+    energies.row(group) += error * own.cwiseAbs2();
+  });
   return energies;
+}
+
+VectorXd facet_indicators(const PanelMesh& mesh, const ChargedBodies& bodies, const MatrixXd& charges,
+                          const Eigen::ArrayXXd& scales) {
+  std::vector<MatrixXd> errors(mesh.groups().size());
+  for_each_facet(mesh, bodies, charges, [&](Index group, double error, const RowVectorXd& own) {
+    MatrixXd& of_group = errors[static_cast<std::size_t>(group)];
+    if (of_group.size() == 0)
+      of_group.setZero(own.size(), own.size());
+    of_group += error * own.cwiseAbs().transpose() * own.cwiseAbs();
+  });
+  VectorXd result = VectorXd::Zero(index_of(errors.size()));
+  for (std::size_t g = 0; g < errors.size(); ++g)
+    if (errors[g].size() > 0)
+      result[index_of(g)] = (errors[g].array() / scales).maxCoeff();
+  return result;
 }
 
 UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const std::vector<MatrixXd>& blocks,

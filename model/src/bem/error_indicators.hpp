@@ -51,6 +51,11 @@ Eigen::VectorXd change_indicators(const PanelMesh& mesh, const std::vector<Eigen
 Eigen::MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodies,
                                const Eigen::MatrixXd& charges);
 
+/// Returns for every group of panels the largest error of an entry by the facets of round shapes, relative to
+/// `scales`. `charges` are the panels' for every conductor at unit potential that is not floating.
+Eigen::VectorXd facet_indicators(const PanelMesh& mesh, const ChargedBodies& bodies,
+                                 const Eigen::MatrixXd& charges, const Eigen::ArrayXXd& scales);
+
 /// The energy that unrefined elements, panels that were never divided, would gain from division. `charges`
 /// are those of all unknowns.
 struct UnrefinedEnergy {

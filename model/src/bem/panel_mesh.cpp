@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -206,6 +207,21 @@ std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t
   return result;
 }
 
+/// Returns what the distances of a panel's sides from the round shape cost, per square of its charge: as if
+/// all of the panel were as far from it, in the mean along the side.
+std::array<double, 3> PanelMesh::bends(const Triangle& triangle, const std::array<Vector3d, 3>& middles,
+                                       std::size_t body) const {
+  std::array<double, 3> result{};
+  if (body >= followed_.size() || !followed_[body])
+    return result;
+  const std::array<Vector3d, 3> straight = middles_of_sides(triangle);
+  const double per_distance =
+      followed_[body]->error_per_lack() * 4 * std::numbers::pi * 2 / 3 * 2 / twice_area(triangle);
+  for (std::size_t side = 0; side < 3; ++side)
+    result[side] = per_distance * (middles[side] - straight[side]).norm();
+  return result;
+}
+
 void PanelMesh::add_group(const std::array<Triangle, 4>& quarters, std::size_t body) {
   groups_.push_back({panels_.size(), quarters.size(), body, true});
   for (const Triangle& quarter : quarters)
@@ -233,7 +249,8 @@ void PanelMesh::add_parts(const Triangle& triangle, const Matrix3d& places, std:
       carried.add(quarters[k], panels_[panels_.size() - 4 + k].area);
     return;
   }
-  const std::size_t side = side_to_halve(triangle, carried.of_quarters(parts, places));
+  const std::size_t side =
+      side_to_halve(triangle, carried.of_quarters(parts, places), bends(triangle, middle, body));
   add_halves(triangle, places, side, middle[side], body, steps - 1, carried);
 }
 
@@ -331,10 +348,11 @@ MatrixXd PanelMesh::refine(const std::vector<int>& steps, const MatrixXd& charge
       }
     } else if (group.is_quartered) {
       const Triangle whole = quartered_triangle(panels, group);
-      const std::size_t side = side_to_halve(whole, charges.middleRows(index_of(group.first), 4));
+      const std::array<Vector3d, 3> middles = middles_of_quartered(panels, group);
+      const std::size_t side = side_to_halve(whole, charges.middleRows(index_of(group.first), 4),
+                                             bends(whole, middles, group.body));
       moving.begin(panels, group.first, true);
-      add_halves(whole, Matrix3d::Identity(), side, middles_of_quartered(panels, group)[side], group.body,
-                 steps[k] - 1, moving);
+      add_halves(whole, Matrix3d::Identity(), side, middles[side], group.body, steps[k] - 1, moving);
     } else {
       for (std::size_t member = group.first; member < group.first + group.count; ++member) {
         moving.begin(panels, member, false);

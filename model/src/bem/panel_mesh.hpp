@@ -75,8 +75,9 @@ class PanelMesh {
 
   /// Refines groups, each of its triangles in so many steps; a group without a step stays. The first step
   /// makes a group of each triangle of several, all others make two of each: triangles are halved across the
-  /// side along which the density changes most, by the charges of all panels (rows) in all columns. Returns
-  /// `carried`, further charges of all panels, on the new panels, with densities linear on each triangle.
+  /// side along which the density changes most, or which is farthest from a round shape, by the charges of
+  /// all panels (rows) in all columns. Returns `carried`, further charges of all panels, on the new panels,
+  /// with densities linear on each triangle.
   Eigen::MatrixXd refine(const std::vector<int>& steps, const Eigen::MatrixXd& charges,
                          const Eigen::MatrixXd& carried = {});
 
@@ -89,6 +90,8 @@ class PanelMesh {
   void add_halves(const Triangle& triangle, const Eigen::Matrix3d& places, std::size_t side,
                   const Eigen::Vector3d& middle, std::size_t body, int steps, Carried& carried);
   std::array<Eigen::Vector3d, 3> middles(const Triangle& triangle, std::size_t body) const;
+  std::array<double, 3> bends(const Triangle& triangle, const std::array<Eigen::Vector3d, 3>& middles,
+                              std::size_t body) const;
   bool is_hidden(const Triangle& triangle, std::size_t body) const {
     return hidden_ != nullptr && hidden_->contains(triangle, body);
   }

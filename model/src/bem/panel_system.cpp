@@ -17,6 +17,7 @@
 #include "bem/two_level_preconditioner.hpp"
 #include "numeric/interruption.hpp"
 #include "numeric/parallel.hpp"
+#include "readings/asked_error.hpp"
 #include "readings/maxwell_matrix.hpp"
 #include "readings/readings.hpp"
 
@@ -92,12 +93,8 @@ CoarseSpace coarse_space_of(const HierarchicalMatrix& matrix, const VectorXd& ar
   return coarse_space(matrix, areas, bodies, together);
 }
 
-/// Returns the largest energy of each row, relative to that of the column.
-VectorXd largest_parts(const MatrixXd& energies, const VectorXd& own) {
-  return (energies.array().rowwise() / own.transpose().array()).rowwise().maxCoeff();
-}
-
-/// Returns the same for the changes of readings, by energies of the columns of ReadingCharges::all().
+/// Returns the largest energy of each row for the changes of readings, by energies of the columns of
+/// ReadingCharges::all().
 VectorXd largest_parts_of_change(const MatrixXd& energies, const VectorXd& scales) {
   VectorXd result(energies.rows());
   for (Index row = 0; row < energies.rows(); ++row)
@@ -523,7 +520,8 @@ PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   solution.charges = solved.charges.bottomRows(index_of(mesh_.panels().size()));
   solution.coarse_charges = solved.coarse_charges;
   solution.body_charges = body_charges(unknowns, solved.charges);
-  solution.ridge_effect = ridge_effect(solution.charges * potentials(solution.all.fine, bodies_));
+  const MatrixXd kept_charges = solution.charges * potentials(solution.all.fine, bodies_);
+  solution.ridge_effect = ridge_effect(kept_charges);
   const VectorXd own = asked_energies(solution.all.fine, bodies_);
   const VectorXd shares = area_shares(mesh_);
   std::vector<MatrixXd> blocks;
@@ -550,8 +548,11 @@ PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   }
   solution.highest = faces_.highest_energies(
       {charges_of_faces(unknowns, solved.charges), solution.face_reading_charges, own, scales});
+  Eigen::ArrayXXd scales_of_entries = error_scales(without_floating(solution.all.fine, bodies_), bodies_);
+  scales_of_entries.matrix().diagonal() =
+      scales_of_entries.matrix().diagonal().cwiseMin(own.head(scales_of_entries.rows()));
   solution.error_indicators = error_indicators(mesh_, blocks, shares, solution.charges, own) +
-                              largest_parts(facet_energies(mesh_, bodies_, solution.charges), own);
+                              facet_indicators(mesh_, bodies_, kept_charges, scales_of_entries);
   if (scales.size() > 0)
     solution.error_indicators = solution.error_indicators.cwiseMax(
         change_indicators(mesh_, blocks, shares, solution.reading_charges, scales) +

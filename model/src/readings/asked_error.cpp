@@ -44,18 +44,18 @@ VectorXd value_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies) 
   return scales;
 }
 
-Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
+Eigen::ArrayXXd error_scales(const MatrixXd& values, const ChargedBodies& bodies) {
   if (!bodies.are_entries_asked) {
-    Eigen::ArrayXXd none = Eigen::ArrayXXd::Constant(answer.values.rows(), answer.values.cols(), infinity);
+    Eigen::ArrayXXd none = Eigen::ArrayXXd::Constant(values.rows(), values.cols(), infinity);
     // Where no changes are asked for, a reading is a sensor's own entry.
     if (bodies.readings.empty())
       for (Index i = 0; i < none.rows(); ++i)
         if (bodies.conductors[static_cast<std::size_t>(i)].is_asked)
-          none(i, i) = answer.values(i, i);
+          none(i, i) = values(i, i);
     return none;
   }
-  const VectorXd roots = answer.values.diagonal().cwiseSqrt();
-  Eigen::ArrayXXd scales = answer.values.array().abs().max(least_part * (roots * roots.transpose()).array());
+  const VectorXd roots = values.diagonal().cwiseSqrt();
+  Eigen::ArrayXXd scales = values.array().abs().max(least_part * (roots * roots.transpose()).array());
   // Where targets are marked, the charges on the other objects are of no interest.
   std::vector<bool> is_partner(bodies.conductors.size(), true);
   if (std::any_of(bodies.bodies.begin(), bodies.bodies.end(),
@@ -78,7 +78,7 @@ Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& b
 }
 
 double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
-  const double of_entries = (answer.errors.array() / error_scales(answer, bodies)).maxCoeff();
+  const double of_entries = (answer.errors.array() / error_scales(answer.values, bodies)).maxCoeff();
   if (bodies.readings.empty())
     return of_entries;
   return std::max({of_entries, errors_of_changes(answer.readings).maxCoeff(),
@@ -87,7 +87,7 @@ double largest_error(const MaxwellMatrix& answer, const ChargedBodies& bodies) {
 
 double largest_geometry_error(const MaxwellMatrix& answer, const ChargedBodies& bodies,
                               const GeometryErrors& geometry) {
-  const double of_entries = (geometry.entries.array() / error_scales(answer, bodies)).maxCoeff();
+  const double of_entries = (geometry.entries.array() / error_scales(answer.values, bodies)).maxCoeff();
   if (bodies.readings.empty())
     return of_entries;
   return std::max({of_entries,
@@ -105,7 +105,7 @@ double excess_error(const MaxwellMatrix& answer, const ChargedBodies& bodies, co
                                                    : rtol;
     return (errors - by_geometry).maxCoeff() / allowed;
   };
-  const Eigen::ArrayXXd scales = error_scales(answer, bodies);
+  const Eigen::ArrayXXd scales = error_scales(answer.values, bodies);
   const double of_entries = excess(answer.errors.array() / scales, geometry.entries.array() / scales);
   if (bodies.readings.empty())
     return of_entries;

@@ -20,7 +20,7 @@ Eigen::VectorXd value_scales(const MaxwellMatrix& answer, const ChargedBodies& b
 /// the column's diagonal entries where that is larger; infinity for entries that need not be accurate. Errors
 /// of delta_self are left out: delta_self of a distant object vanishes, so that its relative error has no
 /// limit.
-Eigen::ArrayXXd error_scales(const MaxwellMatrix& answer, const ChargedBodies& bodies);
+Eigen::ArrayXXd error_scales(const Eigen::MatrixXd& values, const ChargedBodies& bodies);
 
 /// Returns the largest error of an entry, relative to error_scales(), or of a reading's change, relative to
 /// change_scale(), if the scene asks for changes; and of a reading's value if no entries are asked for.

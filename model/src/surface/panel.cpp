@@ -67,15 +67,20 @@ std::size_t longest_side(const Triangle& triangle) {
   return longest;
 }
 
-std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quarter_charges) {
+std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quarter_charges,
+                          const std::array<double, 3>& bends) {
   /// Ratio of longest side to height above which a triangle is halved across its longest side.
   constexpr double slimmest = 60;
   const double longest =
       (triangle[(longest_side(triangle) + 1) % 3] - triangle[longest_side(triangle)]).norm();
+  // The energy of a difference of charges is about twice its square over the triangle's size.
+  const double squared_charge = quarter_charges.colwise().sum().squaredNorm();
+  const double per_energy = std::sqrt(twice_area(triangle) / 2) / 2;
   std::array<double, 3> changes{};
   for (std::size_t side = 0; side < 3; ++side) {
     const auto from = static_cast<Eigen::Index>(side), to = static_cast<Eigen::Index>((side + 1) % 3);
-    changes[side] = (quarter_charges.row(from) - quarter_charges.row(to)).norm();
+    changes[side] = std::sqrt((quarter_charges.row(from) - quarter_charges.row(to)).squaredNorm() +
+                              per_energy * bends[side] * squared_charge);
   }
   const double largest = *std::max_element(changes.begin(), changes.end());
   /// Fraction of the largest change. Of the sides with a larger change the longest is taken.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include <Eigen/Core>
@@ -36,8 +37,10 @@ std::size_t longest_side(const Triangle& triangle);
 
 /// Returns the side across which to halve a triangle: the one along which the densities of the quarters at
 /// its ends differ most, or the longest of a slim triangle. `quarter_charges` has a row for each quarter and
-/// a column for each right-hand side.
-std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quarter_charges);
+/// a column for each right-hand side. On a round surface sides that are far from it count, too: `bends` are
+/// the energies that their distances cost per square of the triangle's charge, 1/m.
+std::size_t side_to_halve(const Triangle& triangle, const Eigen::MatrixXd& quarter_charges,
+                          const std::array<double, 3>& bends = {});
 
 /// Returns the shortest distance from a point to a segment, given by its ends.
 double segment_distance(const Eigen::Vector3d& point, const Eigen::Vector3d& from, const Eigen::Vector3d& to);

@@ -151,7 +151,7 @@ TEST(ConvexPieces, ContainTheShapeAndLieInItsBox) {
     const OrientedBox box = enclosing_box(shape);
     const std::vector<Triangle> surface = triangulate(shape);
     int inside = 0;
-    for (int k = 0; k < test::draws(200); ++k) {
+    for (int k = 0; k < 200; ++k) {
       const Vector3d point = random.in_box({-0.6, -0.6, -0.6}, {0.6, 0.6, 0.6});
       const bool is_in_shape = is_in_polyhedron(surface, point), is_in_piece = is_in_pieces(pieces, point);
       inside += is_in_shape ? 1 : 0;

@@ -45,6 +45,9 @@ TEST(Panel, IsHalvedAcrossTheSideAlongWhichTheDensityChanges) {
   Eigen::MatrixXd charges(4, 1);
   charges << 1, 9, 8, 3;
   EXPECT_EQ(side_to_halve(right, charges), 0U);
+  // With an even charge, the side that is farthest from a round surface.
+  charges << 1, 1, 1, 1;
+  EXPECT_EQ(side_to_halve(right, charges, {0, 0.1, 0.9}), 2U);
   const Triangle slim{Vector3d(0, 0, 0), Vector3d(100, 0, 0), Vector3d(0, 1, 0)};
   charges << 1, 1, 9, 3;
   EXPECT_EQ(side_to_halve(slim, charges), longest_side(slim));
