@@ -520,7 +520,8 @@ PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   solution.charges = solved.charges.bottomRows(index_of(mesh_.panels().size()));
   solution.coarse_charges = solved.coarse_charges;
   solution.body_charges = body_charges(unknowns, solved.charges);
-  const MatrixXd kept_charges = solution.charges * potentials(solution.all.fine, bodies_);
+  const MatrixXd at = potentials(solution.all.fine, bodies_);
+  const MatrixXd kept_charges = solution.charges * at;
   solution.ridge_effect = ridge_effect(kept_charges);
   const VectorXd own = asked_energies(solution.all.fine, bodies_);
   const VectorXd shares = area_shares(mesh_);
@@ -548,7 +549,7 @@ PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   }
   solution.highest = faces_.highest_energies(
       {charges_of_faces(unknowns, solved.charges), solution.face_reading_charges, own, scales});
-  Eigen::ArrayXXd scales_of_entries = error_scales(without_floating(solution.all.fine, bodies_), bodies_);
+  Eigen::ArrayXXd scales_of_entries = error_scales((solution.all.fine * at).topRows(at.cols()), bodies_);
   scales_of_entries.matrix().diagonal() =
       scales_of_entries.matrix().diagonal().cwiseMin(own.head(scales_of_entries.rows()));
   solution.error_indicators = error_indicators(mesh_, blocks, shares, solution.charges, own) +

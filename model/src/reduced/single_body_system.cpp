@@ -123,8 +123,8 @@ class SingleBodyProblem : public AdaptiveProblem {
     MatrixXd before = std::move(panels_.matrix);
     before.diagonal() /= 1 + std::exchange(panels_.ridge, 0);
     panels_.mesh.refine(steps, responses_);
-    panels_.matrix =
-        single_layer_matrix(panels_.mesh.panels(), panels_.tolerance, {before, panels_.mesh.places_before()}, 1);
+    panels_.matrix = single_layer_matrix(panels_.mesh.panels(), panels_.tolerance,
+                                         {before, panels_.mesh.places_before()}, 1);
     return true;
   }
 
