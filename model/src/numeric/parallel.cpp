@@ -34,6 +34,7 @@ class SharedLoop {
 
   /// Takes part on a thread that may not ask the caller's question: ends with the others.
   void help() {
+    order_.part_begins();
     {
       const std::lock_guard lock(mutex_);
       ++helping_;
@@ -42,9 +43,12 @@ class SharedLoop {
       const InterruptionScope scope([&] { return has_failed_.load(); });
       take_calls();
     }
-    const std::lock_guard lock(mutex_);
-    if (--helping_ == 0)
-      none_helps_.notify_all();
+    {
+      const std::lock_guard lock(mutex_);
+      if (--helping_ == 0)
+        none_helps_.notify_all();
+    }
+    order_.part_ends();
   }
 
   /// Takes part on the calling thread, which asks whether to end also while it waits for the others.
@@ -71,14 +75,12 @@ class SharedLoop {
 
  private:
   void take_calls() {
-    order_.part_begins();
     guarded([&] {
       for (std::size_t k = next_++; k < count_ && !has_failed_; k = next_++) {
         check_interruption();
         task_(k);
       }
     });
-    order_.part_ends();
   }
 
   /// Keeps what an action throws first; then the others end.
@@ -96,13 +98,13 @@ class SharedLoop {
 
   std::size_t count_;
   const std::function<void(std::size_t)>& task_;
-  LoopOrder order_;
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> has_failed_ = false;
   std::mutex mutex_;
   std::condition_variable none_helps_;
   std::size_t helping_ = 0;  ///< number of threads beside the calling one
   std::exception_ptr failure_;
+  LoopOrder order_;  ///< last: all of the above is there when the loop begins
 };
 
 /// Arenas that no loop uses now. Each loop has an arena of its own, so that a thread that waits for its loop

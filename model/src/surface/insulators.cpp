@@ -62,7 +62,7 @@ void refuse_conductors_inside(const Insulator& cover, const ChargedBodies& condu
 }
 
 /// Least cosine of the angle between a part and the surface it lies on.
-constexpr double parallel_faces = 1 - 1e-6;
+constexpr double least_parallel_cosine = 1 - 1e-6;
 
 /// Returns true if a point lies on a triangle.
 bool lies_on(const Vector3d& point, const Triangle& triangle, double tolerance) {
@@ -81,7 +81,7 @@ bool lies_on(const Vector3d& point, const Triangle& triangle, double tolerance) 
 bool lies_on(const Vector3d& point, const Vector3d& normal, std::span<const Triangle> surface,
              double tolerance) {
   return std::any_of(surface.begin(), surface.end(), [&](const Triangle& triangle) {
-    return std::abs(unit_normal(triangle).dot(normal)) >= parallel_faces &&
+    return std::abs(unit_normal(triangle).dot(normal)) >= least_parallel_cosine &&
            lies_on(point, triangle, tolerance);
   });
 }
