@@ -28,8 +28,9 @@ struct MaxwellMatrix {
   /// F, every sensor's diagonal entry minus its value without the objects, and an estimate of its error.
   Eigen::VectorXd delta_self;
   Eigen::VectorXd delta_self_errors;
-  /// Whether a diagonal entry is a lower bound of the true one. It is, by the variational principle of the
-  /// Galerkin method, if the integrals are evaluated much more accurately than the charges are known.
+  /// Tells which diagonal entries are lower bounds of the true ones. The variational principle of the
+  /// Galerkin method makes them so if the integrals are evaluated much more accurately than the charges are
+  /// known.
   std::vector<bool> lower_bounds;
   /// The answers of the readings. `lower` is given where the value is a lower bound, as for `lower_bounds`.
   std::vector<ReadingAnswer> readings;

@@ -47,23 +47,16 @@ RowVectorXd energies_of_details(const PanelGroup& group, const MatrixXd& block, 
   return energies;
 }
 
-/// Calls task(group, error, charges) for the panels that follow round shapes: with the error by a panel's
-/// facet per product of its charges, and these.
-template <class Task>
-void for_each_facet(const PanelMesh& mesh, const ChargedBodies& bodies, const MatrixXd& charges,
-                    const Task& task) {
-  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
-    const PanelGroup& group = mesh.groups()[g];
-    const RoundShape* const round = round_shape_of(bodies.bodies[group.body].surface);
-    if (round == nullptr || !round->is_followed())
-      continue;
-    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
-      const RowVectorXd own = charges.row(index_of(k));
-      const double lack = round->lack_per_squared_charge(mesh.panels()[k]) +
-                          round->lack_along_rim(mesh.panels()[k], own.cwiseAbs().maxCoeff());
-      task(index_of(g), round->error_per_lack() * lack, own);
-    }
-  }
+/// Returns the round shape that the panels of a group follow; null: none.
+const RoundShape* followed_by(const PanelGroup& group, const ChargedBodies& bodies) {
+  const RoundShape* const round = round_shape_of(bodies.bodies[group.body].surface);
+  return round != nullptr && round->is_followed() ? round : nullptr;
+}
+
+/// Returns the error by a panel's facet, per product of two of its charges.
+double facet_error(const RoundShape& round, const Panel& panel, const RowVectorXd& charges) {
+  return round.error_per_lack() *
+         (round.lack_per_squared_charge(panel) + round.lack_along_rim(panel, charges.cwiseAbs().maxCoeff()));
 }
 
 }  // namespace
@@ -148,25 +141,32 @@ VectorXd change_indicators(const PanelMesh& mesh, const std::vector<MatrixXd>& b
 
 MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodies, const MatrixXd& charges) {
   MatrixXd energies = MatrixXd::Zero(index_of(mesh.groups().size()), charges.cols());
-  for_each_facet(mesh, bodies, charges, [&](Index group, double error, const RowVectorXd& own) {
-    energies.row(group) += error * own.cwiseAbs2();
-  });
+  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
+    const PanelGroup& group = mesh.groups()[g];
+    const RoundShape* const round = followed_by(group, bodies);
+    for (std::size_t k = group.first; round != nullptr && k < group.first + group.count; ++k) {
+      const RowVectorXd own = charges.row(index_of(k));
+      energies.row(index_of(g)) += facet_error(*round, mesh.panels()[k], own) * own.cwiseAbs2();
+    }
+  }
   return energies;
 }
 
 VectorXd facet_indicators(const PanelMesh& mesh, const ChargedBodies& bodies, const MatrixXd& charges,
                           const Eigen::ArrayXXd& scales) {
-  std::vector<MatrixXd> errors(mesh.groups().size());
-  for_each_facet(mesh, bodies, charges, [&](Index group, double error, const RowVectorXd& own) {
-    MatrixXd& of_group = errors[static_cast<std::size_t>(group)];
-    if (of_group.size() == 0)
-      of_group.setZero(own.size(), own.size());
-    of_group += error * own.cwiseAbs().transpose() * own.cwiseAbs();
-  });
-  VectorXd result = VectorXd::Zero(index_of(errors.size()));
-  for (std::size_t g = 0; g < errors.size(); ++g)
-    if (errors[g].size() > 0)
-      result[index_of(g)] = (errors[g].array() / scales).maxCoeff();
+  VectorXd result = VectorXd::Zero(index_of(mesh.groups().size()));
+  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
+    const PanelGroup& group = mesh.groups()[g];
+    const RoundShape* const round = followed_by(group, bodies);
+    if (round == nullptr)
+      continue;
+    MatrixXd errors = MatrixXd::Zero(charges.cols(), charges.cols());
+    for (std::size_t k = group.first; k < group.first + group.count; ++k) {
+      const RowVectorXd own = charges.row(index_of(k)).cwiseAbs();
+      errors += facet_error(*round, mesh.panels()[k], own) * own.transpose() * own;
+    }
+    result[index_of(g)] = (errors.array() / scales).maxCoeff();
+  }
   return result;
 }
 

@@ -2,9 +2,7 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
-#include <cstdint>
 #include <utility>
 
 #include "bem/panel_pair.hpp"
@@ -55,7 +53,7 @@ PointCharges::PointCharges(std::span<const Panel> panels, int degree)
 void PointCharges::fill(const Panel& panel, std::size_t first, std::size_t count, double* means) const {
   /// Number of columns whose distances fit in a cache of 32 kB.
   constexpr std::size_t together = 256;
-  constexpr std::size_t most_points = 7;
+  constexpr std::size_t most_points = 6;
   std::array<double, most_points * 3> rows{};
   for (std::size_t k = 0; k < points(); ++k) {
     const Vector3d point = point_of(panel, rule_.nodes[k]);
@@ -83,44 +81,28 @@ void PointCharges::fill(const Panel& panel, std::size_t first, std::size_t count
 }
 
 PanelElements::PanelElements(std::span<const Panel> panels, double tolerance)
-    : panels_(panels), tolerance_(tolerance), far_(panels, far_degree), beside_(panels, beside_degree),
-      far_reach_(1 / far_ratio(tolerance, far_degree)),
-      beside_reach_(1 / far_ratio(tolerance, beside_degree)) {}
+    : panels_(panels), tolerance_(tolerance), farthest_(1 / far_ratio(tolerance, far_degree)),
+      far_(panels, far_degree) {}
+
+bool PanelElements::is_far(const Panel& a, const Panel& b) const {
+  const double reach = farthest_ * (a.radius + b.radius);
+  return (a.centre - b.centre).squaredNorm() > reach * reach;
+}
 
 void PanelElements::fill(const Panel& panel, std::size_t first, std::size_t count, PotentialSums& sums,
                          const Known& known, double* row) const {
   far_.fill(panel, first, count, row);
-  /// Number of columns of which those that are neither far nor near are evaluated together.
-  constexpr std::size_t together = 64;
-  for (std::size_t begin = 0; begin < count; begin += together) {
-    std::uint64_t beside = 0;
-    for (std::size_t k = begin; k < std::min(begin + together, count); ++k) {
-      const Panel& other = panels_[first + k];
-      const double radii = panel.radius + other.radius,
-                   squared = (panel.centre - other.centre).squaredNorm() / (radii * radii);
-      if (squared > far_reach_ * far_reach_)
-        continue;
-      if (known)
-        if (const std::optional<double> value = known(first + k)) {
-          row[k] = *value;
-          continue;
-        }
-      if (squared > beside_reach_ * beside_reach_) {
-        beside |= std::uint64_t{1} << (k - begin);
+  for (std::size_t k = 0; k < count; ++k) {
+    const Panel& other = panels_[first + k];
+    if (is_far(panel, other))
+      continue;
+    if (known)
+      if (const std::optional<double> value = known(first + k)) {
+        row[k] = *value;
         continue;
       }
-      row[k] = 0;
-      add_pair(panel, other, tolerance_, sums, row[k]);
-    }
-    if (beside == 0)
-      continue;
-    std::array<double, together> means{};
-    const auto low = static_cast<std::size_t>(std::countr_zero(beside)),
-               high = together - static_cast<std::size_t>(std::countl_zero(beside));
-    beside_.fill(panel, first + begin + low, high - low, means.data());
-    for (std::size_t k = low; k < high; ++k)
-      if ((beside >> k & 1) != 0)
-        row[begin + k] = means[k - low];
+    row[k] = 0;
+    add_pair(panel, other, tolerance_, sums, row[k]);
   }
 }
 

@@ -48,15 +48,14 @@ class PanelElements {
             double* row) const;
 
  private:
-  /// Degrees of the rules for panels that are far apart, of three points, and for those less so, of seven.
-  static constexpr int far_degree = 2, beside_degree = 5;
+  /// Degree of the rule for panels that are far apart, of three points.
+  static constexpr int far_degree = 2;
+  bool is_far(const Panel& a, const Panel& b) const;
 
   std::span<const Panel> panels_;
   double tolerance_;
+  double farthest_;
   PointCharges far_;
-  PointCharges beside_;
-  double far_reach_;  ///< distance of two panels over their radii, from which on the rule suffices
-  double beside_reach_;
 };
 
 /// Elements that are known from another matrix: those between panels that have a place there. A negative

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/scene.hpp"
+#include "scenes.hpp"
 #include "two_balls.hpp"
 
 /// Conductors by boundary elements: two balls by image charges.

@@ -12,8 +12,8 @@
 
 #include "bem/double_layer.hpp"
 #include "bem/film_sheets.hpp"
-#include "bem/scenes.hpp"
 #include "fringe/boundary_elements.hpp"
+#include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {

@@ -6,11 +6,14 @@
 
 #include <gtest/gtest.h>
 
+#include "bem/cluster_tree.hpp"
 #include "bem/panel_mesh.hpp"
+#include "bem/panel_quadrature.hpp"
 #include "bem/single_layer_faces.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangulation.hpp"
+#include "geometry.hpp"
 #include "scenes.hpp"
 
 /// Tests the interaction of charged triangles against its own sum over finer triangles, which needs other
@@ -67,6 +70,33 @@ TEST(PanelElements, AreTheSumsOverParts) {
     for (const double tolerance : {1e-2, 1e-4, 1e-6})
       EXPECT_NEAR(element(base, other, tolerance), truth, tolerance * truth) << name;
   }
+}
+
+TEST(PointCharges, KeepTheToleranceFromTheDistanceOnFromWhichTheyAreUsed) {
+  test::Random random(7);
+  for (const double tolerance : {1e-2, 1e-3, 1e-5})
+    for (const int degree : far_degrees)
+      for (int k = 0; k < 60; ++k) {
+        // Triangles of all proportions, slivers among them, just beyond the distance from which the rule is
+        // used.
+        const auto triangle = [&] {
+          const Vector3d a = random.in_box({-1, -1, -1}, {1, 1, 1}),
+                         b = random.in_box({-1, -1, -1}, {1, 1, 1});
+          const Vector3d off = std::pow(10.0, -k % 3) * random.in_box({-1, -1, -1}, {1, 1, 1});
+          return Triangle{a, b, (a + b) / 2 + off};
+        };
+        const Triangle first = triangle();
+        Triangle second = triangle();
+        const Panel one = make_panel(first), other = make_panel(second);
+        const double distance = 1.001 / far_ratio(tolerance, degree) * (one.radius + other.radius);
+        const Vector3d shift =
+            one.centre + distance * random.in_box({-1, -1, -1}, {1, 1, 1}).normalized() - other.centre;
+        for (Vector3d& corner : second)
+          corner += shift;
+        const double truth = element(first, second, 1e-9);
+        EXPECT_NEAR(element(first, second, tolerance), truth, tolerance * truth)
+            << tolerance << " " << degree;
+      }
 }
 
 TEST(PanelElements, WithItselfAsWell) {

@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "bem/panel_mesh.hpp"
-#include "bem/scenes.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangle.hpp"
 #include "fringe/triangulation.hpp"
+#include "scenes.hpp"
 #include "surface/round_shape.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {

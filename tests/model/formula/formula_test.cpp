@@ -11,7 +11,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "formula/charged_surface.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/capacitance.hpp"
@@ -21,6 +20,7 @@
 #include "fringe/triangulation.hpp"
 #include "reduced/reduced_capacitance.hpp"
 #include "scene/scene_evaluator.hpp"
+#include "scenes.hpp"
 
 /// The formula for a sensor before one body, and the layer rule for covers, against boundary elements.
 namespace fringe::detail::FRINGE_TEST_FILE {

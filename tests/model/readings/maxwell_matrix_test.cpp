@@ -6,13 +6,13 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/reading.hpp"
 #include "readings/matrix_readings.hpp"
 #include "readings/readings.hpp"
+#include "scenes.hpp"
 
-/// What follows from the Maxwell matrix of all conductors.
+/// Maxwell matrices without floating conductors, and the readings by them.
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 

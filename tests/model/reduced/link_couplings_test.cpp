@@ -10,10 +10,10 @@
 #include <gtest/gtest.h>
 
 #include "bem/conductors_at_rest.hpp"
-#include "bem/scenes.hpp"
 #include "fringe/pose.hpp"
 #include "geometry.hpp"
 #include "reduced/charge_functions.hpp"
+#include "scenes.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {

@@ -9,7 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/pose.hpp"
@@ -17,6 +16,7 @@
 #include "geometry.hpp"
 #include "reduced/link_tables.hpp"
 #include "reduced/linked_machine.hpp"
+#include "scenes.hpp"
 #include "surface/placed_box.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {

@@ -11,13 +11,13 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/reading.hpp"
 #include "geometry.hpp"
 #include "reduced/charge_functions.hpp"
 #include "reduced/linked_machine.hpp"
 #include "reduced/posed_potentials.hpp"
 #include "reduced/potential_table.hpp"
+#include "scenes.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {

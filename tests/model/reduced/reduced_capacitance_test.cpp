@@ -11,10 +11,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/error.hpp"
 #include "fringe/triangulation.hpp"
 #include "random_poses.hpp"
+#include "scenes.hpp"
 
 /// Tests the reduced method against the boundary elements that it reduces, and properties of every
 /// answer; and that invalid input is refused with the element and the reason.

@@ -5,10 +5,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/error.hpp"
 #include "reduced/reduced_capacitance.hpp"
+#include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {

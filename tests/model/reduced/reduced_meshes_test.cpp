@@ -8,7 +8,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
@@ -16,6 +15,7 @@
 #include "reduced/body_gap.hpp"
 #include "reduced/prepared_mesh.hpp"
 #include "reduced/reduced_capacitance.hpp"
+#include "scenes.hpp"
 #include "surface/panel.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {

@@ -8,9 +8,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "evaluated.hpp"
 #include "fringe/error.hpp"
+#include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {

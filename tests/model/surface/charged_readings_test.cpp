@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/error.hpp"
+#include "scenes.hpp"
 #include "surface/bodies.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {
@@ -28,7 +28,7 @@ TEST(ChargedReadings, SenseAndDriveByTheRowsOfSensorsAndElectrodes) {
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].sense, Eigen::VectorXd::Unit(4, 0));
   EXPECT_EQ(found[0].drive, Eigen::VectorXd(Eigen::VectorXd::Unit(4, 0) + Eigen::VectorXd::Unit(4, 2)));
-  // What is induced by another conductor has the opposite sign.
+  // Charge that another conductor induces has the opposite sign.
   EXPECT_EQ(found[1].sense, Eigen::VectorXd(-Eigen::VectorXd::Unit(4, 2)));
 }
 

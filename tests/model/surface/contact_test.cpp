@@ -7,9 +7,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
+#include "scenes.hpp"
 #include "surface/bodies.hpp"
 #include "surface/face.hpp"
 

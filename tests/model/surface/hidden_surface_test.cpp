@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/triangulation.hpp"
+#include "scenes.hpp"
 #include "surface/bodies.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {

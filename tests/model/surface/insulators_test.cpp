@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/error.hpp"
+#include "scenes.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {

@@ -30,7 +30,7 @@ TEST(Panel, PartsHaveItsAreaAndItsOrientation) {
     EXPECT_NEAR(normal(part).z(), 1.5, 1e-14);
     of_quarters += normal(part).z();
   }
-  // From a point that is no middle the halves differ.
+  // The halves differ in area if the side is cut beside its middle.
   for (const Triangle& part : halves(right, longest_side(right), {3, 0.75, 0})) {
     EXPECT_GT(normal(part).z(), 0);
     of_halves += normal(part).z();
@@ -41,11 +41,11 @@ TEST(Panel, PartsHaveItsAreaAndItsOrientation) {
 
 TEST(Panel, IsHalvedAcrossTheSideAlongWhichTheDensityChanges) {
   EXPECT_EQ(longest_side(right), 1U);
-  // Of the sides along which the charges differ about most, 8 and 7, the longer one.
+  // The charges differ by 8 and 7 along two sides, which is about as much: the longer side is chosen.
   Eigen::MatrixXd charges(4, 1);
   charges << 1, 9, 8, 3;
   EXPECT_EQ(side_to_halve(right, charges), 0U);
-  // With an even charge, the side that is farthest from a round surface.
+  // An even charge leaves the choice to the distances from the round surface.
   charges << 1, 1, 1, 1;
   EXPECT_EQ(side_to_halve(right, charges, {0, 0.1, 0.9}), 2U);
   const Triangle slim{Vector3d(0, 0, 0), Vector3d(100, 0, 0), Vector3d(0, 1, 0)};

@@ -5,9 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
+#include "scenes.hpp"
 #include "surface/target_contacts.hpp"
 
 /// Boxes around bodies, how near others come to them, and where they touch.

@@ -7,10 +7,10 @@
 
 #include <gtest/gtest.h>
 
-#include "bem/scenes.hpp"
 #include "fringe/boundary_elements.hpp"
 #include "fringe/interruption.hpp"
 #include "fringe/triangulation.hpp"
+#include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
