@@ -108,6 +108,7 @@ def test_packages_that_no_report_needs_are_installed_after_it(tmp_path: Path) ->
             )
 
 
+@pytest.mark.night
 def test_only_what_is_named_is_prepared(tmp_path: Path) -> None:
     folder = empty_repository(tmp_path, "cmake", "em++")
     log = folder / "build" / "build.log"
@@ -119,6 +120,7 @@ def test_only_what_is_named_is_prepared(tmp_path: Path) -> None:
     assert (folder / "build-browser" / "build.log").is_file()
 
 
+@pytest.mark.night
 def test_without_emscripten_it_says_that_there_is_no_live_page(tmp_path: Path) -> None:
     folder = empty_repository(tmp_path, "cmake")
     (tmp_path / "bin").mkdir()

@@ -68,6 +68,7 @@ def test_an_estimate_of_one_mesh_is_between_its_bounds_and_not_accurate_enough(s
     assert np.all(error < (upper - lower) / 2)
 
 
+@pytest.mark.night
 def test_only_readings_may_be_asked_for(scene: Path) -> None:
     """The errors of the reading and its change are what counts, and no other entry's."""
     scene.write_text(scene.read_text() + READING)

@@ -83,6 +83,7 @@ def test_several_processes_enclose_as_one_does_on_the_same_mesh(scene: Path, pro
         assert np.abs(np.subtract(together[kind], alone[kind])).max() < 1e-5 * own.max()
 
 
+@pytest.mark.night
 def test_two_processes_adapt_the_mesh_and_enclose_what_one_does(scene: Path) -> None:
     """The mesh is divided between them in another way in every run, and with it the adapted one and the number of its levels differ."""
     scene.write_text(SENSOR)

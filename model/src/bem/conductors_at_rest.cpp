@@ -77,9 +77,9 @@ ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_
       tolerance_(rtol / rtol_per_tolerance), most_panels_(most_panels) {
   const std::size_t enough = least_panels + (importance ? mesh().panels().size() : 0);
   while (mesh().panels().size() < enough)
-    // With equal charges, triangles are halved across their longest sides.
+    // Without charges, triangles are halved across their longest sides.
     system_.refine_groups(most_important(mesh(), importance),
-                          Eigen::MatrixXd::Ones(index_of(mesh().panels().size()), 1));
+                          Eigen::MatrixXd(index_of(mesh().panels().size()), 0));
   solve_adaptively(*this);
 }
 

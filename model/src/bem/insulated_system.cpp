@@ -235,8 +235,8 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
     }
     if (std::find(marked.begin(), marked.end(), 1) == marked.end())
       break;
-    // With equal charges, triangles are halved across their longest sides.
-    mesh_.refine(marked, MatrixXd::Ones(index_of(mesh_.panels().size()), 1));
+    // Without charges, triangles are halved across their longest sides.
+    mesh_.refine(marked, MatrixXd(index_of(mesh_.panels().size()), 0));
   }
 }
 

@@ -76,8 +76,8 @@ class PanelMesh {
   /// Refines groups, each of its triangles in so many steps; a group without a step stays. The first step
   /// makes a group of each triangle of several, all others make two of each: triangles are halved across the
   /// side along which the density changes most, or which is farthest from a round shape, by the charges of
-  /// all panels (rows) in all columns. Returns `carried`, further charges of all panels, on the new panels,
-  /// with densities linear on each triangle.
+  /// all panels (rows) in all columns; without columns across the longest side. Returns `carried`, further
+  /// charges of all panels, on the new panels, with densities linear on each triangle.
   Eigen::MatrixXd refine(const std::vector<int>& steps, const Eigen::MatrixXd& charges,
                          const Eigen::MatrixXd& carried = {});
 

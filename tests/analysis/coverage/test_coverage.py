@@ -177,6 +177,7 @@ def test_named_probes_stand_for_themselves_by_few_points(name: str) -> None:
     assert own[-1] == pytest.approx(own[1], rel=5e-3)
 
 
+@pytest.mark.night
 def test_the_command_makes_page_table_and_file_from_its_options(
     path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

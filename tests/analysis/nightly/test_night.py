@@ -60,6 +60,7 @@ def test_a_study_run_by_snakemake_has_the_table_of_one_run_without(
     assert plain.table() == toy.table()
 
 
+@pytest.mark.night
 def test_values_that_moved_and_methods_that_disagree_fail_the_night_and_are_told(toy: ToyRepository) -> None:
     with (toy.folder / "fem_reference" / "__main__.py").open("a") as source:
         source.write("# another version\n")

@@ -124,6 +124,7 @@ def mesh_scene(folder: Path, triangles: np.ndarray) -> str:
     return f'{{ type = "mesh", file = "{folder / "part.ply"}" }}'
 
 
+@pytest.mark.night
 def test_only_conductors_that_need_it_are_wrapped(tmp_path: Path) -> None:
     """A mesh with a triangle twice is wrapped together with the box that it touches; the other box keeps its plane faces."""
     dirty = mesh_scene(tmp_path, UNCLEAN)
@@ -153,6 +154,7 @@ def test_links_that_nearly_touch_are_wrapped_together(tmp_path: Path) -> None:
     )
 
 
+@pytest.mark.night
 def test_links_without_columns_are_wrapped_together_where_alpha_bridges_their_gap(tmp_path: Path) -> None:
     """Three links, 2.5 mm apart, are grounded whatever is asked; each was a conductor of its own, wrapped as finely as its gap."""
     text = links(tmp_path, 2.5e-3) + body("last", mesh_scene(tmp_path, UNCLEAN), (0.085, 0, 0.05))

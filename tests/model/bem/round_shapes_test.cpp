@@ -134,6 +134,20 @@ TEST(RoundShapes, CylindersConesAndArcsOfFewSegmentsHaveTheCapacitancesOfTheRoun
   }
 }
 
+TEST(RoundShapes, PanelsWithoutChargesAreHalvedAcrossTheirLongestSides) {
+  const Cylinder rod{0.01, 1, 12};
+  const auto round = RoundShape::of(rod, Eigen::Isometry3d::Identity());
+  detail::PanelMesh mesh;
+  mesh.add(0, triangulate(rod), {}, &*round);
+  for (int level = 0; level < 4; ++level)
+    mesh.refine(std::vector<int>(mesh.groups().size(), 1),
+                Eigen::MatrixXd(detail::index_of(mesh.panels().size()), 0));
+  double longest = 0;
+  for (const detail::Panel& panel : mesh.panels())
+    longest = std::max(longest, 2 * panel.radius);
+  EXPECT_LT(longest, 0.25) << "a quarter of the quarters' half metre, and what the centre is off";
+}
+
 TEST(RoundShapes, PanelsOfFewSegmentsAreHalvedAlongTheCurve) {
   // Were sides chosen by the charges alone, this would take six times as many panels.
   Scene scene;
