@@ -24,9 +24,9 @@ MatrixXd potentials_on(const std::vector<Panel>& targets, const PanelEquations& 
                        const MatrixXd& charges, double tolerance) {
   const PanelUnknowns& unknowns = equations.unknowns;
   const GalerkinSystem& faces = equations.face_system;
-  MatrixXd potentials =
-      panel_potentials(targets, equations.mesh.panels(),
-                       charges.bottomRows(index_of(equations.mesh.panels().size())), tolerance);
+  MatrixXd potentials = panel_potentials(targets, equations.mesh.panels(),
+                                         charges.bottomRows(index_of(equations.mesh.panels().size())),
+                                         tolerance, equations.threads);
   for (std::size_t face = 0; face < faces.faces(); ++face)
     potentials +=
         single_layer_block(faces.face(face), faces.functions(face), targets, tolerance).transpose() *

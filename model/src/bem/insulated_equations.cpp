@@ -251,6 +251,7 @@ InsulatedEquations insulated_equations(const PanelMesh& mesh, const InsulatedBod
                                        const Surroundings& surroundings, const MatrixXd& single_layer,
                                        const MatrixXd& double_layer, std::size_t threads) {
   InsulatedEquations result;
+  result.threads = threads;
   result.unknowns = insulated_unknowns(mesh, surroundings);
   const InsulatedUnknowns& unknowns = result.unknowns;
   const Index size = unknowns.size();

@@ -43,6 +43,7 @@ struct InsulatedEquations {
   std::vector<Eigen::Index> components;  ///< of each unknown, as from components_of()
   std::optional<FilmSheets> films;
   std::vector<Eigen::Index> film_unknowns;  ///< places of the films' panels among the unknowns
+  std::size_t threads = 1;                  ///< how many compute with them; 0: all
 
   /// Returns an unknown's panel as a target of solid angles.
   AngleTarget target(Eigen::Index k) const;

@@ -40,6 +40,7 @@ struct PanelEquations {
   const Eigen::MatrixXd& faces;     ///< single-layer matrix of the faces' functions
   const PanelOperator& panels;      ///< single-layer matrix of the panels
   const Eigen::MatrixXf& coupling;  ///< single-layer blocks of the faces' functions (rows) with the panels
+  std::size_t threads;              ///< how many compute with them; 0: all
 };
 
 }  // namespace fringe::detail

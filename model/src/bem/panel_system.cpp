@@ -435,8 +435,8 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
 PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equations, const Spaces& spaces,
                                                        double accuracy) const {
   const PanelUnknowns unknowns = without_targets(equations.unknowns, bodies_, faces_, mesh_);
-  const PanelEquations present{equations.face_system, equations.mesh,   unknowns,
-                               equations.faces,       equations.panels, equations.coupling};
+  const PanelEquations present{equations.face_system, equations.mesh,     unknowns,         equations.faces,
+                               equations.panels,      equations.coupling, equations.threads};
   return solve_equations(present, spaces, accuracy, begun(last_background_, unknowns.functions), nullptr);
 }
 
@@ -491,7 +491,7 @@ PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   }
   const PanelUnknowns unknowns = number_unknowns(bodies_, faces_, mesh_);
   const MatrixXd matrix = face_matrix(unknowns);
-  const PanelEquations equations{faces_, mesh_, unknowns, matrix, *panels_, coupling_};
+  const PanelEquations equations{faces_, mesh_, unknowns, matrix, *panels_, coupling_, threads_};
   if (count_of(bodies_, Role::sensor) > 0 && !sensors_have_panels(bodies_)) {
     const GalerkinSystem::Alone alone = faces_.solve_sensors();
     solution.sensors = alone.matrix;

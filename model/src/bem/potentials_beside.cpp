@@ -48,7 +48,7 @@ MatrixXd potentials_beside(const PanelMesh& mesh, const InsulatedBodies& bodies,
     if (unknowns.states[at].ratios.behind != unknowns.states[at].ratios.before)
       interfaces.push_back(k);
   }
-  MatrixXd result = panel_potentials(targets, mesh.panels(), charges, tolerance);
+  MatrixXd result = panel_potentials(targets, mesh.panels(), charges, tolerance, equations.threads);
   const auto element = [&](Index row, Index k) {
     return double_layer(row, unknowns.panels[static_cast<std::size_t>(k)]);
   };

@@ -10,7 +10,6 @@
 #include "bem/patch_distance.hpp"
 #include "bem/single_layer_faces.hpp"
 #include "integral/batch/kernels.hpp"
-#include "numeric/interruption.hpp"
 #include "numeric/parallel.hpp"
 #include "numeric/triangle_rules.hpp"
 #include "simd/dispatch.hpp"
@@ -139,17 +138,16 @@ MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance) {
 }
 
 MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const Panel> panels,
-                          const MatrixXd& charges, double tolerance) {
+                          const MatrixXd& charges, double tolerance, std::size_t threads) {
   MatrixXd result(static_cast<Index>(targets.size()), charges.cols());
   const PanelElements elements(panels, tolerance);
-  PotentialSums sums;
-  Eigen::VectorXd row(charges.rows());
-  for (std::size_t k = 0; k < targets.size(); ++k) {
-    check_interruption();
+  parallel_for(targets.size(), threads, [&](std::size_t k) {
+    PotentialSums sums;
+    Eigen::VectorXd row(charges.rows());
     elements.fill(targets[k], 0, panels.size(), sums, {}, row.data());
     sums.flush();
     result.row(static_cast<Index>(k)) = row.transpose() * charges;
-  }
+  });
   return result;
 }
 

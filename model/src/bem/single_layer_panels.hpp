@@ -73,9 +73,9 @@ Eigen::MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolera
 Eigen::MatrixXd single_layer_matrix(std::span<const Panel> panels, double tolerance);
 
 /// Computes the mean potentials on targets, which may be parts of panels, of charges on the panels; one
-/// column for each column of charges.
+/// column for each column of charges. The result has the same bits for any number of threads.
 Eigen::MatrixXd panel_potentials(std::span<const Panel> targets, std::span<const Panel> panels,
-                                 const Eigen::MatrixXd& charges, double tolerance);
+                                 const Eigen::MatrixXd& charges, double tolerance, std::size_t threads);
 
 /// Computes the single-layer block of a face's functions (rows) with panels of unit charge (columns) that do
 /// not touch it. `tolerance` is the error aimed at, relative to the largest elements of a column.

@@ -75,8 +75,9 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const BorderedMatrix& matrix, con
       threads_(threads) {
   const Index functions = matrix.functions.rows(), coarse_size = coarse.matrix.rows();
   const VectorXd& present = matrix.present;
-  MatrixXd whole = MatrixXd::Zero(functions + coarse_size, functions + coarse_size);
+  MatrixXd whole(functions + coarse_size, functions + coarse_size);
   whole.topLeftCorner(functions, functions) = matrix.functions;
+  whole.topRightCorner(functions, coarse_size).setZero();
   whole.bottomRightCorner(coarse_size, coarse_size) = coarse.matrix;
   MatrixXd coupling = MatrixXd::Zero(functions, coarse_size);
   for (Index k = 0; k < matrix.coupling.cols(); ++k)

@@ -163,7 +163,7 @@ MatrixXd missing_energies(const SingleBodySystem& panels, const MatrixXd& potent
   const SampledQuarters sampled = sampled_quarters(panels.mesh);
   if (!sampled.panels.empty()) {
     MatrixXd missing_potentials =
-        panel_potentials(sampled.panels, panels.mesh.panels(), -responses, panels.tolerance);
+        panel_potentials(sampled.panels, panels.mesh.panels(), -responses, panels.tolerance, 1);
     for (std::size_t k = 0; k < sampled.panels.size(); ++k)
       missing_potentials.row(index_of(k)) += at(sampled.panels[k].centre);
     missing += energy_of_quarters(sampled, missing_potentials, panels.tolerance);
