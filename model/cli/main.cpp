@@ -263,10 +263,9 @@ int run(int argument_count, char** arguments) {
 int main(int argument_count, char** arguments) {
 #ifdef __GLIBC__
   // Each level of boundary elements takes memory that the last one returned. Were that given back to the
-  // system in between, a tenth of the time would go into getting it again.
-  constexpr int largest_allowed = 32 << 20, never = -1;
-  mallopt(M_MMAP_THRESHOLD, largest_allowed);
-  mallopt(M_TRIM_THRESHOLD, never);
+  // system in between, up to a third of the time would go into getting it again.
+  mallopt(M_MMAP_MAX, 0);
+  mallopt(M_TRIM_THRESHOLD, -1);
 #endif
   return fringe::cli::run_program(run, argument_count, arguments);
 }

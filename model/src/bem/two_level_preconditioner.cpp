@@ -37,20 +37,24 @@ void leave_out_dependent(MatrixXd& matrix, double dependence) {
   }
 }
 
-/// Factorises a matrix, of which the lower triangle is read. Functions that depend on earlier ones are left
-/// out if the tolerance of the quadratures is so fine that these are not the reason.
-Cholesky factorised(MatrixXd matrix, double tolerance, std::size_t threads) {
+/// Factorises the matrix that `make` returns, of which the lower triangle is read. Functions that depend on
+/// earlier ones are left out if the tolerance of the quadratures is so fine that these are not the reason.
+template <class Make>
+Cholesky factorised(const Make& make, double tolerance, std::size_t threads) {
   /// Tolerance of the quadratures above which a matrix that is not positive definite calls for better ones.
   constexpr double sufficient = 1e-5;
   /// Least energy that a function adds to earlier ones, relative to its own: of a panel between others it is
   /// about the ratio of the gap to the panel.
   constexpr double least_energy = 1e-6;
-  Cholesky factor(matrix, threads);
-  const auto is_regular = [&] {
-    return factor.is_positive_definite() &&
-           (factor.factor().diagonal().array().square() > least_energy * matrix.diagonal().array()).all();
-  };
-  if (!is_regular() && tolerance <= sufficient) {
+  MatrixXd matrix = make();
+  const VectorXd energies = matrix.diagonal();
+  Cholesky factor(std::move(matrix), threads);
+  const bool is_regular =
+      factor.is_positive_definite() &&
+      (factor.factor().diagonal().array().square() > least_energy * energies.array()).all();
+  if (!is_regular && tolerance <= sufficient) {
+    // The matrix is rarely wanted again, and a copy of it would take as long as making it.
+    matrix = make();
     leave_out_dependent(matrix, std::max(least_energy, 10 * tolerance));
     factor = Cholesky(std::move(matrix), threads);
   }
@@ -67,38 +71,44 @@ void leave_out(MatrixXd& matrix, const VectorXd& present) {
     }
 }
 
+/// Returns the matrix of the functions, and of the coarse functions after them.
+MatrixXd coarse_matrix(const BorderedMatrix& matrix, const CoarseSpace& coarse) {
+  const Index functions = matrix.functions.rows(), coarse_size = coarse.matrix.rows();
+  MatrixXd coupling = MatrixXd::Zero(functions, coarse_size);
+  for (Index k = 0; k < matrix.coupling.cols(); ++k)
+    coupling.col(coarse.restriction.target[static_cast<std::size_t>(k)]) +=
+        coarse.restriction.weights[k] * matrix.coupling.col(k).cast<double>();
+  MatrixXd whole(functions + coarse_size, functions + coarse_size);
+  whole << matrix.functions, coupling, coupling.transpose(), coarse.matrix;
+  if (matrix.present.size() > 0) {
+    VectorXd kept = VectorXd::Zero(functions + coarse_size);
+    kept.head(functions) = matrix.present.head(functions);
+    for (Index k = 0; k < matrix.unknowns.size(); ++k)
+      if (matrix.present[functions + k] != 0)
+        kept[functions + coarse.restriction.target[static_cast<std::size_t>(k)]] = 1;
+    leave_out(whole, kept);
+  }
+  return whole;
+}
+
+/// Returns the matrix of a leaf's unknowns.
+MatrixXd leaf_matrix(const BorderedMatrix& matrix, std::size_t leaf) {
+  MatrixXd block = matrix.unknowns.diagonal_block(leaf);
+  const ClusterRange range = matrix.unknowns.range(matrix.unknowns.leaves()[leaf]);
+  if (matrix.present.size() > 0)
+    leave_out(block, matrix.present.segment(matrix.functions.rows() + range.first, range.count));
+  return block;
+}
+
 }  // namespace
 
 TwoLevelPreconditioner::TwoLevelPreconditioner(const BorderedMatrix& matrix, const CoarseSpace& coarse,
                                                double tolerance, std::size_t threads)
     : matrix_(matrix), restriction_(coarse.restriction), leaves_(matrix.unknowns.leaves().size()),
       threads_(threads) {
-  const Index functions = matrix.functions.rows(), coarse_size = coarse.matrix.rows();
-  const VectorXd& present = matrix.present;
-  MatrixXd whole(functions + coarse_size, functions + coarse_size);
-  whole.topLeftCorner(functions, functions) = matrix.functions;
-  whole.topRightCorner(functions, coarse_size).setZero();
-  whole.bottomRightCorner(coarse_size, coarse_size) = coarse.matrix;
-  MatrixXd coupling = MatrixXd::Zero(functions, coarse_size);
-  for (Index k = 0; k < matrix.coupling.cols(); ++k)
-    coupling.col(restriction_.target[static_cast<std::size_t>(k)]) +=
-        restriction_.weights[k] * matrix.coupling.col(k).cast<double>();
-  whole.bottomLeftCorner(coarse_size, functions) = coupling.transpose();
-  if (present.size() > 0) {
-    VectorXd kept = VectorXd::Zero(functions + coarse_size);
-    kept.head(functions) = present.head(functions);
-    for (Index k = 0; k < matrix.unknowns.size(); ++k)
-      if (present[functions + k] != 0)
-        kept[functions + restriction_.target[static_cast<std::size_t>(k)]] = 1;
-    leave_out(whole, kept);
-  }
-  coarse_ = factorised(std::move(whole), tolerance, threads);
+  coarse_ = factorised([&] { return coarse_matrix(matrix, coarse); }, tolerance, threads);
   parallel_for(leaves_.size(), threads, [&](std::size_t leaf) {
-    MatrixXd block = matrix.unknowns.diagonal_block(leaf);
-    const ClusterRange range = matrix.unknowns.range(matrix.unknowns.leaves()[leaf]);
-    if (present.size() > 0)
-      leave_out(block, present.segment(functions + range.first, range.count));
-    leaves_[leaf] = factorised(std::move(block), tolerance, 1);
+    leaves_[leaf] = factorised([&] { return leaf_matrix(matrix, leaf); }, tolerance, 1);
   });
   is_positive_definite_ = coarse_.is_positive_definite() &&
                           std::all_of(leaves_.begin(), leaves_.end(),
