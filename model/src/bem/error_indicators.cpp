@@ -155,7 +155,7 @@ MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodies, cons
 VectorXd facet_indicators(const PanelMesh& mesh, const ChargedBodies& bodies, const MatrixXd& charges,
                           const Eigen::ArrayXXd& scales) {
   VectorXd result = VectorXd::Zero(index_of(mesh.groups().size()));
-  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
+  for (std::size_t g = 0; g < mesh.groups().size() && charges.cols() > 0; ++g) {
     const PanelGroup& group = mesh.groups()[g];
     const RoundShape* const round = followed_by(group, bodies);
     if (round == nullptr)

@@ -93,6 +93,11 @@ CoarseSpace coarse_space_of(const HierarchicalMatrix& matrix, const VectorXd& ar
   return coarse_space(matrix, areas, bodies, together);
 }
 
+/// Returns the largest energy of each row, relative to that of the column.
+VectorXd largest_parts(const MatrixXd& energies, const VectorXd& own) {
+  return (energies.array().rowwise() / own.transpose().array()).rowwise().maxCoeff();
+}
+
 /// Returns the largest energy of each row for the changes of readings, by energies of the columns of
 /// ReadingCharges::all().
 VectorXd largest_parts_of_change(const MatrixXd& energies, const VectorXd& scales) {
@@ -552,8 +557,11 @@ PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   Eigen::ArrayXXd scales_of_entries = error_scales((solution.all.fine * at).topRows(at.cols()), bodies_);
   scales_of_entries.matrix().diagonal() =
       scales_of_entries.matrix().diagonal().cwiseMin(own.head(scales_of_entries.rows()));
-  solution.error_indicators = error_indicators(mesh_, blocks, shares, solution.charges, own) +
-                              facet_indicators(mesh_, bodies_, kept_charges, scales_of_entries);
+  // Entries are those of conductors that do not float; energies are asked for of floating ones, too.
+  solution.error_indicators =
+      error_indicators(mesh_, blocks, shares, solution.charges, own) +
+      facet_indicators(mesh_, bodies_, kept_charges, scales_of_entries)
+          .cwiseMax(largest_parts(facet_energies(mesh_, bodies_, solution.charges), own));
   if (scales.size() > 0)
     solution.error_indicators = solution.error_indicators.cwiseMax(
         change_indicators(mesh_, blocks, shares, solution.reading_charges, scales) +

@@ -46,5 +46,16 @@ TEST(ConductorsAtRestTest, TwoBallsHaveTheChargesOfTheirImages) {
   EXPECT_LE(found.error(), rtol);
 }
 
+TEST(ConductorsAtRestTest, AFloatingBallHasTheCapacitanceOfTheRoundOne) {
+  constexpr int segments = 24;
+  constexpr double radius = 0.05, rtol = 2e-2;
+  Scene scene;
+  scene.objects = {test::object("ball", Sphere{radius, segments}, test::at(0, 0, 0), Floating{})};
+  const ConductorsAtRest found(charged_bodies(scene), rtol, 4000);
+  ASSERT_EQ(found.matrix().rows(), 1);
+  EXPECT_LT(found.matrix()(0, 0), radius);
+  EXPECT_GT(found.matrix()(0, 0), (1 - rtol) * std::pow(std::cos(EIGEN_PI / segments), 2) * radius);
+}
+
 }  // namespace
 }  // namespace fringe::detail::FRINGE_TEST_FILE
