@@ -262,8 +262,8 @@ int run(int argument_count, char** arguments) {
 
 int main(int argument_count, char** arguments) {
 #ifdef __GLIBC__
-  // Each level of boundary elements takes memory that the last one returned. Were that given back to the
-  // system in between, up to a third of the time would go into getting it again.
+  // Each level of boundary elements needs the memory that the last one has freed. If the allocator gave it
+  // back to the system in between, up to a third of the time would go into page faults.
   mallopt(M_MMAP_MAX, 0);
   mallopt(M_TRIM_THRESHOLD, -1);
 #endif

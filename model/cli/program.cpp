@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -30,6 +31,9 @@ int run_program(int (*run)(int, char**), int argument_count, char** arguments) {
   } catch (const InputError& error) {
     fmt::print(stderr, "fringe: {}\n", error.what());
     return wrong_input;
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "fringe: there is not enough memory\n");
+    return failed;
   } catch (const std::exception& error) {
     fmt::print(stderr, "fringe: {}\n", error.what());
     return failed;

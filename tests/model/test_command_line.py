@@ -3,6 +3,8 @@
 import csv
 import json
 import math
+import os
+import resource
 import subprocess
 from collections.abc import Callable
 from pathlib import Path
@@ -389,3 +391,20 @@ def test_an_answer_that_cannot_be_written_is_a_failure(scene: Path) -> None:
         )
     assert done.returncode == 1
     assert "written" in done.stderr
+
+
+def one_core_with_little_memory() -> None:
+    """Limits this process; each thread on another core would reserve an address space of its own."""
+    os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
+    resource.setrlimit(resource.RLIMIT_AS, (120 * 2**20, 120 * 2**20))
+
+
+def test_too_little_memory_is_told() -> None:
+    root = Path(__file__).resolve().parents[2]
+    scene = root / "geometries" / "scenes" / "x_ray_arm.toml"
+    words = [root / "build" / "bin" / "fringe", "capacitance", scene, "--method", "boundary-elements"]
+    done = subprocess.run(
+        words, capture_output=True, text=True, check=False, preexec_fn=one_core_with_little_memory
+    )
+    assert (done.returncode, done.stdout) == (1, "")
+    assert done.stderr == "fringe: there is not enough memory\n"

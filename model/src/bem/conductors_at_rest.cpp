@@ -34,7 +34,7 @@ constexpr double simplification_at_rest = 1;
 ChargedBodies in_triangles(ChargedBodies bodies, double rtol, std::size_t most_panels) {
   for (ChargedBody& body : bodies.bodies)
     body.surface = triangulated(body.surface);
-  // What is asked for are energies: neither readings nor the small entries between conductors.
+  // Energies have to be accurate; readings and the small entries between conductors need not.
   bodies.readings.clear();
   bodies.are_entries_asked = false;
   return Simplification(std::move(bodies), simplification_at_rest * rtol, most_panels / 2).bodies();

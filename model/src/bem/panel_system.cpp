@@ -557,7 +557,7 @@ PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   Eigen::ArrayXXd scales_of_entries = error_scales((solution.all.fine * at).topRows(at.cols()), bodies_);
   scales_of_entries.matrix().diagonal() =
       scales_of_entries.matrix().diagonal().cwiseMin(own.head(scales_of_entries.rows()));
-  // Entries are those of conductors that do not float; energies are asked for of floating ones, too.
+  // Floating conductors have no entries, but their energies may be asked for.
   solution.error_indicators =
       error_indicators(mesh_, blocks, shares, solution.charges, own) +
       facet_indicators(mesh_, bodies_, kept_charges, scales_of_entries)

@@ -53,7 +53,7 @@ Cholesky factorised(const Make& make, double tolerance, std::size_t threads) {
       factor.is_positive_definite() &&
       (factor.factor().diagonal().array().square() > least_energy * energies.array()).all();
   if (!is_regular && tolerance <= sufficient) {
-    // The matrix is rarely wanted again, and a copy of it would take as long as making it.
+    // The matrix is rarely needed again, and copying it beforehand would take as long as making it anew.
     matrix = make();
     leave_out_dependent(matrix, std::max(least_energy, 10 * tolerance));
     factor = Cholesky(std::move(matrix), threads);
