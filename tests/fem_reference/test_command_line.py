@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import subprocess
 import sys
@@ -12,6 +14,7 @@ import meshio
 import numpy as np
 import pytest
 
+from fem_reference.__main__ import main
 from tests import scenes
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -20,8 +23,17 @@ SCENE = scenes.SENSOR + scenes.body("target", "plate", size=[0.06, 0.06], transl
 
 
 def command(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """The command as users start it."""
     words = [sys.executable, "-m", "fem_reference", *map(str, arguments)]
     return subprocess.run(words, cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+def answered(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    """The command in this process, which loads the solver once for all tests."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        status = main([*map(str, arguments)])
+    return subprocess.CompletedProcess(arguments, status, out.getvalue(), err.getvalue())
 
 
 @pytest.fixture
@@ -48,14 +60,14 @@ def test_json_is_one_document_with_the_whole_answer(scene: Path) -> None:
 @pytest.mark.night
 def test_the_whole_of_space_is_meshed_when_symmetry_is_not_to_be_used(scene: Path) -> None:
     short = ("--json", "--error", "estimate", "--max-unknowns", "1000")
-    half, whole = (json.loads(command(scene, *short, *more).stdout) for more in ((), ("--no-symmetry",)))
+    half, whole = (json.loads(answered(scene, *short, *more).stdout) for more in ((), ("--no-symmetry",)))
     assert len(half["symmetry_planes"]) == 1 and whole["symmetry_planes"] == []
     assert whole["unknowns"] > 1.5 * half["unknowns"]
     np.testing.assert_allclose(half["maxwell"], whole["maxwell"], rtol=5e-3)
 
 
 def test_an_estimate_of_one_mesh_is_between_its_bounds_and_not_accurate_enough(scene: Path) -> None:
-    done = command(scene, "--json", "--error", "estimate", "--max-unknowns", "1000")
+    done = answered(scene, "--json", "--error", "estimate", "--max-unknowns", "1000")
     assert done.returncode == 3 and "asked 0.001, reached" in done.stderr
     found = json.loads(done.stdout)
     (first,) = found["levels"]
@@ -73,7 +85,7 @@ def test_only_readings_may_be_asked_for(scene: Path) -> None:
     """The errors of the reading and its change are what counts, and no other entry's."""
     scene.write_text(scene.read_text() + READING)
     every, only = (
-        json.loads(command(scene, "--json", "--error", "estimate", "--max-unknowns", "1000", *more).stdout)
+        json.loads(answered(scene, "--json", "--error", "estimate", "--max-unknowns", "1000", *more).stdout)
         for more in ((), ("--only-readings",))
     )
     (reading,) = only["readings"]
@@ -83,13 +95,13 @@ def test_only_readings_may_be_asked_for(scene: Path) -> None:
     )
     assert only["worst_relative_error"] <= every["worst_relative_error"]
     scene.write_text(SCENE)
-    refused = command(scene, "--only-readings", "--columns", "target")
+    refused = answered(scene, "--only-readings", "--columns", "target")
     assert refused.returncode == 2 and "--only-readings" in refused.stderr
 
 
 @pytest.mark.parametrize("limit", [("--max-unknowns", "1000"), ("--max-memory", "0.01")])
 def test_one_level_under_a_limit_still_encloses_the_truth(scene: Path, limit: tuple[str, str]) -> None:
-    done = command(scene, "--json", "--rtol", "5e-4", *limit)
+    done = answered(scene, "--json", "--rtol", "5e-4", *limit)
     assert done.returncode == 3 and "the next level would" in done.stderr
     found = json.loads(done.stdout)
     assert not found["reached"] and len(found["levels"]) == 1 and found["error_kind"] == "enclosure"
@@ -120,23 +132,23 @@ def test_the_limit_of_time_ends_the_first_level_too(tmp_path: Path, as_json: boo
 
 def test_no_level_follows_when_everything_is_as_accurate_as_asked(scene: Path) -> None:
     """Proven intervals need no second level."""
-    found = json.loads(command(scene, "--json", "--rtol", "2e-2").stdout)
+    found = json.loads(answered(scene, "--json", "--rtol", "2e-2").stdout)
     assert found["reached"] and len(found["levels"]) == 1
     change = found["delta_self"]["front"]
     assert change["error"] <= 2e-2 * change["value"]
 
 
 def test_columns_left_out_are_named_and_unknown_ones_refused(scene: Path) -> None:
-    done = command(scene, "--json", "--error", "estimate", "--max-unknowns", "1000", "--columns", "front")
+    done = answered(scene, "--json", "--error", "estimate", "--max-unknowns", "1000", "--columns", "front")
     found = json.loads(done.stdout)
     assert found["conductors"] == ["front"] and found["not_asked"] == ["target"]
     assert list(found["delta_self"]) == ["front"] and found["delta_self"]["front"]["value"] > 0
-    wrong = command(scene, "--json", "--columns", "front,nobody")
+    wrong = answered(scene, "--json", "--columns", "front,nobody")
     assert wrong.returncode == 2 and wrong.stdout == "" and '"nobody"' in wrong.stderr
 
 
 def test_people_get_a_table_with_errors_and_a_line_per_level(scene: Path) -> None:
-    done = command(scene, "--max-unknowns", "1000")
+    done = answered(scene, "--max-unknowns", "1000")
     assert "delta_self, pF" in done.stdout and "±" in done.stdout and "proven to lie in" in done.stdout
     assert done.stderr.startswith("edge size")
 
@@ -150,7 +162,7 @@ def test_people_get_a_table_with_errors_and_a_line_per_level(scene: Path) -> Non
 )
 def test_wrong_input_is_named_and_leaves_nothing(scene: Path, change: tuple[str, str], words: str) -> None:
     scene.write_text(SCENE.replace(*change))
-    done = command(scene, "--json")
+    done = answered(scene, "--json")
     assert done.returncode == 2 and done.stdout == ""
     assert str(scene) in done.stderr and words in done.stderr
     assert "Traceback" not in done.stderr
@@ -174,7 +186,7 @@ def test_wrong_options_are_refused(scene: Path, arguments: list[str]) -> None:
 
 
 def test_a_slice_of_the_potential_runs_from_the_sensor_to_the_ground(scene: Path, tmp_path: Path) -> None:
-    done = command(scene, "--slice", tmp_path / "slice.json")
+    done = answered(scene, "--slice", tmp_path / "slice.json")
     assert done.returncode == 0, done.stderr
     found = json.loads((tmp_path / "slice.json").read_text())
     potential = np.array(found["potential"])
@@ -188,7 +200,7 @@ def test_a_slice_of_the_potential_runs_from_the_sensor_to_the_ground(scene: Path
 
 
 def test_a_slice_that_cannot_be_written_leaves_nothing(scene: Path, tmp_path: Path) -> None:
-    done = command(scene, "--slice", tmp_path / "missing" / "slice.json")
+    done = answered(scene, "--slice", tmp_path / "missing" / "slice.json")
     assert done.returncode == 1 and "missing" in done.stderr
     assert list(tmp_path.iterdir()) == [scene]
 
@@ -200,7 +212,7 @@ def test_the_field_is_written_for_paraview(scene: Path, tmp_path: Path) -> None:
         + 'potential = "floating"\n[[object]]\nname = "ball"\ntranslation = [0, 0, -0.06]\n'
         + 'shape = { type = "sphere", radius = 0.02 }\nmaterial = { relative_permittivity = 3 }\n'
     )
-    done = command(scene, "--json", "--max-unknowns", "1000", "--output", tmp_path / "field.vtu")
+    done = answered(scene, "--json", "--max-unknowns", "1000", "--output", tmp_path / "field.vtu")
     assert done.returncode == 3, done.stderr
     document = json.loads(done.stdout)
     assert document["conductors"] == ["front"] and document["floating"] == ["target"]

@@ -166,7 +166,8 @@ def test_links_without_columns_are_wrapped_together_where_alpha_bridges_their_ga
 
 
 def test_a_target_that_nearly_touches_the_machine_is_no_part_of_it(tmp_path: Path) -> None:
-    text = links(tmp_path, 1e-3) + "target = true\n"
+    """At this gap two links of the machine are wrapped together."""
+    text = links(tmp_path, 2.5e-3) + "target = true\n"
     found = conductors(loads(text), geometry=Geometry(rtol=2e-2))
     assert found.names == ("front", "upper", "lower") and found.targets == {"lower"}
 
