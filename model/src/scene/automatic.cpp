@@ -15,8 +15,12 @@
 namespace fringe::detail {
 namespace {
 
-/// Largest stated error, relative, beyond which a rough preparation is asked, too: it states about as much.
+/// Largest stated error, relative, beyond which the readings before a machine are asked, too: prepared
+/// roughly they state about as much, and for an accuracy less, also beside covers.
 constexpr double most_unreached_error = 0.1;
+
+/// Part of an error that an answer with changes alone may state to take the place of one with values, too.
+constexpr double most_for_values = 0.5;
 
 /// Seconds that an answer gets even where the time is over, if there is none yet: several times what a rough
 /// preparation of some ten thousand triangles takes.
@@ -35,8 +39,9 @@ class Best {
   /// Asks a method that is expected to take so long, if nothing reached the accuracy and there is time for
   /// it.
   /// @param is_any_use whether it has an answer before that, too
+  /// @param own the method's own limit of time, after which others are asked; null: none
   template <typename Answer>
-  void ask(double seconds, bool is_any_use, const Answer& answer) {
+  void ask(double seconds, bool is_any_use, const Answer& answer, const TimeLimit* own = nullptr) {
     if (is_done() || (limit_ != nullptr && limit_->seconds_left() < (is_any_use ? 0 : seconds)))
       return;
     // A method that answers in vain takes its time, too.
@@ -46,7 +51,7 @@ class Best {
       answer(found);
       found.expected_seconds = expected_;
       const double error = found.reached ? 0 : stated_error(found, scene_, asked_.entries);
-      if (!answer_ || error < error_) {
+      if (!answer_ || error < (loses_values(found) ? most_for_values * error_ : error_)) {
         answer_ = std::move(found);
         error_ = error;
       }
@@ -54,8 +59,8 @@ class Best {
       if (refusals_.find(error.what()) == std::string::npos)
         refusals_ += (refusals_.empty() ? "" : "; ") + std::string(error.what());
     } catch (const Interrupted&) {
-      // An end from elsewhere than the limit of time is that of the whole answer.
-      is_interrupted_ = !is_late();
+      // An end from elsewhere than the limits of time is that of the whole answer.
+      is_interrupted_ = !is_late() && (own == nullptr || !own->is_over());
     }
   }
 
@@ -72,6 +77,14 @@ class Best {
   }
 
  private:
+  /// Tells whether an answer does not know the value of a reading that the best one so far knows.
+  bool loses_values(const Evaluation& found) const {
+    for (std::size_t k = 0; k < std::min(found.readings.size(), answer_->readings.size()); ++k)
+      if (answer_->readings[k].value.value && !found.readings[k].value.value)
+        return true;
+    return false;
+  }
+
   const Scene& scene_;
   const EvaluationOptions& asked_;
   TimeLimit* limit_;
@@ -95,6 +108,15 @@ double seconds_of_elements(const SceneSize& size, const EvaluationOptions& asked
 }
 
 }  // namespace
+
+double seconds_kept(double expected, double left) {
+  /// Preparations took up to a quarter longer than expected.
+  constexpr double longer = 1.25;
+  /// Largest part of the time that is kept: boundary elements mostly reach the accuracy, and sooner.
+  constexpr double most_kept = 0.6;
+  const double kept = longer * expected;
+  return kept <= most_kept * left ? kept : 0;
+}
 
 bool Automatic::prefers_reduction(const Methods& methods, const SceneSize& size,
                                   const EvaluationOptions& asked, std::size_t poses) const {
@@ -128,11 +150,18 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
   const bool begins_reduced = prefers_reduction(methods, size, asked, 1);
   if (begins_reduced)
     ask_reduction();
+  const double machine_seconds = expected_seconds(Reduced{}, size, {.rtol = rtol_of(asked)});
   if (!best.is_done()) {
     const auto start = std::chrono::steady_clock::now();
-    // Boundary elements answer with what they have when the time is over.
-    best.ask(seconds_of_elements(size, asked), true,
-             [&](Evaluation& found) { Methods::solve(scene, asked, found); });
+    // Boundary elements answer with what they have when their time is over.
+    std::optional<TimeLimit> own;
+    if (limit != nullptr && !begins_reduced && methods.has_machine(asked.entries)) {
+      const double left = limit->seconds_left();
+      own.emplace(left - seconds_kept(machine_seconds, left));
+    }
+    best.ask(
+        seconds_of_elements(size, asked), true,
+        [&](Evaluation& found) { Methods::solve(scene, asked, found); }, own ? &*own : nullptr);
     spent_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   if (!begins_reduced && methods.reduction_is_bounded(asked.entries))
@@ -140,9 +169,13 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
   if (!best.is_done() && best.error() > most_unreached_error) {
     if (best.is_late())
       limit->grant(seconds_of_grace);
-    if (methods.has_rough(asked.entries))
+    if (methods.has_machine(asked.entries)) {
       ask_roughly();
-    else if (!asked.derivatives)
+      if (best.error() > most_unreached_error)
+        best.ask(machine_seconds, false, [&](Evaluation& found) {
+          methods.reduce_before_machine(scene, asked, with_sensors, found);
+        });
+    } else if (!asked.derivatives)
       best.ask(expected_seconds(Formula{}, size, {.rtol = rtol_of(asked)}), true,
                [&](Evaluation& found) { methods.combine(scene, asked, found); });
   }

@@ -291,6 +291,11 @@ void Methods::reduce_roughly(const Scene& scene, const EvaluationOptions& asked,
   read(scene, asked, true, with_sensors, answer);
 }
 
+void Methods::reduce_before_machine(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
+                                    Evaluation& answer) {
+  read(scene, asked, false, with_sensors, answer);
+}
+
 void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
                      ReducedContacts contacts, Refinement refinement, Evaluation& answer) {
   const double rtol = rtol_of(asked);

@@ -57,6 +57,10 @@ class Methods {
   void reduce_roughly(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
                       Evaluation& answer);
 
+  /// Answers with the readings before a machine that is prepared for the accuracy.
+  void reduce_before_machine(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
+                             Evaluation& answer);
+
   /// Answers by boundary elements.
   static void solve(const Scene& scene, const EvaluationOptions& asked, Evaluation& answer);
 
@@ -69,12 +73,12 @@ class Methods {
 
   /// Tells whether a rough preparation of a machine may answer.
   bool may_be_rough(double rtol, Entries entries) const {
-    return rtol >= least_rough_rtol && !matrix_is_quick_ && has_rough(entries);
+    return rtol >= least_rough_rtol && !matrix_is_quick_ && has_machine(entries);
   }
   /// Tells whether that has answered before.
   bool is_roughly_prepared() const { return is_roughly_prepared_; }
-  /// Tells whether the readings before a machine are known that is prepared roughly.
-  bool has_rough(Entries entries) const { return knows_readings_ && entries == Entries::of_readings; }
+  /// Tells whether the readings before a machine are known, prepared roughly or for an accuracy.
+  bool has_machine(Entries entries) const { return knows_readings_ && entries == Entries::of_readings; }
   /// Tells whether the reduced method answers in bounded time: whether its matrix has few triangles to
   /// prepare, or readings are asked for that it knows before a machine.
   bool reduction_is_bounded(Entries entries) const {

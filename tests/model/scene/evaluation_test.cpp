@@ -11,6 +11,7 @@
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "reduced/reduced_capacitance.hpp"
+#include "scene/automatic.hpp"
 #include "scene/expected_seconds.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
@@ -305,6 +306,12 @@ TEST(Auto, LeavesTheSceneInItsPosesAfterAMotion) {
   // Also when a frame cannot be used.
   EXPECT_THROW(live.readings_of({motion[0], {"none", {}}}, {.method = Formula{}}), InputError);
   EXPECT_EQ(live.scene().links.at(0).pose.matrix(), present);
+}
+
+TEST(Auto, LeavesTimeForTheReadingsBeforeAMachineWhereThereIsEnough) {
+  EXPECT_GT(detail::seconds_kept(20, 60), 20);
+  EXPECT_LT(detail::seconds_kept(20, 60), 30);
+  EXPECT_EQ(detail::seconds_kept(40, 60), 0);
 }
 
 TEST(Auto, EndsInTimeWithTheBestAnswerSoFar) {
