@@ -10,6 +10,7 @@
 #include "evaluated.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
+#include "fringe/triangulation.hpp"
 #include "reduced/reduced_capacitance.hpp"
 #include "scene/automatic.hpp"
 #include "scene/expected_seconds.hpp"
