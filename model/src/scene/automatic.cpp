@@ -15,11 +15,12 @@
 namespace fringe::detail {
 namespace {
 
-/// Largest stated error, relative, beyond which the readings before a machine are asked, too: prepared
-/// roughly they state about as much, and for an accuracy less, also beside covers.
+/// Largest stated error, relative, beyond which the readings before a machine are asked, too: one that is
+/// prepared roughly states about as much, one that is prepared for the accuracy less, also beside covers.
 constexpr double most_unreached_error = 0.1;
 
-/// Part of an error that an answer with changes alone may state to take the place of one with values, too.
+/// An answer that knows only changes replaces one that knows values, too, where its error is less than this
+/// part of the other's.
 constexpr double most_for_values = 0.5;
 
 /// Seconds that an answer gets even where the time is over, if there is none yet: several times what a rough
@@ -39,9 +40,8 @@ class Best {
   /// Asks a method that is expected to take so long, if nothing reached the accuracy and there is time for
   /// it.
   /// @param is_any_use whether it has an answer before that, too
-  /// @param own the method's own limit of time, after which others are asked; null: none
   template <typename Answer>
-  void ask(double seconds, bool is_any_use, const Answer& answer, const TimeLimit* own = nullptr) {
+  void ask(double seconds, bool is_any_use, const Answer& answer) {
     if (is_done() || (limit_ != nullptr && limit_->seconds_left() < (is_any_use ? 0 : seconds)))
       return;
     // A method that answers in vain takes its time, too.
@@ -59,8 +59,8 @@ class Best {
       if (refusals_.find(error.what()) == std::string::npos)
         refusals_ += (refusals_.empty() ? "" : "; ") + std::string(error.what());
     } catch (const Interrupted&) {
-      // An end from elsewhere than the limits of time is that of the whole answer.
-      is_interrupted_ = !is_late() && (own == nullptr || !own->is_over());
+      // An end from elsewhere than the limit of time is that of the whole answer.
+      is_interrupted_ = !is_late();
     }
   }
 
@@ -109,15 +109,6 @@ double seconds_of_elements(const SceneSize& size, const EvaluationOptions& asked
 
 }  // namespace
 
-double seconds_kept(double expected, double left) {
-  /// Preparations took up to a quarter longer than expected.
-  constexpr double longer = 1.25;
-  /// Largest part of the time that is kept: boundary elements mostly reach the accuracy, and sooner.
-  constexpr double most_kept = 0.6;
-  const double kept = longer * expected;
-  return kept <= most_kept * left ? kept : 0;
-}
-
 bool Automatic::prefers_reduction(const Methods& methods, const SceneSize& size,
                                   const EvaluationOptions& asked, std::size_t poses) const {
   if (!methods.reduction_is_bounded(asked.entries))
@@ -134,8 +125,9 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
   Best best(scene, asked, limit);
   const double rough_seconds = expected_seconds(Reduced{}, size, {.rtol = rtol_of(asked), .is_rough = true});
   const auto ask_roughly = [&] {
-    best.ask(rough_seconds, true,
-             [&](Evaluation& found) { methods.reduce_roughly(scene, asked, with_sensors, found); });
+    best.ask(rough_seconds, true, [&](Evaluation& found) {
+      methods.reduce_before_machine(scene, asked, true, with_sensors, found);
+    });
   };
   const auto ask_reduction = [&] {
     // Bodies in contact on different links would be prepared again in every pose.
@@ -150,30 +142,25 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
   const bool begins_reduced = prefers_reduction(methods, size, asked, 1);
   if (begins_reduced)
     ask_reduction();
-  const double machine_seconds = expected_seconds(Reduced{}, size, {.rtol = rtol_of(asked)});
   if (!best.is_done()) {
     const auto start = std::chrono::steady_clock::now();
-    // Boundary elements answer with what they have when their time is over.
-    std::optional<TimeLimit> own;
-    if (limit != nullptr && !begins_reduced && methods.has_machine(asked.entries)) {
-      const double left = limit->seconds_left();
-      own.emplace(left - seconds_kept(machine_seconds, left));
-    }
-    best.ask(
-        seconds_of_elements(size, asked), true,
-        [&](Evaluation& found) { Methods::solve(scene, asked, found); }, own ? &*own : nullptr);
+    // Boundary elements answer with what they have when the time is over.
+    best.ask(seconds_of_elements(size, asked), true,
+             [&](Evaluation& found) { Methods::solve(scene, asked, found); });
     spent_ += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   }
   if (!begins_reduced && methods.reduction_is_bounded(asked.entries))
     ask_reduction();
   if (!best.is_done() && best.error() > most_unreached_error) {
-    if (best.is_late())
+    const bool is_late = best.is_late();
+    if (is_late)
       limit->grant(seconds_of_grace);
     if (methods.has_machine(asked.entries)) {
       ask_roughly();
-      if (best.error() > most_unreached_error)
-        best.ask(machine_seconds, false, [&](Evaluation& found) {
-          methods.reduce_before_machine(scene, asked, with_sensors, found);
+      // Where the reduced method answers by a matrix, it has not prepared the machine for the accuracy.
+      if (!is_late && methods.reduces_to_matrix(asked.entries) && best.error() > most_unreached_error)
+        best.ask(expected_seconds(Reduced{}, size, {.rtol = rtol_of(asked)}), false, [&](Evaluation& found) {
+          methods.reduce_before_machine(scene, asked, false, with_sensors, found);
         });
     } else if (!asked.derivatives)
       best.ask(expected_seconds(Formula{}, size, {.rtol = rtol_of(asked)}), true,

@@ -9,10 +9,6 @@
 
 namespace fringe::detail {
 
-/// Returns how much of the seconds that are left boundary elements leave for the readings before a machine,
-/// which are expected to take so long; 0 if they may take all.
-double seconds_kept(double expected, double left);
-
 /// The method `auto` of a scene whose links move (LiveScene::evaluate).
 class Automatic {
  public:

@@ -263,8 +263,8 @@ bool Methods::reduces_to_matrix(const Scene& scene, const EvaluationOptions& ask
 }
 
 /// Finds the readings before a machine.
-void Methods::read(const Scene& scene, const EvaluationOptions& asked, bool is_rough, bool with_sensors,
-                   Evaluation& answer) {
+void Methods::reduce_before_machine(const Scene& scene, const EvaluationOptions& asked, bool is_rough,
+                                    bool with_sensors, Evaluation& answer) {
   const double rtol = rtol_of(asked);
   answer.answered_by = to_string(Method(Reduced{}));
   answer.capacitance = {};
@@ -286,28 +286,18 @@ void Methods::read(const Scene& scene, const EvaluationOptions& asked, bool is_r
   answer.reached = stated_error(answer, scene, asked.entries) <= rtol;
 }
 
-void Methods::reduce_roughly(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
-                             Evaluation& answer) {
-  read(scene, asked, true, with_sensors, answer);
-}
-
-void Methods::reduce_before_machine(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
-                                    Evaluation& answer) {
-  read(scene, asked, false, with_sensors, answer);
-}
-
 void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
                      ReducedContacts contacts, Refinement refinement, Evaluation& answer) {
   const double rtol = rtol_of(asked);
   if (may_be_rough(rtol, asked.entries)) {
-    reduce_roughly(scene, asked, with_sensors, answer);
+    reduce_before_machine(scene, asked, true, with_sensors, answer);
     if (answer.reached || rtol >= least_merely_rough_rtol)
       return;
   }
   answer.answered_by = to_string(Method(Reduced{}));
   answer.capacitance = {};
   if (!reduces_to_matrix(scene, asked, contacts, answer)) {
-    read(scene, asked, false, with_sensors, answer);
+    reduce_before_machine(scene, asked, false, with_sensors, answer);
     return;
   }
   take_matrix(scene, with_sensors, answer);
@@ -330,7 +320,7 @@ void Methods::reduce(const Scene& scene, const EvaluationOptions& asked, bool wi
   Evaluation before_machine;
   EvaluationOptions reachable = asked;
   reachable.rtol = std::max(rtol, least_read_rtol);
-  read(scene, reachable, false, with_sensors, before_machine);
+  reduce_before_machine(scene, reachable, false, with_sensors, before_machine);
   const double other_error = stated_error(before_machine, scene, asked.entries);
   if (other_error >= error)
     return;

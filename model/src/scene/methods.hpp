@@ -53,13 +53,10 @@ class Methods {
   void reduce(const Scene& scene, const EvaluationOptions& asked, bool with_sensors, ReducedContacts contacts,
               Refinement refinement, Evaluation& answer);
 
-  /// Answers with the readings before a machine that is prepared roughly.
-  void reduce_roughly(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
-                      Evaluation& answer);
-
-  /// Answers with the readings before a machine that is prepared for the accuracy.
-  void reduce_before_machine(const Scene& scene, const EvaluationOptions& asked, bool with_sensors,
-                             Evaluation& answer);
+  /// Answers with the readings before a machine.
+  /// @param is_rough whether the machine is prepared roughly, else for the accuracy
+  void reduce_before_machine(const Scene& scene, const EvaluationOptions& asked, bool is_rough,
+                             bool with_sensors, Evaluation& answer);
 
   /// Answers by boundary elements.
   static void solve(const Scene& scene, const EvaluationOptions& asked, Evaluation& answer);
@@ -98,8 +95,6 @@ class Methods {
   void find_by_formula(const Scene& scene, Evaluation& answer);
   bool reduces_to_matrix(const Scene& scene, const EvaluationOptions& asked, ReducedContacts contacts,
                          Evaluation& answer);
-  void read(const Scene& scene, const EvaluationOptions& asked, bool is_rough, bool with_sensors,
-            Evaluation& answer);
   const MaxwellMatrix& reduced_matrix(const Scene& scene, double rtol, ReducedContacts contacts,
                                       bool with_derivatives);
 

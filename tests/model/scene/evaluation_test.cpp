@@ -12,7 +12,6 @@
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "reduced/reduced_capacitance.hpp"
-#include "scene/automatic.hpp"
 #include "scene/expected_seconds.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
@@ -307,12 +306,6 @@ TEST(Auto, LeavesTheSceneInItsPosesAfterAMotion) {
   // Also when a frame cannot be used.
   EXPECT_THROW(live.readings_of({motion[0], {"none", {}}}, {.method = Formula{}}), InputError);
   EXPECT_EQ(live.scene().links.at(0).pose.matrix(), present);
-}
-
-TEST(Auto, LeavesTimeForTheReadingsBeforeAMachineWhereThereIsEnough) {
-  EXPECT_GT(detail::seconds_kept(20, 60), 20);
-  EXPECT_LT(detail::seconds_kept(20, 60), 30);
-  EXPECT_EQ(detail::seconds_kept(40, 60), 0);
 }
 
 TEST(Auto, EndsInTimeWithTheBestAnswerSoFar) {

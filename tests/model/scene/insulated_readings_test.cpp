@@ -99,6 +99,16 @@ TEST(LayerRule, AReadingUnderACoverIsWithinItsErrorOfBoundaryElements) {
   }
 }
 
+TEST(LayerRule, GivesAutoMoreThanARoughPreparationWhereBoundaryElementsDoNotAnswer) {
+  // Boundary elements have no derivatives beside dielectric bodies.
+  const Scene scene = covered(before_a_hand(0.03), 0.002, 3);
+  const Evaluation answer = evaluate(scene, {.rtol = 3e-2, .derivatives = true});
+  EXPECT_EQ(answer.answered_by, "reduced");
+  const Estimate found = answer.readings.at(0).change;
+  EXPECT_NEAR(*found.value, change(scene, by_boundary_elements(3e-2)), found.error.value());
+  EXPECT_LT(*found.error, 0.8 * evaluate(scene, roughly).readings.at(0).change.error.value());
+}
+
 TEST(LayerRule, ACoverThickerThanTheGapIsRefusedByBothNames) {
   const Scene scene = covered(before_a_hand(0.003), 0.004, 3);
   for (const EvaluationOptions& options : {by_integral, by_formula, by_boundary_elements(0.15)})
