@@ -29,6 +29,17 @@ read -r _
 tries=600
 until rm -rf -- "$folder" || [ $((tries -= 1)) -eq 0 ]; do sleep 0.1; done
 """
+# Runs a program in a process group of its own, and ends all of the group when the standard input ends, which its starter holds open.
+_GROUP_KEEPER = """
+exec 3<&0 </dev/null
+setsid "$@" 3<&- &
+group=$!
+(read -r _ <&3; kill -s TERM -- "-$group") >/dev/null 2>&1 &
+wait "$group"
+status=$?
+kill $!
+exit "$status"
+"""
 
 
 def ending_with_this(command: Sequence[str | os.PathLike[str]]) -> list[str]:
@@ -40,6 +51,26 @@ def ending_with_this(command: Sequence[str | os.PathLike[str]]) -> list[str]:
     if shutil.which(words[0]) is None:
         raise FileNotFoundError(errno.ENOENT, "there is no such program", words[0])
     return [*ENDS_WITH_PARENT, "sh", "-c", _UNLESS_ORPHANED, str(os.getpid()), *words]
+
+
+def run_with_all_it_starts(command: str, folder: Path) -> subprocess.CompletedProcess[str]:
+    """Runs a shell's command in a folder and returns what it prints. It and all that it starts, such as the compilers of a build, are
+    told to end (SIGTERM) when this process ends.
+    """
+    reading, writing = os.pipe()
+    try:
+        return subprocess.run(
+            ["sh", "-c", _GROUP_KEEPER, "sh", "sh", "-c", command],
+            cwd=folder,
+            stdin=reading,
+            capture_output=True,
+            text=True,
+            check=False,
+            start_new_session=True,
+        )
+    finally:
+        os.close(reading)
+        os.close(writing)
 
 
 def end_with(parent: int) -> None:

@@ -13,7 +13,7 @@ from typing import Any
 from analysis.topics.trends import changes, counts, records
 from analysis.topics.trends.changes import Mark
 from analysis.topics.trends.records import Record
-from geometries.common.children import ending_with_this, temporary_folder
+from geometries.common.children import ending_with_this, run_with_all_it_starts, temporary_folder
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT
 
@@ -97,8 +97,7 @@ def _numbers(tree: Path, mark: Mark, build: str) -> dict[str, float] | None:
 
 def _said(command: str, tree: Path) -> str | None:
     """Returns what a command prints there; None if it fails."""
-    words = ending_with_this(["sh", "-c", command])
-    done = subprocess.run(words, cwd=tree, capture_output=True, text=True, check=False)
+    done = run_with_all_it_starts(command, tree)
     # Status 3 is that of an answer short of the accuracy asked for.
     return done.stdout if done.returncode in (0, 3) else None
 

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from geometries.common.arguments import positive_integer, positive_number
-from geometries.common.children import ending_with_this, temporary_folder
+from geometries.common.children import ending_with_this, run_with_all_it_starts, temporary_folder
 from geometries.common.files import whole_file
 from tests.waiting import heed_signals, marked, wait_until
 
@@ -92,6 +92,28 @@ def test_nothing_is_left_of_processes_that_are_killed_at_any_moment(tmp_path: Pa
     wait_until(
         lambda: not marked(tmp_path) and not list(tmp_path.iterdir()), "the end of all processes and files"
     )
+
+
+@pytest.mark.parametrize("ending", (signal.SIGKILL, signal.SIGTERM))
+def test_nothing_is_left_of_what_a_command_has_started(tmp_path: Path, ending: signal.Signals) -> None:
+    """As the compilers of a build, the sleeping programs are children of a child."""
+    parent = f"""
+from pathlib import Path
+from geometries.common.children import run_with_all_it_starts
+run_with_all_it_starts("sh -c 'sleep 1000 & touch begun; sleep 1000'; true", Path({str(tmp_path)!r}))
+"""
+    environment = os.environ | {"TMPDIR": str(tmp_path)}
+    with subprocess.Popen([sys.executable, "-c", parent], cwd=REPOSITORY, env=environment) as started:
+        wait_until(lambda: (tmp_path / "begun").exists(), "the beginning")
+        assert len(marked(tmp_path)) >= 4
+        os.kill(started.pid, ending)
+    wait_until(lambda: not marked(tmp_path), "the end of all processes")
+
+
+def test_a_command_keeps_its_status_and_what_it_prints(tmp_path: Path) -> None:
+    done = run_with_all_it_starts("pwd; echo wrong >&2; exit 7", tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (7, f"{tmp_path}\n", "wrong\n")
+    assert not marked(tmp_path)
 
 
 def test_a_program_whose_starter_has_ended_before_it_began_does_not_run(tmp_path: Path) -> None:
