@@ -76,7 +76,7 @@ struct Evaluation {
   /// The readings in the order of the scene. The triangle-integral methods know only the change of a reading
   /// that drives the sensor it senses: the sum over the targets.
   std::vector<ReadingAnswer> readings;
-  std::string answered_by;  ///< the method that answered
+  std::string answered_by;  ///< the method that answered; with Auto, readings may have one of their own
   /// Tells whether the stated errors are within the error asked for; true where none was asked for.
   bool reached = true;
   double expected_seconds = 0;  ///< estimated before the methods that were asked began

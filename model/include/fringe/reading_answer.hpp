@@ -36,7 +36,7 @@ struct ReadingAnswer {
   Estimate value;
   Estimate background;           ///< the value without the targets
   Estimate change;               ///< value − background; errors common to both cancel
-  std::string answered_by = {};  ///< the method
+  std::string answered_by = {};  ///< the method that found the change
   /// Tells whether all readings of the answer reached the accuracy asked for: relative to the values, and to
   /// the changes or 1e-5 of the values, whichever is more, since electronics resolve no less. None for
   /// methods that state no errors, and where there is no answer.

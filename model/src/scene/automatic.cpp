@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,15 +20,17 @@ namespace {
 /// prepared roughly states about as much, one that is prepared for the accuracy less, also beside covers.
 constexpr double most_unreached_error = 0.1;
 
-/// An answer that knows only changes replaces one that knows values, too, where its error is less than this
-/// part of the other's.
-constexpr double most_for_values = 0.5;
-
 /// Seconds that an answer gets even where the time is over, if there is none yet: several times what a rough
 /// preparation of some ten thousand triangles takes.
 constexpr double seconds_of_grace = 10;
 
-/// The answer that states the smallest error so far.
+/// Tells whether an estimate states a smaller error than another one, which may not be known.
+bool is_better(const Estimate& one, const Estimate& other) {
+  return one.value && one.error && (!other.value || *one.error < other.error.value_or(infinity));
+}
+
+/// The best answer so far: the one that states the smallest error. Where one method has a matrix and another
+/// knows only readings, it has that matrix and of each reading the best value and change of both.
 class Best {
  public:
   Best(const Scene& scene, const EvaluationOptions& asked, TimeLimit* limit)
@@ -50,11 +53,7 @@ class Best {
       Evaluation found;
       answer(found);
       found.expected_seconds = expected_;
-      const double error = found.reached ? 0 : stated_error(found, scene_, asked_.entries);
-      if (!answer_ || error < (loses_values(found) ? most_for_values * error_ : error_)) {
-        answer_ = std::move(found);
-        error_ = error;
-      }
+      take(std::move(found));
     } catch (const InputError& error) {
       if (refusals_.find(error.what()) == std::string::npos)
         refusals_ += (refusals_.empty() ? "" : "; ") + std::string(error.what());
@@ -77,12 +76,26 @@ class Best {
   }
 
  private:
-  /// Tells whether an answer does not know the value of a reading that the best one so far knows.
-  bool loses_values(const Evaluation& found) const {
+  void take(Evaluation found) {
+    const double error = error_of(found);
+    if (!answer_ || answer_->matrix.has_value() == found.matrix.has_value()) {
+      if (!answer_ || error < error_) {
+        answer_ = std::move(found);
+        error_ = error;
+      }
+      return;
+    }
+    if (found.matrix)
+      std::swap(*answer_, found);
     for (std::size_t k = 0; k < std::min(found.readings.size(), answer_->readings.size()); ++k)
-      if (answer_->readings[k].value.value && !found.readings[k].value.value)
-        return true;
-    return false;
+      improve(answer_->readings[k], found.readings[k]);
+    answer_->matrix->readings = answer_->readings;
+    answer_->expected_seconds = expected_;
+    error_ = error_of(*answer_);
+  }
+
+  double error_of(const Evaluation& answer) const {
+    return answer.reached ? 0 : stated_error(answer, scene_, asked_.entries);
   }
 
   const Scene& scene_;
@@ -108,6 +121,25 @@ double seconds_of_elements(const SceneSize& size, const EvaluationOptions& asked
 }
 
 }  // namespace
+
+void improve(ReadingAnswer& reading, const ReadingAnswer& other) {
+  const bool has_value = is_better(other.value, reading.value);
+  const bool has_change = is_better(other.change, reading.change);
+  if (has_value) {
+    reading.value = other.value;
+    reading.background = other.background;
+  }
+  if (has_change) {
+    reading.change = other.change;
+    reading.derivatives = other.derivatives;
+    reading.answered_by = other.answered_by;
+  }
+  const Estimate &value = reading.value, &change = reading.change;
+  // The change of a target in contact is infinite, which leaves the background as it is.
+  if (has_value != has_change && value.value && change.value && std::isfinite(*change.value))
+    reading.background = {*value.value - *change.value,
+                          value.error.value_or(infinity) + change.error.value_or(infinity)};
+}
 
 bool Automatic::prefers_reduction(const Methods& methods, const SceneSize& size,
                                   const EvaluationOptions& asked, std::size_t poses) const {

@@ -9,6 +9,11 @@
 
 namespace fringe::detail {
 
+/// Takes from another answer of the same reading what states the smaller error: the value with its
+/// background, the change with its derivatives and the method's name, or both. A background that belongs to
+/// neither is the difference of value and change.
+void improve(ReadingAnswer& reading, const ReadingAnswer& other);
+
 /// The method `auto` of a scene whose links move (LiveScene::evaluate).
 class Automatic {
  public:

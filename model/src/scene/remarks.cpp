@@ -290,7 +290,8 @@ void remark_on_narrow_gaps(const Scene& scene, const std::vector<Body>& bodies, 
 }
 
 /// Remarks on what the triangle integrals and the formula take in the place of covers and dielectric targets.
-void remark_on_insulators(const Scene& scene, const Evaluation& answer, std::vector<std::string>& found) {
+void remark_on_insulators(const Scene& scene, const Evaluation& answer, const std::string& method,
+                          std::vector<std::string>& found) {
   std::vector<std::string> covered, enclosed;
   for (const Sensor& sensor : scene.sensors)
     if (std::ranges::any_of(scene.objects, [&](const Object& object) {
@@ -304,7 +305,7 @@ void remark_on_insulators(const Scene& scene, const Evaluation& answer, std::vec
     found.push_back(fmt::format(
         "sensor {}: the method {} takes the cover by the layer rule, as a plate nearer by t(1 - 1/e); "
         "compare with boundary-elements",
-        listed(covered), answer.answered_by));
+        listed(covered), method));
   if (enclosed.empty())
     return;
   const bool is_known = std::ranges::all_of(
@@ -314,10 +315,10 @@ void remark_on_insulators(const Scene& scene, const Evaluation& answer, std::vec
           ? fmt::format(
                 "object {}: dielectric, of which the method {} only knows between which conductors' changes "
                 "its change lies; the error says so. Compare with boundary-elements",
-                listed(enclosed), answer.answered_by)
+                listed(enclosed), method)
           : fmt::format("object {}: dielectric, of which the method {} knows no change here; "
                         "boundary-elements does",
-                        listed(enclosed), answer.answered_by));
+                        listed(enclosed), method));
 }
 
 /// Remarks on a room, of which no method of the library knows more than that it is there.
@@ -391,8 +392,15 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
   const bool is_answered = std::ranges::any_of(answer.readings, [](const ReadingAnswer& reading) {
     return reading.change.value || reading.value.value;
   });
-  if (answer.matrix)
+  if (answer.matrix) {
+    // The method auto takes changes from a method without a matrix, too.
+    const auto other = std::ranges::find_if(answer.readings, [&](const ReadingAnswer& reading) {
+      return reading.answered_by != answer.answered_by;
+    });
+    if (other != answer.readings.end())
+      remark_on_insulators(scene, answer, other->answered_by, found);
     return found;
+  }
   if (scene.sensors.empty() && !is_answered)
     found.emplace_back(
         scene.readings.empty()
@@ -402,7 +410,7 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
   if (options.faces == FaceRule::facing)
     remark_on_backs(answer.capacitance, found);
   remark_on_room(scene, answer, found);
-  remark_on_insulators(scene, answer, found);
+  remark_on_insulators(scene, answer, answer.answered_by, found);
   // The reduced method knows what is around a sensor.
   if (answer.answered_by != to_string(Method(Reduced{}))) {
     remark_on_shields(scene, bodies, answer, found);
