@@ -217,27 +217,7 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
   ChargedBodies all = bodies.conductors;
   for (const Insulator& insulator : bodies.insulators)
     all.bodies.push_back(surface_of(insulator));
-  const std::vector<InducedCharge> induced = induced_charges(all);
-  const auto is_too_large = [&](const PanelGroup& group) {
-    const std::vector<Triangle> triangles = mesh_.triangles(group);
-    for (std::size_t body = 0; body < induced.size(); ++body)
-      if (body != group.body)
-        for (const Triangle& triangle : triangles)
-          if (induced[body].is_narrow_on(triangle))
-            return true;
-    return false;
-  };
-  while (mesh_.panels().size() < grading.most_panels) {
-    std::vector<int> marked;
-    for (const PanelGroup& group : mesh_.groups()) {
-      check_interruption();
-      marked.push_back(is_too_large(group) ? 1 : 0);
-    }
-    if (std::find(marked.begin(), marked.end(), 1) == marked.end())
-      break;
-    // Without charges, triangles are halved across their longest sides.
-    mesh_.refine(marked, MatrixXd(index_of(mesh_.panels().size()), 0));
-  }
+  refine_by_proximity(mesh_, all, grading.most_panels);
 }
 
 double InsulatedSystem::undivided_error() const {

@@ -15,7 +15,6 @@
 #include "bem/proximity_refinement.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "bem/two_level_preconditioner.hpp"
-#include "numeric/interruption.hpp"
 #include "numeric/parallel.hpp"
 #include "readings/asked_error.hpp"
 #include "readings/maxwell_matrix.hpp"
@@ -116,38 +115,12 @@ PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& gradin
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
     if (const auto* surface = std::get_if<TriangleSurface>(&bodies.bodies[body].surface))
       mesh_.add(body, surface->triangles, grading, surface->round ? &*surface->round : nullptr, threads);
-  refine_by_proximity(grading.most_panels);
+  refine_by_proximity(mesh_, bodies, grading.most_panels);
 }
 
 PanelSystem::PanelSystem(const ChargedBodies& bodies, PanelMesh mesh, std::size_t threads)
     : bodies_(bodies), threads_(threads), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_),
       mesh_(std::move(mesh)), panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {}
-
-void PanelSystem::refine_by_proximity(std::size_t most_panels) {
-  if (mesh_.panels().empty())
-    return;
-  const std::vector<InducedCharge> charges = induced_charges(bodies_);
-  const auto is_too_large = [&](const PanelGroup& group) {
-    const std::vector<Triangle> triangles = mesh_.triangles(group);
-    for (std::size_t body = 0; body < charges.size(); ++body)
-      if (body != group.body)
-        for (const Triangle& triangle : triangles)
-          if (charges[body].is_narrow_on(triangle))
-            return true;
-    return false;
-  };
-  while (mesh_.panels().size() < most_panels) {
-    std::vector<int> marked;
-    for (const PanelGroup& group : mesh_.groups()) {
-      check_interruption();
-      marked.push_back(is_too_large(group) ? 1 : 0);
-    }
-    if (std::find(marked.begin(), marked.end(), 1) == marked.end())
-      break;
-    // Without charges, triangles are halved across their longest sides.
-    mesh_.refine(marked, MatrixXd(index_of(mesh_.panels().size()), 0));
-  }
-}
 
 void PanelSystem::refine_groups(const std::vector<int>& steps, const MatrixXd& charges) {
   // After two refinements without a matrix between them, the places are not those of the matrix.

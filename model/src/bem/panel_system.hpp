@@ -95,8 +95,6 @@ class PanelSystem {
   Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;
   Eigen::MatrixXd body_charges(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges) const;
   Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges) const;
-  /// Divides groups of panels that are too large to resolve another body close by.
-  void refine_by_proximity(std::size_t most_panels);
   void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
 
   const ChargedBodies& bodies_;

@@ -6,6 +6,7 @@
 #include "bem/jacobi_basis.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/gjk.hpp"
+#include "numeric/interruption.hpp"
 #include "surface/panel.hpp"
 
 namespace fringe::detail {
@@ -97,6 +98,32 @@ std::vector<InducedCharge> induced_charges(const ChargedBodies& bodies) {
   for (const ChargedBody& body : bodies.bodies)
     charges.emplace_back(body);
   return charges;
+}
+
+void refine_by_proximity(PanelMesh& mesh, const ChargedBodies& bodies, std::size_t most_panels) {
+  if (mesh.panels().empty())
+    return;
+  const std::vector<InducedCharge> charges = induced_charges(bodies);
+  const auto is_too_large = [&](const PanelGroup& group) {
+    const std::vector<Triangle> triangles = mesh.triangles(group);
+    for (std::size_t body = 0; body < charges.size(); ++body)
+      if (body != group.body)
+        for (const Triangle& triangle : triangles)
+          if (charges[body].is_narrow_on(triangle))
+            return true;
+    return false;
+  };
+  while (mesh.panels().size() < most_panels) {
+    std::vector<int> marked;
+    for (const PanelGroup& group : mesh.groups()) {
+      check_interruption();
+      marked.push_back(is_too_large(group) ? 1 : 0);
+    }
+    if (std::find(marked.begin(), marked.end(), 1) == marked.end())
+      break;
+    // Without charges, triangles are halved across their longest sides.
+    mesh.refine(marked, Eigen::MatrixXd(index_of(mesh.panels().size()), 0));
+  }
 }
 
 }  // namespace fringe::detail

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include <Eigen/Core>
 
+#include "bem/panel_mesh.hpp"
 #include "surface/bodies.hpp"
 
 namespace fringe::detail {
@@ -33,5 +35,9 @@ class InducedCharge {
 
 /// Returns the charge that each body induces on others.
 std::vector<InducedCharge> induced_charges(const ChargedBodies& bodies);
+
+/// Divides the panels of each body, given by its number, until they resolve the charges that the others
+/// induce, or there are `most_panels`.
+void refine_by_proximity(PanelMesh& mesh, const ChargedBodies& bodies, std::size_t most_panels);
 
 }  // namespace fringe::detail
