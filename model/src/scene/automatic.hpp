@@ -30,7 +30,7 @@ class Automatic {
                       const EvaluationOptions& options, bool with_sensors, TimeLimit* limit);
 
  private:
-  double spent_ = 0;  ///< seconds by boundary elements
+  double spent_ = 0;  ///< seconds that boundary elements are counted to have taken
 };
 
 }  // namespace fringe::detail
