@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from geometries.scene import reader
-from tests.end_to_end.importing import assert_refused, fringe_import, imported
+from tests.end_to_end.importing import area, assert_refused, fringe_import, imported
 
 # A unit square in z = 0, as one quadrilateral and as two triangles.
 SQUARE = "0 A unit square\n* of one panel\nQ 1  0 0 0  1 0 0  1 1 0  0 1 0\n"
@@ -86,12 +86,7 @@ def test_a_file_of_panels_is_a_list_of_its_own(tmp_path: Path) -> None:
 def test_a_quadrilateral_is_divided_inside_it(tmp_path: Path) -> None:
     """The diagonal from the second corner to the fourth one is the one inside this arrowhead."""
     path = written(tmp_path, "C arrow.qui 1 0 0 0\n", arrow="0\nQ 1  0 0 0  2 1 0  0 2 0  1 1 0\n")
-    assert _area(imported(path).conductors()["1"]) == pytest.approx(1)
-
-
-def _area(triangles: np.ndarray) -> float:
-    edges = triangles[:, 1:] - triangles[:, :1]
-    return float(np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1).sum() / 2)
+    assert area(imported(path).conductors()["1"]) == pytest.approx(1)
 
 
 def test_dielectric_interfaces_are_left_out_with_a_warning(tmp_path: Path) -> None:
@@ -165,7 +160,3 @@ def test_what_is_wrong_in_a_file_of_panels_is_told_with_its_line(
     done = fringe_import(path, tmp_path / "new" / "scene.toml")
     assert (done.returncode, done.stdout) == (2, "")
     assert done.stderr.startswith(f"fringe: {tmp_path}/panels.qui:{told}") and not (tmp_path / "new").exists()
-
-
-def test_a_list_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    assert_refused(tmp_path / "x.lst", "x.lst: the file does not exist")

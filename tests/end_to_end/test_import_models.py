@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.end_to_end.importing import assert_refused, imported
+from tests.end_to_end.importing import area, assert_refused, imported, volume
 
 # A tetrahedron; its faces look outwards.
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], dtype=float)
@@ -90,10 +90,6 @@ def test_what_is_up_in_collada_is_z(tmp_path: Path, up: str, column: list[list[i
         assert found == pytest.approx(base @ np.array(column), abs=1e-6)
 
 
-def volume(triangles: np.ndarray) -> float:
-    return float(np.linalg.det(triangles).sum() / 6)
-
-
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 def test_what_bounds_no_body_does_not_matter_in_collada(tmp_path: Path, encoding: str) -> None:
     """Colours and lights with blanks or without numbers, cameras of one name, and extras of other programs."""
@@ -170,19 +166,15 @@ f 5 6 7 8
 
 
 def test_objects_of_obj_are_bodies_whatever_their_materials(tmp_path: Path) -> None:
+    """Also if their file is missing."""
     path = tmp_path / "model.obj"
     path.write_text(OBJ)
+    assert list(imported(path).conductors()) == ["housing", "plate"]
     (tmp_path / "colours.mtl").write_text("newmtl steel\nKd 1 1 1\nnewmtl paint\nKd 0 0 1\n")
     found = imported(path).conductors()
     assert list(found) == ["housing", "plate"]
     assert found["housing"].shape == (4, 3, 3) and volume(found["housing"]) == pytest.approx(1)
     assert found["plate"].shape == (2, 3, 3)
-
-
-def test_a_missing_file_of_materials_does_not_matter(tmp_path: Path) -> None:
-    path = tmp_path / "model.obj"
-    path.write_text(OBJ)
-    assert list(imported(path).conductors()) == ["housing", "plate"]
 
 
 CORNERS = "v 2 0 0\nv 1 .2 0 1\nv 1 2 0\nv 0 0 0\n"
@@ -207,11 +199,6 @@ def test_obj_is_read_as_the_mesh_of_a_scene_is(
     found = imported(path).conductors()
     assert list(found) == names
     assert sum(map(area, found.values())) == pytest.approx(1.1, rel=1e-6)
-
-
-def area(triangles: np.ndarray) -> float:
-    sides = triangles[:, 1:] - triangles[:, :1]
-    return float(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2)
 
 
 def test_faces_that_are_bent_are_told(tmp_path: Path) -> None:
