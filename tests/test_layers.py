@@ -1,8 +1,10 @@
-"""Imports between the Python packages: downwards only, without circles, and at the top of a file unless a slow library is the reason."""
+"""Layers of both languages. Python packages import downwards only, without circles, and at the top of a file unless a slow library is the
+reason. The rooms of model/src stand in layers: a file includes its own room and the rooms below it, and no includes go in a circle."""
 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
@@ -115,3 +117,93 @@ def test_only_slow_libraries_are_imported_late() -> None:
         if not SLOW & {found.split(".")[0] for found in loaded_with(name)}
     ]
     assert not late
+
+
+SOURCES = ROOT / "model" / "src"
+HEADERS = ROOT / "model" / "include"
+# The rooms from the bottom to the top. Vector registers need nothing; arithmetic, products of matrices and quadrature rules compute with
+# them; shapes and poses are made of both. Files, integrals over triangles and collisions know shapes, but not each other. Surfaces are the
+# bodies that carry charge, whose gaps collision measures; readings follow from the matrix of their conductors, whoever found it. Boundary
+# elements integrate with the quadratures of the integrals; the pair formula needs no more; the reduced method compresses boundary elements.
+# A sensing cone is a shape that collision measures; a scene asks them all.
+ROOMS = (
+    {"simd"},
+    {"numeric"},
+    {"geometry"},
+    {"io", "integral", "collision"},
+    {"surface"},
+    {"readings"},
+    {"bem", "formula"},
+    {"reduced"},
+    {"sensing"},
+    {"scene"},
+)
+HEIGHT = {room: height for height, rooms in enumerate(ROOMS) for room in rooms}
+# Its options, counts and constants are plain types that the integrals, the formula and the reduced method share with a scene.
+TYPES_FOR_ALL = {"fringe/capacitance.hpp"}
+# It gathers the kernels of all rooms for the files that are compiled for one instruction set each (simd/avx2.cpp and so on). No
+# header of another room includes it, so no circle comes of it.
+COMPILED_PER_INSTRUCTION_SET = "simd/all_kernels.hpp"
+
+
+def included(folder: Path) -> dict[str, list[str]]:
+    """What each file of C++ in a folder includes, by its path from there."""
+    include = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.MULTILINE)
+    files = (path for path in folder.rglob("*") if path.suffix in {".cpp", ".hpp"})
+    return {
+        str(path.relative_to(folder)): include.findall(path.read_text(encoding="utf-8")) for path in files
+    }
+
+
+LIBRARY, PUBLIC = included(SOURCES), included(HEADERS)
+
+
+def room(path: str) -> str:
+    return path.split("/")[0]
+
+
+def test_every_include_is_written_from_the_folder_of_the_sources() -> None:
+    assert {room(path) for path in LIBRARY} == set(HEIGHT)
+    assert not [
+        f"{path}: {name}"
+        for path, names in LIBRARY.items()
+        for name in names
+        if name not in LIBRARY and name not in PUBLIC
+    ]
+
+
+def test_no_file_includes_one_of_a_layer_above_or_of_another_room_of_its_own_layer() -> None:
+    assert not [
+        f"{path} ({room(path)}) includes {name}"
+        for path, names in LIBRARY.items()
+        for name in names
+        if path != COMPILED_PER_INSTRUCTION_SET
+        and name in LIBRARY
+        and room(path) != room(name)
+        and HEIGHT[room(name)] >= HEIGHT[room(path)]
+    ]
+
+
+def test_only_files_of_one_instruction_set_include_all_kernels() -> None:
+    including = {path for path, names in LIBRARY.items() if COMPILED_PER_INSTRUCTION_SET in names}
+    assert including == {f"simd/{name}.cpp" for name in ("scalar", "sse2", "avx2", "avx512")}
+
+
+def test_no_room_uses_what_a_layer_above_implements_for_the_public() -> None:
+    """A public header is implemented where the source of its name stands; a header of types alone has no such source."""
+    owners = {f"fringe/{Path(path).stem}.hpp": room(path) for path in LIBRARY if path.endswith(".cpp")}
+    assert not [
+        f"{path} ({room(path)}) includes {name} of {owners[name]}"
+        for path, names in LIBRARY.items()
+        for name in names
+        if name in owners and name not in TYPES_FOR_ALL and HEIGHT[owners[name]] > HEIGHT[room(path)]
+    ]
+
+
+def test_no_headers_include_each_other_in_a_circle() -> None:
+    # Raises CycleError, which names the circle.
+    TopologicalSorter(LIBRARY | PUBLIC).prepare()
+
+
+def test_one_header_includes_all_public_ones() -> None:
+    assert PUBLIC["fringe/fringe.hpp"] == sorted(set(PUBLIC) - {"fringe/fringe.hpp"})
