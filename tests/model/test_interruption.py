@@ -15,6 +15,7 @@ import time
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 from typing import Any
@@ -24,12 +25,12 @@ import numpy as np
 import pytest
 
 from tests import scenes
+from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
 COMMAND = ROOT / "build/bin/fringe"
-Command = Callable[..., subprocess.CompletedProcess[str]]
-# After this a test fails in place of waiting for ever.
-HANGING_SECONDS = 600
+Done = subprocess.CompletedProcess[str]
+Command = Callable[..., Done]
 
 SENSOR = scenes.sensor("front", [[-0.03, -0.02, 0], [0.06, 0, 0], [0, 0.04, 0]])
 # Minutes by every method at its finest.
@@ -47,7 +48,7 @@ LONG = SENSOR + (
 )
 # A second by the reduced method.
 SHORT = SENSOR + scenes.body("hand", "sphere", radius=0.05, segments=16, translation=[0, 0, 0.17])
-# A first matrix in about a second, and three times as long to an error of 1e-3.
+# A first matrix in about a second.
 REFINED = SENSOR + (
     scenes.body("a", "cone", radius=0.05, height=0.1, segments=24, translation=[0, 0, 0.07])
     + scenes.body("b", "cylinder", radius=0.05, height=0.1, segments=24, translation=[0.15, 0, 0.07])
@@ -80,8 +81,9 @@ CALLS: dict[str, Callable[[fringe.Scene, Path], object]] = {
 }
 
 
-@pytest.mark.parametrize("call", CALLS)
-@pytest.mark.parametrize("seconds", [0.1, 1.0])
+@pytest.mark.parametrize(
+    ("call", "seconds"), [("maxwell", 0.1), ("readings", 0.1), ("capacitance", 1.0), ("readings of", 1.0)]
+)
 def test_a_signal_ends_a_call_in_python(call: str, seconds: float, tmp_path: Path) -> None:
     motion = tmp_path / "motion.toml"
     motion.write_text(MOTION)
@@ -107,7 +109,7 @@ def test_ctrl_c_is_a_keyboard_interrupt() -> None:
     )
     assert process.stdout is not None and process.stdout.readline() == "begun\n"
     process.send_signal(signal.SIGINT)
-    assert process.communicate(timeout=HANGING_SECONDS)[0] == "ended\n"
+    assert process.communicate(timeout=DEADLINE)[0] == "ended\n"
 
 
 @pytest.mark.parametrize("call", CALLS)
@@ -132,64 +134,79 @@ def test_a_question_ends_a_call_on_another_thread(call: str, tmp_path: Path) -> 
 
 def test_an_interrupted_scene_answers_as_if_nothing_had_been() -> None:
     scene = fringe.Scene.loads(SHORT)
-    with alarm(0.1), pytest.raises(TimeoutError):
-        scene.maxwell(method="reduced", rtol=1e-3)
-    expected = fringe.Scene.loads(SHORT).maxwell(method="reduced", rtol=1e-3)["maxwell"]
-    np.testing.assert_array_equal(scene.maxwell(method="reduced", rtol=1e-3)["maxwell"], expected)
+    with alarm(0.05), pytest.raises(TimeoutError):
+        scene.maxwell(method="reduced", rtol=0.1)
+    expected = fringe.Scene.loads(SHORT).maxwell(method="reduced", rtol=0.1)["maxwell"]
+    np.testing.assert_array_equal(scene.maxwell(method="reduced", rtol=0.1)["maxwell"], expected)
 
 
-def test_after_the_limit_of_time_the_best_matrix_is_printed(fringe_command: Command, tmp_path: Path) -> None:
-    """Its errors are those reached, and hold what the finest matrix is."""
-    path = tmp_path / "scene.toml"
+ENTRIES = ("--method", "boundary-elements", "--rtol", "1e-3", "--entries")
+
+
+@dataclass(frozen=True)
+class Whole:
+    """A scene, its answer that nothing ended, and the seconds that it took."""
+
+    scene: Path
+    answer: dict[str, Any]
+    seconds: float
+
+    def first_that_answers(self, call: Callable[[float], Done]) -> Done:
+        """Calls with ever more seconds, from far fewer than the whole answer takes: the first matrix takes a third of them."""
+        seconds = self.seconds / 8
+        while not (done := call(seconds)).stdout:
+            seconds *= 1.5
+        return done
+
+
+@pytest.fixture(scope="module")
+def whole(fringe_command: Command, tmp_path_factory: pytest.TempPathFactory) -> Whole:
+    path = tmp_path_factory.mktemp("refined") / "scene.toml"
     path.write_text(REFINED)
-    asked = ("--method", "boundary-elements", "--rtol", "1e-3", "--entries")
-    words = ("capacitance", path, *asked, "--json")
-    exact = json.loads(fringe_command(*words).stdout)
-    # How long the first matrix takes depends on the machine.
-    seconds = 0.4
-    while not (done := fringe_command(*words, "--max-seconds", f"{seconds:g}")).stdout:
-        seconds *= 1.3
+    begun = time.monotonic()
+    answer = json.loads(fringe_command("capacitance", path, *ENTRIES, "--json").stdout)
+    return Whole(path, answer, time.monotonic() - begun)
+
+
+def test_after_the_limit_of_time_the_best_matrix_is_printed(fringe_command: Command, whole: Whole) -> None:
+    """Its errors are those reached, and hold what the finest matrix is."""
+    words = ("capacitance", whole.scene, *ENTRIES, "--json", "--max-seconds")
+    done = whole.first_that_answers(lambda seconds: fringe_command(*words, f"{seconds:g}"))
     assert done.returncode == 3
-    assert done.stderr == f"fringe: {path}: stopped after {seconds:g} s: an error of 0.001 was not reached\n"
+    told = rf"fringe: {whole.scene}: stopped after [\d.]+ s: an error of 0\.001 was not reached\n"
+    assert re.fullmatch(told, done.stderr)
     found = json.loads(done.stdout)
     assert not found["reached"]
-    differences = np.abs(np.array(found["maxwell"]) - exact["maxwell"])
-    assert np.all(differences <= np.array(found["error"]) + exact["error"])
+    differences = np.abs(np.array(found["maxwell"]) - whole.answer["maxwell"])
+    assert np.all(differences <= np.array(found["error"]) + whole.answer["error"])
 
 
-def test_after_ctrl_c_the_command_prints_the_best_matrix(tmp_path: Path) -> None:
-    path = tmp_path / "scene.toml"
-    path.write_text(REFINED)
-    words = [COMMAND, "capacitance", path, "--method", "boundary-elements", "--rtol", "1e-3", "--entries"]
-    seconds, output = 0.4, ""
-    while not output:
-        process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(seconds)
-        process.send_signal(signal.SIGINT)
-        output, errors = process.communicate(timeout=HANGING_SECONDS)
-        assert process.returncode == 130
-        seconds *= 1.3
-    assert "NOT reached" in output
-    assert errors == f"fringe: {path}: interrupted: an error of 0.001 was not reached\n"
+def interrupted(seconds: float, *words: str | Path) -> Done:
+    """What came of the command that Ctrl-C ends after so many seconds."""
+    process = subprocess.Popen([COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    time.sleep(seconds)
+    process.send_signal(signal.SIGINT)
+    output, errors = process.communicate(timeout=DEADLINE)
+    return subprocess.CompletedProcess(process.args, process.returncode, output, errors)
+
+
+def test_after_ctrl_c_the_command_prints_the_best_matrix(whole: Whole) -> None:
+    done = whole.first_that_answers(
+        lambda seconds: interrupted(seconds, "capacitance", whole.scene, *ENTRIES)
+    )
+    assert done.returncode == 130 and "NOT reached" in done.stdout
+    assert done.stderr == f"fringe: {whole.scene}: interrupted: an error of 0.001 was not reached\n"
 
 
 def test_an_interrupted_sweep_keeps_the_frames_that_are_finished(tmp_path: Path) -> None:
     path, frames = tmp_path / "scene.toml", 400
     path.write_text(SHORT)
     path.with_suffix(".motion.toml").write_text("[[frame]]\n" * frames)
-    process = subprocess.Popen(
-        [COMMAND, "sweep", path, "--method", "boundary-elements", "--rtol", "1e-3"],
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
-    time.sleep(4)
-    process.send_signal(signal.SIGINT)
-    output, errors = process.communicate(timeout=HANGING_SECONDS)
-    assert process.returncode == 130
-    finished = len(output.splitlines()) - 1
+    done = interrupted(4, "sweep", path, "--method", "boundary-elements", "--rtol", "1e-3")
+    assert done.returncode == 130
+    finished = len(done.stdout.splitlines()) - 1
     assert 0 < finished < frames
-    assert errors.startswith(f"fringe: {path}: interrupted after {finished} of {frames} frames\n")
+    assert done.stderr.startswith(f"fringe: {path}: interrupted after {finished} of {frames} frames\n")
 
 
 def test_on_a_terminal_the_progress_is_shown_and_erased(
@@ -197,10 +214,8 @@ def test_on_a_terminal_the_progress_is_shown_and_erased(
 ) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(REFINED)
-    shown = shown_on_a_terminal(
-        "capacitance", path, "--method", "boundary-elements", "--rtol", "1e-3", "--entries"
-    )
-    assert re.search(r"\r\x1b\[K\d+ unknowns, error [\d.e-]+ of 0.001 asked for, [\d.]+ s", shown)
+    shown = shown_on_a_terminal("capacitance", path, "--method", "boundary-elements", "--entries")
+    assert re.search(r"\r\x1b\[K\d+ unknowns, error [\d.e-]+ of 0.01 asked for, [\d.]+ s", shown)
     # Only what the command says of the accuracy stands after it.
     assert re.search(r"\r\x1b\[K(fringe: [^\r]*\r\n)?$", shown)
 
