@@ -54,10 +54,6 @@ def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
     answer = json.loads(done.stdout)
     expected = VACUUM_PERMITTIVITY * 0.01 / 0.02  # epsilon A / d
     voltage = 5e-12 / (5e-12 + expected) * 2.5
-    assert list(answer) == [
-        *("format", "options", "answered_by", "reached", "seconds", "expected_seconds", "counts"),
-        *("sensors", "readings", "remarks"),
-    ]
     assert answer["options"] == {"method": "exact", "tolerance": 0}
     assert answer["counts"] == {
         "triangles_evaluated": 2,
@@ -71,7 +67,6 @@ def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
     }
     assert answer["seconds"] > 0
     (sensor,) = answer["sensors"]
-    assert set(sensor) == {"name", "total", "voltage", "delta_voltage", "contact", "objects"}
     assert sensor["name"] == "front"
     assert sensor["total"] == pytest.approx(expected, rel=1e-15)
     assert sensor["voltage"] == pytest.approx(voltage, rel=1e-15)
@@ -98,24 +93,15 @@ def test_capacitance_as_table(fringe_command: Command, scene: Path) -> None:
     assert "method exact, tolerance 0, 2 triangles evaluated" in done.stdout
 
 
-def test_contact_is_an_infinite_number_in_json(fringe_command: Command, touching: Path) -> None:
-    done = fringe_command("capacitance", touching, "--json")
-    assert done.returncode == 0
-    (sensor,) = json.loads(done.stdout)["sensors"]
-    assert sensor["total"] == math.inf
-    assert sensor["objects"][0]["capacitance"] == math.inf
-    assert (sensor["contact"], sensor["voltage"], sensor["delta_voltage"]) == (True, 0, 2.5)
-    table = fringe_command("capacitance", touching).stdout
-    assert "sensor front (contact)" in table
-    assert "inf pF  contact" in table
-
-
 @pytest.mark.parametrize("method", ["exact", "formula", "auto"])
 def test_contact_is_told_in_one_way(fringe_command: Command, touching: Path, method: str) -> None:
     asked = ("capacitance", touching, "--method", method)
-    (reading,) = json.loads(fringe_command(*asked, "--json").stdout)["readings"]
+    document = json.loads(fringe_command(*asked, "--json").stdout)
+    (reading,), (sensor,) = document["readings"], document["sensors"]
     assert (reading["change"], reading["error"]["change"]) == (math.inf, 0)
-    assert fringe_command(*asked).stdout.split()[-1] == "inf"
+    assert (sensor["total"], sensor["contact"], sensor["voltage"]) == (math.inf, True, 0)
+    table = fringe_command(*asked).stdout
+    assert "sensor front (contact)" in table and table.split()[-1] == "inf"
     touching.with_suffix(".motion.toml").write_text('[[frame]]\nname = "there"\n')
     (row,) = csv.DictReader(fringe_command("sweep", *asked[1:]).stdout.splitlines())
     assert (row["change_F"], row["change_error_F"]) == ("inf", "0")
@@ -139,22 +125,13 @@ def two_plates(tmp_path: Path) -> Path:
     return path
 
 
-def test_tolerance_is_kept_and_said(fringe_command: Command, two_plates: Path) -> None:
-    def sheet(tolerance: str) -> dict[str, float]:
-        done = fringe_command(
-            "capacitance", two_plates, "--json", "--method", "exact+nearest", "--tolerance", tolerance
-        )
-        document = json.loads(done.stdout)
-        assert document["options"]["tolerance"] == float(tolerance)
-        target: dict[str, float] = document["sensors"][0]["objects"][0]
-        return target
-
-    accurate, coarse = sheet("0"), sheet("1e-2")
-    assert 0 < coarse["bound"] <= 1e-2 * accurate["capacitance"]
-    assert abs(coarse["capacitance"] - accurate["capacitance"]) <= coarse["bound"]
-    words = ("--method", "exact+nearest", "--tolerance", "1e-2")
-    table = fringe_command("capacitance", two_plates, *words).stdout
-    assert "wrong by at most" in table
+def test_a_tolerance_is_said_and_what_it_costs(fringe_command: Command, two_plates: Path) -> None:
+    words = ("capacitance", two_plates, "--method", "exact+nearest", "--tolerance", "1e-2")
+    document = json.loads(fringe_command(*words, "--json").stdout)
+    assert document["options"]["tolerance"] == 1e-2
+    (sheet,) = document["sensors"][0]["objects"]
+    assert 0 < sheet["bound"] <= 1e-2 * sheet["capacitance"]
+    assert "wrong by at most" in fringe_command(*words).stdout
 
 
 @pytest.mark.parametrize(
@@ -220,16 +197,6 @@ def test_info(fringe_command: Command, tmp_path: Path) -> None:
     assert "22 m2" in fringe_command("info", path).stdout
 
 
-def test_info_counts_the_defects_of_a_mesh(fringe_command: Command, tmp_path: Path) -> None:
-    (tmp_path / "sheet.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 3 2 1\nf 1 1 2\n")
-    path = tmp_path / "scene.toml"
-    path.write_text('object = [ { name = "sheet", shape = { type = "mesh", file = "sheet.obj" } } ]')
-    (sheet,) = json.loads(fringe_command("info", path, "--json").stdout)["objects"]
-    found = {defect: count for defect, count in sheet["defects"].items() if count > 0}
-    assert found == {"without_area": 1, "duplicates": 1, "open_edges": 3, "shells": 1}
-    assert "1 duplicate triangles: each triangle counts once" in fringe_command("info", path).stdout
-
-
 HAND = np.array(Cuboid((0.08, 0.1, 0.02)).triangles())
 
 
@@ -250,27 +217,13 @@ def test_info_tells_what_a_mesh_is_not(fringe_command: Command, scene: Path) -> 
     told = fringe_command("info", with_hand(scene, np.concatenate([HAND, HAND + (0.04, 0.05, 0.01)]))).stdout
     assert "pairs of triangles that cross or touch" in told
     assert "2 separate parts: they are one conductor" in told
-    told = fringe_command("info", with_hand(scene, HAND[:-1])).stdout
+    open_and_twice = with_hand(scene, np.concatenate([HAND[:-1], HAND[:1], HAND[:1, [0, 0, 1]]]))
+    told = fringe_command("info", open_and_twice).stdout
     assert "volume     none: open surface" in told and "3 open edges" in told
-
-
-@pytest.mark.parametrize(
-    ("needless", "remark"),
-    [(HAND[0], "triangles that repeat others: 1"), (HAND[0][[0, 0, 1]], "triangles without area: 1")],
-    ids=["a_triangle_twice", "a_triangle_without_area"],
-)
-def test_needless_triangles_are_left_out(
-    fringe_command: Command, scene: Path, needless: np.ndarray, remark: str
-) -> None:
-    options = ("--method", "boundary-elements", "--rtol", "1e-2", "--json")
-    clean = json.loads(fringe_command("capacitance", with_hand(scene, HAND), *options).stdout)
-    answer = json.loads(
-        fringe_command(
-            "capacitance", with_hand(scene, np.concatenate([HAND, needless[None]])), *options
-        ).stdout
-    )
-    assert remark in answer["remarks"][0]
-    assert answer["maxwell"] == pytest.approx(np.array(clean["maxwell"]), rel=1e-12)
+    assert "1 duplicate triangles: each triangle counts once" in told
+    (hand,) = json.loads(fringe_command("info", open_and_twice, "--json").stdout)["objects"]
+    found = {defect: count for defect, count in hand["defects"].items() if count > 0}
+    assert found == {"without_area": 1, "duplicates": 1, "open_edges": 3, "shells": 1}
 
 
 BODIES = (
