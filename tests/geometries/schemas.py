@@ -22,7 +22,7 @@ PLATE = {"corner": [0, 0, 0], "edge_u": [0.1, 0, 0], "edge_v": [0, 0.1, 0]}
 OBJ = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
 WHOLE: Document = tomllib.loads(
     'units = "m"\n'
-    "medium = { relative_permittivity = 1.0 }\n"
+    "medium = { relative_permittivity = 2.0 }\n"
     "room = { size = [4.0, 3.0, 2.5], translation = [0.0, 0.0, 1.25] }\n"
     + scenes.link("base", translation=[0.1, 0.2, 0.3], rotation={"axis": [0, 0, 1], "degrees": 30.0})
     + scenes.link(
@@ -52,8 +52,8 @@ WHOLE: Document = tomllib.loads(
         "front",
         [[0.0, 0.0, 0.0], [0.1, 0.0, 0.0], [0.0, 0.1, 0.0]],
         link="arm",
-        input_voltage=2.5,
-        coupling_capacitance=5e-12,
+        input_voltage=5.0,
+        coupling_capacitance=1e-12,
         cover={"thickness": 0.001, "relative_permittivity": 3.0},
     )
     + scenes.table(
@@ -75,7 +75,7 @@ WHOLE: Document = tomllib.loads(
         potential="floating",
         to_ground=1e-10,
         target=True,
-        collides=True,
+        collides=False,
         collides_with_parent=True,
     )
     + scenes.body(

@@ -10,9 +10,10 @@ import tomli_w
 
 from geometries.common.errors import InputError
 from geometries.scene import reader, rectangles
+from geometries.scene.joints import Mimic
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
 from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Reading, Room, Scene, Sensor
-from geometries.scene.shapes import Cuboid, PlateShape
+from geometries.scene.shapes import PlateShape, Sphere
 from geometries.scene.writer import canonical, identity
 from geometries.studies import families
 from tests.geometries.schemas import WHOLE
@@ -26,77 +27,36 @@ def object_with(lines: str, name: str = "o") -> str:
 
 
 def test_everything_that_a_scene_may_hold_is_read() -> None:
-    scene = reader.loads(
-        f"""
-        [medium]
-        relative_permittivity = 2
-        [room]
-        size = [4, 3, 2.5]
-        translation = [0, 0, 1.25]
-        [[link]]
-        name = "room"
-        [[link]]
-        name = "arm"
-        parent = "room"
-        translation = [0, 0, 0.5]
-        rotation = {{ axis = [0, 0, 1], degrees = 30 }}
-        [[sensor]]
-        name = "front"
-        link = "arm"
-        input_voltage = 5
-        coupling_capacitance = 1e-12
-        plates = [{PLATE}]
-        [[distance_sensor]]
-        name = "eye"
-        apex = [0, 0, 0]
-        direction = [0, 0, 1]
-        full_angle_degrees = 40
-        range = 0.8
-        [[object]]
-        name = "target"
-        shape = {{ type = "plate", size = [0.1, 0.2] }}
-        quaternion = [1, 0, 0, 0]
-        potential = "floating"
-        conductor = "hand"
-        to_ground = 1e-10
-        target = true
-        collides = false
-        [[object]]
-        name = "glass"
-        shape = {{ type = "cube", size = 0.1 }}
-        rotation = {{ quaternion = [0, 1, 0, 0] }}
-        material = {{ relative_permittivity = 50 }}
-        [[reading]]
-        name = "near"
-        sense = "front"
-        drive = ["front"]
-        noise = 1e-15
-        threshold = 1e-14
-        """
-    )
+    scene = reader.loads(tomli_w.dumps(WHOLE))
     assert scene.medium == Medium(2.0)
     assert scene.room == Room((4.0, 3.0, 2.5), Pose((0.0, 0.0, 1.25)))
-    turned = Pose((0.0, 0.0, 0.5), AxisRotation((0.0, 0.0, 1.0), 30.0))
-    assert scene.links == (Link("room"), Link("arm", "room", turned))
+    base, arm, finger = scene.links
+    assert base == Link("base", pose=Pose((0.1, 0.2, 0.3), AxisRotation((0.0, 0.0, 1.0), 30.0)))
+    assert arm.parent == "base" and arm.joint is not None and finger.joint is not None
+    assert (arm.joint.name, arm.joint.axis, arm.joint.lower, arm.joint.upper) == ("elbow", (0, 0, 1), -2, 2)
+    assert arm.joint.rest == Pose(rotation=QuaternionRotation((1.0, 0.0, 0.0, 0.5)))
+    assert finger.joint.mimic == Mimic("elbow", 0.1, 0.01)
     plate = Plate((0.0, 0.0, 0.0), (0.1, 0.0, 0.0), (0.0, 0.1, 0.0))
     assert scene.sensors == (Sensor("front", (plate,), "arm", 5.0, 1e-12),)
-    assert scene.distance_sensors == (DistanceSensor("eye", (0, 0, 0), (0, 0, 1), 40.0, 0.8),)
-    target, glass = scene.objects
-    unturned, flipped = QuaternionRotation((1, 0, 0, 0)), QuaternionRotation((0, 1, 0, 0))
-    assert target == Object(
-        "target",
-        PlateShape((0.1, 0.2)),
-        pose=Pose(rotation=unturned),
+    assert scene.distance_sensors == (DistanceSensor("eye", (0, 0, 0), (0, 0, 1), 40.0, 0.8, "arm"),)
+    objects = {body.name: body for body in scene.objects}
+    assert objects["front cover"].relative_permittivity == 3
+    assert objects["ball"] == Object(
+        "ball",
+        Sphere(0.05, 8),
+        "base",
+        Pose((0.5, 0.0, 0.02)),
         potential="floating",
-        collides=False,
-        conductor="hand",
         to_ground=1e-10,
         target=True,
+        collides=False,
+        collides_with_parent=True,
     )
-    assert glass == Object(
-        "glass", Cuboid((0.1, 0.1, 0.1)), pose=Pose(rotation=flipped), relative_permittivity=50.0
-    )
-    assert scene.readings == (Reading("near", "front", ("front",), 1e-15, 1e-14),)
+    ring = objects["ring"]
+    assert ring.pose == Pose(rotation=QuaternionRotation((1.0, 0.0, 0.0, 0.5)))
+    assert ring.relative_permittivity == 3 and objects["post"].conductor == "mast"
+    assert (objects["guard"].potential, objects["guard"].conductor) == ("electrode", "shield")
+    assert scene.readings == (Reading("near", "front", ("front", "shield"), 1e-15, 1e-14),)
 
 
 def test_what_is_left_out_takes_the_defaults_of_the_format() -> None:
