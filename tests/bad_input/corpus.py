@@ -8,13 +8,13 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from tests.bad_input import keys, meshes, numbers, places, texts
+from tests.bad_input import keys, meshes, places, texts
 from tests.bad_input.case import Case
 
 
 def cases() -> list[Case]:
     """All of them, under names that are unique."""
-    made = [case for part in (texts, keys, numbers, meshes, places) for case in part.cases()]
+    made = [*texts.cases(), *keys.cases(), *keys.numbers(), *meshes.cases(), *places.cases()]
     names = [case.name for case in made]
     assert len(set(names)) == len(names), sorted(name for name in names if names.count(name) > 1)
     return made

@@ -93,7 +93,8 @@ def test_the_readers_agree_and_the_commands_say_so(tmp_path: Path, case: Case) -
     else:
         _assert_told(refused, scene, case.place)
         _assert_told(refused_there, scene, case.place)
-    for command in case.commands:
+    # All commands read with the same reader.
+    for command in case.commands if case.place is None else case.commands[:1]:
         done = _command(command, scene)
         if case.place is None:
             assert done.returncode == 0

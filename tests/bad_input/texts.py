@@ -48,22 +48,11 @@ def _encodings() -> list[Case]:
         from_bytes("NUL at the end", WHOLE.encode() + b"\0", ""),
         from_text("NUL in a name", WHOLE.replace('"body"', '"bo\\u0000dy"'), None),
         from_text("a line's end in a name", WHOLE.replace('"body"', '"bo\\ndy"'), None),
-        from_text(
-            "a line's end in a wrong object's name",
-            WHOLE.replace('"body"', '"bo\\ndy"') + "size = 1\n",
-            "size",
-        ),
-        from_text(
-            "letters of many alphabets in a name", WHOLE.replace('"body"', '"Hände ▢ 手 \\U0001F590"'), None
-        ),
+        from_text("a line's end in a wrong object's name", WHOLE.replace('"body"', '"bo\\ndy"') + "size = 1\n", "size"),
+        from_text("letters of many alphabets in a name", WHOLE.replace('"body"', '"Hände ▢ 手 \\U0001F590"'), None),
         from_text("a line's end in a key", WHOLE + '"a\\nb" = 1\n', "b"),
-        *(
-            from_bytes(
-                f"not UTF-8: {wrong.hex()}", WHOLE.replace("body", "bo!dy").encode().replace(b"!", wrong), ""
-            )
-            for wrong in NOT_UTF8
-        ),
-    ]
+        *(from_bytes(f"not UTF-8: {wrong.hex()}", WHOLE.replace("body", "bo!dy").encode().replace(b"!", wrong), "") for wrong in NOT_UTF8),
+    ]  # fmt: skip
 
 
 def _extremes() -> list[Case]:
@@ -81,11 +70,7 @@ def _extremes() -> list[Case]:
         from_text("a key of 1000 parts", ".".join("a" * 1000) + " = 1\n" + SENSOR, "a"),
         from_text("a table of 1000 parts", SENSOR + f"[{'.'.join('a' * 20_000)}]\n", "a"),
         from_text("a key of a million letters", f"{'a' * 1_000_000} = 1\n" + SENSOR, "aaa"),
-        from_text(
-            "a name of a million letters",
-            WHOLE.replace('"body"', f'"{"b" * 1_000_000}"') + "size = 1\n",
-            "size",
-        ),
+        from_text("a name of a million letters", WHOLE.replace('"body"', f'"{"b" * 1_000_000}"') + "size = 1\n", "size"),
         from_text("fifty thousand numbers", WHOLE + f"quaternion = [{'1,' * 50_000}]\n", "quaternion"),
         from_text("a chain of 1000 links", links + WHOLE, None),
         from_text(
@@ -96,16 +81,8 @@ def _extremes() -> list[Case]:
             + WHOLE,
             "parent",
         ),
-        from_text(
-            "a million segments of a sphere",
-            SENSOR + body('type = "sphere", radius = 0.1, segments = 1000000'),
-            "segments",
-        ),
-        from_text(
-            "the most segments of all",
-            SENSOR + body(f'type = "cylinder", radius = 0.1, height = 1, segments = {2**31 - 1}'),
-            "segments",
-        ),
+        from_text("a million segments of a sphere", SENSOR + body('type = "sphere", radius = 0.1, segments = 1000000'), "segments"),
+        from_text("the most segments of all", SENSOR + body(f'type = "cylinder", radius = 0.1, height = 1, segments = {2**31 - 1}'), "segments"),
         from_text(
             "more segments than that",
             SENSOR
@@ -123,7 +100,7 @@ def _extremes() -> list[Case]:
             ),
             None,
         ),
-    ]
+    ]  # fmt: skip
 
 
 def _truncated() -> list[Case]:

@@ -100,6 +100,8 @@ WHOLE: Document = tomllib.loads(
     + scenes.body("soap", "box", size=[0.1, 0.1, 0.2], rounding=0.05)
     + scenes.body("nurse", "person", height=1.7, age="adult", posture="standing")
     + scenes.body("coin", "disc", radius=0.1, segments=8)
+    + scenes.body("floor", "plane", size=[0.1, 0.2])
+    + scenes.body("outline", "polygon", vertices=[[0.0, 0.0], [0.1, 0.0], [0.0, 0.1]])
     + scenes.table(
         "reading", name="near", sense="front", drive=["front", "shield"], noise=1e-15, threshold=1e-14
     )
@@ -110,8 +112,6 @@ SCENE: Document = {
     **WHOLE,
     "object": [
         *WHOLE["object"],
-        {"name": "floor", "shape": {"type": "plane", "size": [0.1, 0.2]}},
-        {"name": "outline", "shape": {"type": "polygon", "vertices": [[0, 0], [0.1, 0], [0, 0.1]]}},
         {"name": "scan", "shape": {"type": "mesh", "file": "body.obj", "scale": 0.5}},
     ],
 }

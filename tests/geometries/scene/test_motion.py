@@ -130,15 +130,9 @@ def test_at_rest_is_the_scene() -> None:
         ("", "motion: frame: a motion needs at least one frame"),
         ("[[frames]]", "motion: frames: unknown key; there are format, frame, units"),
         ("[[frame]]\nlinks = []", "motion: frame[0].links: unknown key; there are joints, name, poses"),
-        ("[[frame]]\nposes = [ {} ]", "motion: frame[0].poses[0].link: is missing"),
-        (
-            '[[frame]]\n[[frame]]\nposes = [ { link = "leg" } ]',
-            "motion: frame[1].poses[0].link: there is no link 'leg'",
-        ),
-        (
-            '[[frame]]\nposes = [ { link = "arm" }, { link = "arm" } ]',
-            "motion: frame[0].poses[1].link: 'arm' has a pose in this frame already",
-        ),
+        ("[[frame]]\nposes = [{}]", "motion: frame[0].poses[0].link: is missing"),
+        ('[[frame]]\n[[frame]]\nposes = [{ link = "leg" }]', "motion: frame[1].poses[0].link: there is no link 'leg'"),
+        ('[[frame]]\nposes = [{ link = "arm" }, { link = "arm" }]', "motion: frame[0].poses[1].link: 'arm' has a pose in this frame already"),
         (
             '[[frame]]\nposes = [ { link = "arm", pose = 1 } ]',
             "motion: frame[0].poses[0].pose: unknown key; there are link, quaternion, rotation, translation",
@@ -147,10 +141,7 @@ def test_at_rest_is_the_scene() -> None:
             '[[frame]]\njoints = [ { joint = "hip", position = 1 } ]',
             "motion: frame[0].joints[0].joint: there is no joint 'hip'; there are: lift, knuckle",
         ),
-        (
-            '[[frame]]\njoints = [ { joint = "wrist", position = 1 } ]',
-            "motion: frame[0].joints[0].joint: 'wrist' follows 'lift' and cannot be set",
-        ),
+        ('[[frame]]\njoints = [{ joint = "wrist", position = 1 }]', "motion: frame[0].joints[0].joint: 'wrist' follows 'lift' and cannot be set"),
         (
             '[[frame]]\njoints = [ { joint = "lift", position = 1 }, { joint = "lift", position = 2 } ]',
             "motion: frame[0].joints[1].joint: 'lift' has a position in this frame already",
@@ -160,7 +151,7 @@ def test_at_rest_is_the_scene() -> None:
             "motion: frame[0].joints: 'hand' has a pose in this frame already",
         ),
     ],
-)
+)  # fmt: skip
 def test_a_wrong_file_is_refused_by_key_and_reason(text: str, message: str) -> None:
     with pytest.raises(InputError) as caught:
         motion.loads(text, JOINTED if "joints = " in text else SCENE)

@@ -12,7 +12,7 @@ from geometries.scene import reader
 from geometries.scene.readings import targets
 from geometries.scene.scene import Reading, Scene
 from geometries.scene.writer import canonical
-from geometries.studies import families, machines
+from geometries.studies import families
 from geometries.studies.machines import ARM, GUARD, HOUSING, MACHINES, NONE, TABLE
 
 SENSOR = (0.1, 0.14)
@@ -42,12 +42,6 @@ def test_every_family_has_one_sensor_and_one_grounded_target() -> None:
     assert [sensor.name for sensor in scene.sensors] == ["sensor"]
     assert [(body.name, body.potential) for body in scene.objects] == [("target", "grounded")]
     np.testing.assert_allclose(scene.conductors()["sensor"].mean(axis=(0, 1)), 0, atol=0.02)
-
-
-def test_the_empty_scene_is_the_sensor_alone() -> None:
-    scene = families.empty(SENSOR)
-    assert scene.sensors == families.parallel(SENSOR, (0.05, 0.05), 0.02).sensors
-    assert not scene.objects
 
 
 def test_parallel_lies_in_front_of_the_plate_at_its_gap() -> None:
@@ -273,8 +267,3 @@ def test_the_rectangle_is_that_around_all_sensors() -> None:
     low, high = both[:, 0].min(axis=0), both[:, 1].max(axis=0)
     middle, reach = (low + high)[:2] / 2, (high - low)[:2]
     np.testing.assert_allclose(found["housing"][:, :2], [middle - reach, middle + reach])
-
-
-def test_without_a_machine_a_scene_is_itself() -> None:
-    scene = families.parallel(SENSOR, SENSOR, 0.05)
-    assert machines.around(scene, NONE) is scene

@@ -242,11 +242,7 @@ def test_what_is_wrong_in_a_studys_scene_is_told_with_its_file(tmp_path: Path) -
         (HEAD, "sweep", "at least one sweep"),
         (SWEEP, "reference", "is missing"),
         ("colour = 1" + HEAD + SWEEP, "colour", "unknown key"),
-        (
-            "solver = 1\n" + SWEEP,
-            "solver",
-            "unknown key; there are format, name, title, experiment, reference",
-        ),
+        ("solver = 1\n" + SWEEP, "solver", "unknown key; there are format, name, title, experiment, reference"),
         (HEAD.replace("rtol", "accuracy") + SWEEP, "reference.accuracy", "there are method, rtol"),
         (HEAD.replace('"n"', '"../n"') + SWEEP, "name", "must not contain a path"),
         (HEAD.replace("1e-3", "0") + SWEEP, "reference.rtol", "greater than 0"),
@@ -265,11 +261,7 @@ def test_what_is_wrong_in_a_studys_scene_is_told_with_its_file(tmp_path: Path) -
         (HEAD + SWEEP.replace("0.02", "-0.02"), "sweep[0].gap", "greater than 0"),
         (HEAD + SWEEP.replace("0.02", "{ logspace = [1, 2, 3] }"), "sweep[0].gap", "a range is"),
         (HEAD + SWEEP.replace("0.02", "{ geomspace = [0, 1, 3] }"), "sweep[0].gap.geomspace", "ends greater"),
-        (
-            HEAD + SWEEP.replace("0.02", "{ linspace = [0, 1, 1.5] }"),
-            "sweep[0].gap.linspace",
-            "integer number",
-        ),
+        (HEAD + SWEEP.replace("0.02", "{ linspace = [0, 1, 1.5] }"), "sweep[0].gap.linspace", "integer number"),
         (HEAD + SWEEP.replace("[0.1, 0.1]", "0.1"), "sweep[0].sensor_size", "list of 2 numbers"),
         (HEAD + SWEEP + 'combine = "sum"', "sweep[0].combine", "product or zip"),
         (
@@ -280,7 +272,7 @@ def test_what_is_wrong_in_a_studys_scene_is_told_with_its_file(tmp_path: Path) -
             "lists of equal length",
         ),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_expanded_is_refused_by_key_and_reason(text: str, key: str, reason: str) -> None:
     with pytest.raises(InputError) as caught:
         study.loads(text, source="study.toml")
