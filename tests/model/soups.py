@@ -17,6 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from tests import scenes
+
 Array = NDArray[np.float64]
 Random = np.random.Generator
 
@@ -77,8 +79,6 @@ class Case:
     soup: Parts
     relation: Relation
     kinds: tuple[str, ...]
-    is_rounded: bool
-    """Whether the soup's coordinates have single precision, so that its parts need not touch exactly."""
 
 
 def triangles_of(part: Part) -> Array:
@@ -102,9 +102,14 @@ def grid_solid(random: Random) -> tuple[Solid, str, Parts]:
         cell = cells[random.integers(len(cells))] + step
         if np.all(cell >= 0) and np.all(cell < shape):
             is_filled[tuple(cell)] = True
-    overlapping = _covering(random, is_filled, lines, may_overlap=True)
+    filled = np.argwhere(is_filled)
+    touching = [_box_of_cells(lines, cell, cell) for cell in filled]
+    overlapping = []
+    for cell in filled:
+        # Of one or two cells: a neighbour has another box, too.
+        near = filled[np.abs(filled - cell).sum(axis=1) <= 1]
+        overlapping.append(_box_of_cells(lines, cell, near[random.integers(len(near))]))
     solid = Solid(overlapping, [_grid_surface(random, is_filled, lines)])
-    touching = _covering(random, is_filled, lines, may_overlap=False)
     ways: dict[str, Parts] = {
         "clean mesh": solid.surface,
         "touching boxes": list(touching),
@@ -124,13 +129,8 @@ def crossing_solid(random: Random) -> tuple[Solid, str, Parts]:
     for _ in range(random.integers(1, 4)):
         turned = Rotation.from_rotvec(random.normal(size=3)).as_matrix()
         boxes.append(_box_around(random, np.zeros(3)).triangles() @ turned.T + inner.point(random))
-    if random.random() < 0.3:
-        return Solid([inner], boxes), "crossing boxes", boxes[::-1]
-    return (
-        Solid([inner], boxes),
-        "crossing boxes in a mesh",
-        [np.concatenate([triangles_of(box) for box in boxes])],
-    )
+    mesh = np.concatenate([triangles_of(box) for box in boxes])
+    return Solid([inner], boxes), "crossing boxes in a mesh", [mesh]
 
 
 def loose_triangles(random: Random) -> tuple[Solid, str, Parts]:
@@ -149,31 +149,11 @@ def _box_around(random: Random, centre: Array) -> Box:
     return Box(centre - half, centre + half)
 
 
-def _covering(
-    random: Random, is_filled: NDArray[np.bool_], lines: list[Array], may_overlap: bool
-) -> list[Box]:
-    """Boxes of cells that cover the filled ones, each as large as it can become in random directions."""
-    boxes = []
-    is_left = is_filled.copy()
-    while is_left.any():
-        may_have = is_filled if may_overlap else is_left
-        cells = np.argwhere(is_left)
-        low = cells[random.integers(len(cells))]
-        high = low + 1
-        for direction in random.permutation(6):
-            axis, side = divmod(int(direction), 2)
-            step = np.eye(3, dtype=int)[axis]
-            while random.random() < 0.9:
-                new_low, new_high = low - step * (1 - side), high + step * side
-                if np.any(new_low < 0) or np.any(new_high > is_filled.shape):
-                    break
-                if not may_have[tuple(map(slice, new_low, new_high))].all():
-                    break
-                low, high = new_low, new_high
-        is_left[tuple(map(slice, low, high))] = False
-        corners = [np.array([lines[axis][at[axis]] for axis in range(3)]) for at in (low, high)]
-        boxes.append(Box(corners[0], corners[1]))
-    return boxes
+def _box_of_cells(lines: list[Array], cell: NDArray[np.int_], other: NDArray[np.int_]) -> Box:
+    """The box around two cells of a grid."""
+    low, high = np.minimum(cell, other), np.maximum(cell, other) + 1
+    corners = [np.array([line[k] for line, k in zip(lines, at, strict=True)]) for at in (low, high)]
+    return Box(corners[0], corners[1])
 
 
 def _grid_surface(random: Random, is_filled: NDArray[np.bool_], lines: list[Array]) -> Array:
@@ -250,20 +230,13 @@ def _some_replaced(
     return np.array(result)
 
 
-def with_slivers(random: Random, triangles: Array) -> Array:
-    """Slivers on the triangles, and triangles without any height."""
-    added = []
-    for a, b, c in triangles[_chosen(random, triangles)]:
-        start, end = (_on(random, a, b, c) for _ in range(2))
-        middle = (start + end) / 2
-        added.append([start, end, middle + SLIVER * (_on(random, a, b, c) - middle)])
-        added.append([[a, b, (a + b) / 2], [a, a, b], [start, start, start]][random.integers(3)])
-    return np.concatenate([triangles, np.array(added).reshape(-1, 3, 3)])
-
-
 def with_touching_plates(random: Random, triangles: Array) -> Array:
-    """Triangles that lie on others, in their planes."""
-    added = [[_on(random, *triangle) for _ in range(3)] for triangle in triangles[_chosen(random, triangles)]]
+    """Triangles that lie on others, in their planes; some of them are slivers or have no area."""
+    added = []
+    for triangle in triangles[_chosen(random, triangles)]:
+        start, end, top = (_on(random, *triangle) for _ in range(3))
+        middle = (start + end) / 2
+        added.append([start, end, middle + random.choice([1.0, SLIVER, 0.0]) * (top - middle)])
     return np.concatenate([triangles, np.array(added).reshape(-1, 3, 3)])
 
 
@@ -297,7 +270,6 @@ OF_MESHES: tuple[Callable[[Random, Array], Array], ...] = (
     duplicated,
     with_t_junctions,
     split_into_slivers,
-    with_slivers,
     with_touching_plates,
     subdivided,
     shuffled,
@@ -309,14 +281,15 @@ OF_MESHES: tuple[Callable[[Random, Array], Array], ...] = (
 
 
 def inner_boxes(random: Random, solid: Solid) -> Parts:
-    """Boxes in the solid, which may cross each other and touch the surface from inside."""
+    """Boxes in the solid, which may hold or cross each other, face inwards, and touch the surface from inside."""
     parts: Parts = []
     room = solid.boxes[random.integers(len(solid.boxes))]
     for _ in range(random.integers(1, 4)):
         ends = np.sort([room.point(random), room.point(random)], axis=0)
         is_wide = random.random((2, 3)) < 0.2
         low, high = np.where(is_wide[0], room.low, ends[0]), np.where(is_wide[1], room.high, ends[1])
-        parts.append(Box(low, high))
+        box = Box(low, high)
+        parts.append(box if random.random() < 0.5 else box.triangles()[:, ::-1])
     return parts
 
 
@@ -330,18 +303,7 @@ def inner_sheets(random: Random, solid: Solid) -> Parts:
     return [corners.reshape(-1, 3, 3)]
 
 
-def inner_shells(random: Random, solid: Solid) -> Parts:
-    """Closed surfaces in each other, each facing outwards or inwards, as around cavities."""
-    room = solid.boxes[random.integers(len(solid.boxes))]
-    centre, half = (room.low + room.high) / 2, (room.high - room.low) / 2
-    shells = []
-    for size in np.sort(random.uniform(0.2, 0.95, random.integers(1, 4))):
-        shell = Box(centre - size * half, centre + size * half).triangles()
-        shells.append(shell[:, ::-1] if random.random() < 0.5 else shell)
-    return [np.concatenate(shells)] if random.random() < 0.5 else list(shells)
-
-
-INSIDE: tuple[Callable[[Random, Solid], Parts], ...] = (inner_boxes, inner_sheets, inner_shells)
+INSIDE: tuple[Callable[[Random, Solid], Parts], ...] = (inner_boxes, inner_sheets)
 
 
 # Changes of the union.
@@ -402,12 +364,8 @@ def random_case(random: Random) -> Case:
     if relation is not Relation.SAME:
         parts = (with_holes if relation is Relation.LESS else with_outgrowths)(random, parts)
         kinds.append("holes" if relation is Relation.LESS else "outgrowths")
-    is_rounded = bool(random.random() < 0.2)
-    if is_rounded:
-        kinds.append("single precision")
-        parts = [triangles_of(part).astype(np.float32).astype(np.float64) for part in parts]
     order = random.permutation(len(parts))
-    return Case(solid.surface, [parts[k] for k in order], relation, tuple(kinds), is_rounded)
+    return Case(solid.surface, [parts[k] for k in order], relation, tuple(kinds))
 
 
 def written(case: Case, random: Random, folder: Path) -> tuple[Path, Path]:
@@ -425,57 +383,33 @@ def written(case: Case, random: Random, folder: Path) -> tuple[Path, Path]:
     shift[2] = gap - placed[:, 2].min()
     side = random.uniform(0.03, 0.1)
     potential = str(random.choice(["grounded", "electrode", "floating"], p=[0.7, 0.15, 0.15]))
-    needs_name = case.is_rounded or "jittered" in case.kinds or case.kinds[0] == "loose triangles"
+    needs_name = "jittered" in case.kinds or case.kinds[0] == "loose triangles"
     is_named = (
         needs_name or case.relation is not Relation.SAME or potential != "grounded" or random.random() < 0.3
     )
-    is_baked = random.random() < 0.4
-    quaternion = np.roll(rotation.as_quat(), 1).tolist()
+    conductor = {"conductor": "body"} if is_named else {}
     paths = []
     for name, parts in (("clean", case.clean), ("soup", case.soup)):
-        is_rounded = case.is_rounded and name == "soup"
-        text = _SENSOR.format(low=-side / 2, side=side)
-        text += _LINK.format(translation=shift.tolist(), quaternion=quaternion)
+        text = scenes.sensor("sensor", [[-side / 2, -side / 2, 0], [side, 0, 0], [0, side, 0]])
+        text += scenes.link(
+            "body", translation=shift.tolist(), quaternion=np.roll(rotation.as_quat(), 1).tolist()
+        )
         for k, part in enumerate(parts):
-            text += f'\n[[object]]\nname = "{name} {k}"\npotential = "{potential}"\n'
-            text += 'conductor = "body"\n' if is_named else ""
-            if is_baked and not is_rounded:
-                part = triangles_of(part) @ rotation.as_matrix().T + shift
-            else:
-                text += 'link = "body"\n'
             if isinstance(part, Box):
-                size, centre = (part.high - part.low).tolist(), ((part.low + part.high) / 2).tolist()
-                text += f'shape = {{ type = "cuboid", size = {size} }}\ntranslation = {centre}\n'
+                centre = (part.low + part.high) / 2
+                kind, keys = "cuboid", {
+                    "size": (part.high - part.low).tolist(),
+                    "translation": centre.tolist(),
+                }
             else:
-                file = folder / f"{name}_{k}.{'stl' if is_rounded else 'obj'}"
-                (_write_stl if is_rounded else _write_obj)(file, part)
-                text += f'shape = {{ type = "mesh", file = "{file.name}" }}\n'
+                kind, keys = "mesh", {"file": f"{name}_{k}.obj"}
+                _write_obj(folder / f"{name}_{k}.obj", part)
+            text += scenes.body(f"{name} {k}", kind, link="body", potential=potential, **conductor, **keys)
         paths.append(folder / f"{name}.toml")
         paths[-1].write_text(text)
     return paths[0], paths[1]
 
 
-_SENSOR = """
-[[sensor]]
-name = "sensor"
-plates = [ {{ corner = [{low}, {low}, 0], edge_u = [{side}, 0, 0], edge_v = [0, {side}, 0] }} ]
-"""
-_LINK = """
-[[link]]
-name = "body"
-translation = {translation}
-quaternion = {quaternion}
-"""
-
-
 def _write_obj(path: Path, triangles: Array) -> None:
     text = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in triangles.reshape(-1, 3).tolist())
     path.write_text(text + "".join(f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}\n" for k in range(len(triangles))))
-
-
-def _write_stl(path: Path, triangles: Array) -> None:
-    records = np.zeros(
-        len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")]
-    )
-    records["corners"] = triangles
-    path.write_bytes(bytes(80) + np.uint32(len(triangles)).tobytes() + records.tobytes())
