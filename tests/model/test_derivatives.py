@@ -9,11 +9,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 import geometries
 from analysis.pipeline import model_stage
 from tests import scenes
+from tests.end_to_end.importing import about
 
 COMMAND = Path(geometries.__file__).parents[1] / "build/bin/fringe"
 ARM = (
@@ -45,43 +45,23 @@ def fixture_module() -> Any:
     return model_stage.model_module()
 
 
-def turned(rotation: NDArray[np.float64], angle: float, axis: int) -> NDArray[np.float64]:
-    """The rotation followed by one about an axis of the parent's frame."""
-    other = np.eye(3)
-    first, second = (axis + 1) % 3, (axis + 2) % 3
-    other[first, first] = other[second, second] = np.cos(angle)
-    other[second, first] = np.sin(angle)
-    other[first, second] = -np.sin(angle)
-    return other @ rotation
-
-
-def world_rotation(scene: Any, link: str) -> NDArray[np.float64]:
-    """The rotation from the frame of the link's parent to the world."""
-    return np.array(scene.pose("arm")[:3, :3]) if link == "wrist" else np.eye(3)
-
-
-def change(scene: Any, link: str, coordinate: int, amount: float, method: str) -> float:
-    """The change of the reading after a step along, or about, an axis of the world; the link returns."""
+def slope(
+    scene: Any, link: str, coordinate: int, step: float, method: str, **options: Any
+) -> dict[str, float]:
+    """The central differences of the changes of all readings along, or about, an axis of the world; the link returns."""
     pose = scene.pose(link)
-    parent = world_rotation(scene, link)
-    shift, rotation = np.zeros(3), pose[:3, :3]
-    if coordinate < 3:
-        shift[coordinate] = amount
-    else:
-        rotation = parent.T @ turned(parent @ rotation, amount, coordinate - 3)
-    scene.set_pose(link, pose[:3, 3] + parent.T @ shift, rotation)
-    value: float = scene.readings(method)["front"].change
+    parent = np.array(scene.pose("arm")[:3, :3]) if link == "wrist" else np.eye(3)
+    ends = []
+    for amount in (step, -step):
+        shift, rotation = np.zeros(3), pose[:3, :3]
+        if coordinate < 3:
+            shift[coordinate] = amount
+        else:
+            rotation = parent.T @ about(coordinate - 3, amount) @ parent @ rotation
+        scene.set_pose(link, pose[:3, 3] + parent.T @ shift, rotation)
+        ends.append(scene.readings(method, **options))
     scene.set_pose(link, pose)
-    return value
-
-
-def differences(scene: Any, link: str, method: str, step: float = 1e-5) -> NDArray[np.float64]:
-    return np.array(
-        [
-            (change(scene, link, k, step, method) - change(scene, link, k, -step, method)) / (2 * step)
-            for k in range(6)
-        ]
-    )
+    return {name: (ends[0][name].change - ends[1][name].change) / (2 * step) for name in ends[0]}
 
 
 @pytest.mark.parametrize("method", ["exact", "exact+facing", "exact+nearest", "exact+nearest+facing"])
@@ -90,7 +70,7 @@ def test_they_are_the_central_differences_of_the_change(module: Any, method: str
     reading = scene.readings(method, derivatives=True)["front"]
     assert sorted(reading.derivatives) == sorted(LINKS)
     for link in LINKS:
-        expected = differences(scene, link, method)
+        expected = np.array([slope(scene, link, k, 1e-5, method)["front"] for k in range(6)])
         assert np.abs(reading.derivatives[link] - expected).max() < 1e-5 * np.abs(expected).max()
         assert reading.derivative_errors[link] is None
 
@@ -173,24 +153,13 @@ def test_by_boundary_elements_they_are_those_of_accurate_changes(module: Any) ->
     scene = module.Scene.loads(MACHINE)
     readings = scene.readings("boundary-elements", rtol=1e-3, derivatives=True)
     for link in ("head", "hand"):
-        pose = scene.pose(link)
         for coordinate, step in ((0, 2e-3), (2, 2e-3), (4, 3e-2)):
-            ends = []
-            for amount in (step, -step):
-                shift, rotation = np.zeros(3), pose[:3, :3]
-                if coordinate < 3:
-                    shift[coordinate] = amount
-                else:
-                    rotation = turned(rotation, amount, coordinate - 3)
-                scene.set_pose(link, pose[:3, 3] + shift, rotation)
-                ends.append(scene.readings("boundary-elements", rtol=1e-4))
-            scene.set_pose(link, pose)
+            expected = slope(scene, link, coordinate, step, "boundary-elements", rtol=1e-4)
             for name, reading in readings.items():
-                expected = (ends[0][name].change - ends[1][name].change) / (2 * step)
                 found, error = reading.derivatives[link], reading.derivative_errors[link][coordinate]
                 kind = found[:3] if coordinate < 3 else found[3:]
                 assert error < 0.05 * np.linalg.norm(kind)
-                assert abs(found[coordinate] - expected) < error + 5e-3 * np.linalg.norm(kind)
+                assert abs(found[coordinate] - expected[name]) < error + 5e-3 * np.linalg.norm(kind)
 
 
 BALL = (
@@ -207,17 +176,6 @@ def test_a_ball_feels_no_torque_about_its_centre_within_the_error(module: Any, m
     assert (np.abs(found[3:]) < error[3:]).all()
     # Far less than the forces at the ball's radius.
     assert error[3] < 0.02 * 0.04 * np.linalg.norm(found[:3])
-
-
-def test_by_the_reduced_method_they_are_those_of_boundary_elements(module: Any) -> None:
-    scene = module.Scene.loads(MACHINE)
-    truth = scene.readings("boundary-elements", rtol=1e-3, derivatives=True)
-    for name, reading in scene.readings("reduced", rtol=1e-3, entries=True, derivatives=True).items():
-        for link, expected in truth[name].derivatives.items():
-            found, error = reading.derivatives[link], reading.derivative_errors[link]
-            for kind in (slice(0, 3), slice(3, 6)):
-                size = np.linalg.norm(expected[kind])
-                assert np.linalg.norm(found[kind] - expected[kind]) < min(error[kind][0], 5e-3 * size)
 
 
 @pytest.mark.night

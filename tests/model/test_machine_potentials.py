@@ -1,4 +1,4 @@
-"""A machine at rest as others feel it, against closed forms: a ball and its images, and a cube from afar."""
+"""A machine at rest as others feel it, against closed forms: a ball and its images."""
 
 from __future__ import annotations
 
@@ -21,8 +21,6 @@ name = "own"
 sense = "NAME"
 drive = ["NAME"]
 """
-CUBE_CAPACITY = 0.6606782
-"""Capacity of a cube over 4πε and its side (C.-O. Hwang, M. Mascagni, T. Won, Math. Comput. Simulat. 80 (2010) 1089)."""
 WITHIN = 1e-2
 """The ball is a polyhedron within it."""
 
@@ -49,14 +47,6 @@ def test_a_driven_ball_has_the_potential_of_a_charge_at_its_centre() -> None:
     (reading,) = machine.readings
     assert reading[0] == reading[1] and reading[2] == 1
     np.testing.assert_allclose(loads[:, reading[0]], RADIUS / np.linalg.norm(points, axis=1), rtol=WITHIN)
-
-
-def test_a_cube_is_a_charge_of_its_capacity_from_afar() -> None:
-    text = '[[object]]\nname = "cube"\nshape = { type = "cube", size = 0.2 }\npotential = "electrode"\n'
-    machine = fringe.Scene.loads(text + READ.replace("NAME", "cube")).machine_potentials(rtol=1e-3)
-    points = around(50, 3.0, 10.0)
-    expected = CUBE_CAPACITY * 0.2 / np.linalg.norm(points, axis=1)
-    np.testing.assert_allclose(machine.at(points)[:, 0], expected, rtol=2e-3)
 
 
 def test_close_to_a_surface_the_potential_is_the_sum_over_its_panels(sensor_before_a_housing: str) -> None:

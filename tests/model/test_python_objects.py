@@ -56,7 +56,7 @@ def test_scenes_are_answered_in_other_processes(scene: fringe.Scene) -> None:
     other = scene.copy()
     other.set_pose("arm", [0, 0, 0.3])
     # Threads of this process may hold locks that a fork would copy.
-    with multiprocessing.get_context("spawn").Pool(2) as pool:
+    with multiprocessing.get_context("spawn").Pool(1) as pool:
         assert pool.map(total, [scene, other]) == [total(scene), total(other)]
 
 
@@ -127,6 +127,7 @@ def test_entries_by_their_names(scene: fringe.Scene) -> None:
     ]
 
 
+@pytest.mark.night
 def test_the_stubs_are_those_of_the_module(tmp_path: Path) -> None:
     """As mypy's own test of stubs sees it, in a folder like the one where both are installed."""
     for module in (ROOT / "build/python").glob("fringe.*.so"):
