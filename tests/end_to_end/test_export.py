@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 import os
 import subprocess
 from pathlib import Path
@@ -12,49 +11,24 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analysis.pipeline import model_stage
 from tests import scenes
 from tests.end_to_end.importing import ROOT, fringe_import
 from tests.scenes import GUARDED_SENSOR
 from tests.waiting import DEADLINE
 
 # A sensor of two plates before a guard, a hand of two bodies that touch, and a floating foil.
-SCENE = """
-medium = { relative_permittivity = 1.5 }
-
-[[sensor]]
-name = "front"
-plates = [
-  { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.04, 0] },
-  { corner = [-0.05, 0.01, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.04, 0] },
-]
-
-[[object]]
-name = "guard, left"
-shape = { type = "plate", size = [0.12, 0.12] }
-translation = [0, 0, -0.01]
-potential = "electrode"
-
-[[link]]
-name = "arm"
-translation = [0, 0, 0.06]
-
-[[object]]
-name = "palm"
-link = "arm"
-shape = { type = "cuboid", size = [0.08, 0.1, 0.02] }
-
-[[object]]
-name = "finger"
-link = "arm"
-shape = { type = "cuboid", size = [0.02, 0.06, 0.02] }
-translation = [0, 0.08, 0]
-
-[[object]]
-name = "tip"
-shape = { type = "cone", radius = 0.01, height = 0.02, segments = 3 }
-translation = [0.2, 0, 0]
-potential = "grounded"
-"""
+SCENE = (
+    "medium = { relative_permittivity = 1.5 }\n"
+    + scenes.sensor(
+        "front", [[-0.05, -0.05, 0], [0.1, 0, 0], [0, 0.04, 0]], [[-0.05, 0.01, 0], [0.1, 0, 0], [0, 0.04, 0]]
+    )
+    + scenes.body("guard, left", "plate", size=[0.12, 0.12], translation=[0, 0, -0.01], potential="electrode")
+    + scenes.link("arm", translation=[0, 0, 0.06])
+    + scenes.body("palm", "cuboid", size=[0.08, 0.1, 0.02], link="arm")
+    + scenes.body("finger", "cuboid", size=[0.02, 0.06, 0.02], link="arm", translation=[0, 0.08, 0])
+    + scenes.body("tip", "cone", radius=0.01, height=0.02, segments=3, translation=[0.2, 0, 0])
+)
 FOIL = scenes.body("foil", "plate", size=[0.05, 0.05], translation=[0, 0, -0.05], potential="floating")
 # Of plates and boxes, whose matrix takes milliseconds.
 PLAIN = GUARDED_SENSOR.replace("guard", "guard, left") + (
@@ -81,21 +55,8 @@ def export(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
 
 
-def matrix_of(scene: Path, rtol: str = "1e-2") -> dict[str, Any]:
-    """The Maxwell matrix that `fringe capacitance` prints."""
-    command = [
-        ROOT / "build/bin/fringe",
-        "capacitance",
-        scene,
-        "--method",
-        "boundary-elements",
-        "--rtol",
-        rtol,
-        "--entries",
-    ]
-    done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=False, timeout=DEADLINE)
-    assert done.returncode == 0, done.stderr
-    return dict(json.loads(done.stdout))
+def matrix_of(scene: Path) -> dict[str, Any]:
+    return dict(model_stage.model_module().Scene.load(str(scene)).maxwell(rtol=1e-2))
 
 
 def test_a_list_has_a_file_for_every_body_and_a_group_for_every_conductor(scene: Path) -> None:
@@ -242,16 +203,11 @@ ROOM = "[room]\nsize = [4, 4, 4]\n"
         (FOIL.replace("-0.05]", "-0.01]"), "x.lst", [], 'object "foil"'),
         (FOIL.replace("foil", "tip"), "x.lst", [], '"tip"'),
         ("", "x.lst", ["--rtol", "1e-2"], "--method and --rtol are options for .cir and .csv"),
-        (
-            "",
-            "x.cir",
-            ["--method", "exact"],
-            "exact finds no Maxwell matrix: boundary-elements, reduced and auto do",
-        ),
+        ("", "x.cir", ["--method", "exact"], "exact finds no Maxwell matrix: boundary-elements, reduced and auto do"),
         ("", "x.cir", ["--method", "magic"], "magic"),
         ("", "x.csv", ["--rtol", "7"], "rtol"),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_exported_is_refused(
     tmp_path: Path, more: str, target: str, options: list[str], told: str
 ) -> None:
