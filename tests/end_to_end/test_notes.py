@@ -1,25 +1,44 @@
-"""The worked example of README.md and what the guides show is what the commands print today; CONTRIBUTING.md names what exists."""
+"""What the notes say holds today: the worked example of README.md, what the guides show, the files and functions that CONTRIBUTING.md names.
+Every command in a note is known to its program, with its options; those that no other test runs are run here, by night."""
 
 from __future__ import annotations
 
+import os
 import re
+import shlex
+import shutil
 import subprocess
 import sys
+from importlib import import_module
 from pathlib import Path
 from typing import Any
 
 import meshio
 import pytest
 
+from analysis.measure import MEASURES
 from analysis.pipeline.model_stage import model_module
 from analysis.topics.corrections import set_ups as corrections_set_ups
 from tests.bad_input import corpus
+from tests.end_to_end.test_options import COMMANDS, options_of
+from tests.waiting import DEADLINE
 
 ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 GUIDE = (ROOT / "model" / "GUIDE.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
 VALUE_AND_ERROR = re.compile(r"(-?[\d.]+) ± ([\d.]+)")
+
+
+def listed(*patterns: str) -> list[Path]:
+    """The files of the repository, of these patterns."""
+    done = subprocess.run(
+        ["git", "ls-files", *patterns], cwd=ROOT, capture_output=True, text=True, check=True
+    )
+    return [Path(file) for file in done.stdout.splitlines()]
+
+
+NOTES = {note: (ROOT / note).read_text(encoding="utf-8") for note in listed("*.md")}
 
 
 def example(tmp_path: Path) -> Path:
@@ -146,10 +165,9 @@ def _anchor(heading: str) -> str:
 
 
 def test_the_links_of_all_notes_lead_somewhere() -> None:
-    listed = subprocess.run(["git", "ls-files", "*.md"], cwd=ROOT, capture_output=True, text=True, check=True)
-    for note in map(Path, listed.stdout.split()):
-        text = re.sub(r"```.*?```", "", (ROOT / note).read_text(encoding="utf-8"), flags=re.DOTALL)
-        for target in re.findall(r"\]\(([^)\s]+)\)", text):
+    for note, text in NOTES.items():
+        prose = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+        for target in re.findall(r"\]\(([^)\s]+)\)", prose):
             if target.startswith(("http://", "https://")):
                 continue
             file, _, anchor = target.partition("#")
@@ -181,17 +199,135 @@ def test_a_function_on_the_way_is_where_it_is_said_to_be(function: str, file: st
 
 @pytest.mark.parametrize("parent", ["analysis", "geometries", "model/src"])
 def test_the_map_has_every_folder(parent: str) -> None:
-    listed = subprocess.run(["git", "ls-files", parent], cwd=ROOT, capture_output=True, text=True, check=True)
-    below = [Path(file).relative_to(parent).parts for file in listed.stdout.splitlines()]
+    below = [file.relative_to(parent).parts for file in listed(parent)]
     drawing = CONTRIBUTING.split("```")[1]
     assert not {parts[0] for parts in below if len(parts) > 1 and f"{parts[0]}/" not in drawing}
 
 
 def test_the_source_files_that_the_notes_name_exist() -> None:
-    listed = subprocess.run(["git", "ls-files"], cwd=ROOT, capture_output=True, text=True, check=True)
-    files = [Path(file) for file in listed.stdout.splitlines()]
-    for note in (file for file in files if file.suffix == ".md"):
-        for name in re.findall(
-            r"`([\w./*]+\.(?:cpp|hpp|py|js|css))`", (ROOT / note).read_text(encoding="utf-8")
-        ):
+    files = listed()
+    for note, text in NOTES.items():
+        for name in re.findall(r"`([\w./*]+\.(?:cpp|hpp|py|js|css))`", text):
             assert any(file.match(name) for file in files), f"{note}: {name}"
+
+
+HAND = "model/examples/hand.toml"
+GOOGLE = "--benchmark_min_time=0 --benchmark_filter="
+# Command → how it is run here, in the place of what takes longer; {out} is an empty folder.
+SMALL = {
+    "build/bin/collision_benchmark": "build/bin/collision_benchmark 1",
+    "build/bin/collision_stress": "build/bin/collision_stress --count 300",
+    "build/bin/correction_benchmark": f"build/bin/correction_benchmark {GOOGLE}plate",
+    "build/bin/distance_sensor_benchmark": f"build/bin/distance_sensor_benchmark {GOOGLE}one_triangle",
+    "build/bin/plate_integral_benchmark": f"build/bin/plate_integral_benchmark {GOOGLE}exact",
+    "build/bin/plate_integral_stress": "build/bin/plate_integral_stress --count 300",
+    "build/bin/scene_collision_benchmark": "build/bin/scene_collision_benchmark 1",
+    "build/bin/scene_evaluator_benchmark": f"build/bin/scene_evaluator_benchmark {GOOGLE}bodies:25/tolerance:0.01",
+    "build/bin/surface_tree_benchmark": f"build/bin/surface_tree_benchmark {GOOGLE}build/100$",
+    "python3 -m analysis honesty": "python3 -m analysis honesty --only 0 --methods reduced:1e-2 --results {out}/honesty",
+    "python3 -m analysis golden FILE": "python3 -m analysis golden {out}/golden.json --only 'corrections/parallel-000/reduced*'",
+    "python3 -m tests.bad_input.corpus FOLDER": "python3 -m tests.bad_input.corpus {out}/corpus",
+    "python3 -m tests.fuzz.random_answers SECONDS": "python3 -m tests.fuzz.random_answers --only 3",
+    "python3 -m tests.model.random_soups": "python3 -m tests.model.random_soups --count 2",
+    "sha256sum reference_table.csv": "sha256sum analysis/topics/published/reference_table.csv",
+}  # fmt: skip
+# Of minutes, also when they are asked for little.
+MINUTES = {
+    "python3 -m tests.fem_reference.invariances": "python3 -m tests.fem_reference.invariances --first 31 --count 1",
+    "build/bin/boundary_elements_benchmark": "build/bin/boundary_elements_benchmark",
+    "build/bin/boundary_element_scenes_benchmark": "build/bin/boundary_element_scenes_benchmark",
+    "build/bin/reduced_benchmark --moving SCENE POSES": "build/bin/reduced_benchmark --moving geometries/scenes/guarded_sensor.toml 2",
+    "build/bin/reduced_benchmark --covers 12": "build/bin/reduced_benchmark --covers 1",
+    "build/bin/reduced_benchmark --machine 3": "build/bin/reduced_benchmark --machine 0",
+    "build/bin/reduced_benchmark --meshes 40": "build/bin/reduced_benchmark --meshes 1",
+    "build/bin/reduced_benchmark SCENE…": f"build/bin/reduced_benchmark {HAND}",
+    "tests/fuzz/run SECONDS": "tests/fuzz/run 20",
+}
+_STARTS = re.compile(
+    r"\./run|\./check|build/bin/|python3 -m [a-z]|tests/[\w/]+(?=[ `]|$)|fringe [a-z…]|cmake |\(cd build|pkg-config |sha256sum |[a-z_]+_benchmark"
+)
+
+
+def given() -> dict[str, set[Path]]:
+    """Every command in the repository's notes, and where it is; the tutorial's have a test that runs them all. The changelog may also tell of
+    commands that are no more."""
+    found: dict[str, set[Path]] = {}
+    for note, text in NOTES.items():
+        prose = re.sub(r"```.*?```", "", text, flags=re.DOTALL)
+        blocks = [
+            re.split(r" {2,}#", line.strip().removeprefix("$ "))[0].strip()
+            for line in prose.splitlines()
+            if line.startswith("    ")
+        ]
+        for command in [*blocks, *re.findall(r"`([^`\n]+)`", prose)]:
+            if _STARTS.match(command):
+                found.setdefault(command, set()).add(note)
+    return {command: notes for command, notes in found.items() if notes != {Path("CHANGELOG.md")}}
+
+
+def is_known(step: str) -> bool:
+    """Whether the program, module, preset or test of a command is there, and the program knows the subcommand and the options."""
+    program, *words = step.strip("()").replace("build/bin/", "").split()
+    options = {word for word in words if re.match(r"--[a-z]", word)}
+    if program == "python3":
+        _, module, *words = words
+        if module == "pytest":
+            return all((ROOT / word.removesuffix("/FOLDER")).exists() for word in words if "tests/" in word)
+        file = ROOT / module.replace(".", "/")
+        if module not in COMMANDS:
+            return file.with_suffix(".py").is_file() or (file / "__main__.py").is_file()
+        program = module
+    if program in COMMANDS:
+        command = words[:1] if COMMANDS[program] and words and words[0] != "…" else []
+        return set(command) <= set(COMMANDS[program]) and (
+            not command or options <= options_of(program, *command) or command == ["measure"]
+        )
+    if program == "cmake" and "--preset" in words:
+        return f'"name": "{words[words.index("--preset") + 1]}"' in (ROOT / "CMakePresets.json").read_text()
+    tools = ("cmake", "cpack", "ctest", "cd", "pkg-config", "sha256sum", "ROOM_tests")
+    run_here = {name.split()[0].removeprefix("build/bin/") for name in (*SMALL, *MINUTES)}
+    return program in tools or program in run_here or (ROOT / program).exists()
+
+
+def test_every_command_of_the_notes_is_known() -> None:
+    commands = given()
+    assert not {
+        command: files
+        for command, files in commands.items()
+        if command not in {*SMALL, *MINUTES} and not all(map(is_known, command.split(" && ")))
+    }
+    assert not {*SMALL, *MINUTES} - set(commands)
+
+
+def test_every_measure_is_known_and_loads_and_each_is_in_a_note() -> None:
+    named = {
+        match[1]
+        for command in given()
+        if (match := re.match(r"python3 -m analysis measure ([a-z-]+)", command))
+    }
+    assert named == set(MEASURES)
+    for each in MEASURES.values():
+        assert callable(import_module(each.module).measure)
+
+
+@pytest.mark.night
+@pytest.mark.parametrize("command", SMALL)
+def test_a_command_works(tmp_path: Path, command: str) -> None:
+    run(SMALL[command].replace("{out}", shlex.quote(str(tmp_path))))
+
+
+@pytest.mark.night
+@pytest.mark.parametrize("command", MINUTES)
+def test_a_command_of_minutes_works(command: str) -> None:
+    run(MINUTES[command])
+
+
+def run(command: str) -> None:
+    words = shlex.split(command)
+    if words[0] == "python3":
+        words[0] = sys.executable
+    assert shutil.which(words[0], path=f"{ROOT}:{os.environ['PATH']}") or (ROOT / words[0]).is_file(), words[
+        0
+    ]
+    done = subprocess.run(words, cwd=ROOT, capture_output=True, text=True, timeout=6 * DEADLINE)
+    assert done.returncode == 0 and (done.stdout or done.stderr), done.stderr
