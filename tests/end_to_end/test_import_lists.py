@@ -140,19 +140,13 @@ def test_a_damaged_list_is_refused(tmp_path: Path, text: str, told: str) -> None
 @pytest.mark.parametrize(
     ("panels", "told"),
     [
-        (
-            "0 title\nT 1 0 0 0 1 0 0 0 1 0\nT 1 0 0 0 1 0 0 0..1 1 0\n",
-            "3: holds '0..1' instead of a finite number",
-        ),
+        ("0 title\nT 1 0 0 0 1 0 0 0 1 0\nT 1 0 0 0 1 0 0 0..1 1 0\n", "3: holds '0..1' instead of a finite number"),
         ("0 title\nQ 1 0 0 0 1 1 0 1 0 0 0 1 0\n", "2: has corners that do not follow each other"),
-        (
-            "0 title\nQ 1 0 0 0 1 1 0\n",
-            "2: ends too early; it must be Q CONDUCTOR and the coordinates of four",
-        ),
+        ("0 title\nQ 1 0 0 0 1 1 0\n", "2: ends too early; it must be Q CONDUCTOR and the coordinates of four"),
         ("0 title\nN 9 8\n", "2: there is no conductor '9' to be renamed"),
         ("25 0 0 1\nPATRAN\n", "2: the file seems to be a neutral file of PATRAN, which is not read"),
     ],
-)
+)  # fmt: skip
 def test_what_is_wrong_in_a_file_of_panels_is_told_with_its_line(
     tmp_path: Path, panels: str, told: str
 ) -> None:
