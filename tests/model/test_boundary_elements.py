@@ -1,5 +1,5 @@
-"""Boundary elements and the reduced method from outside: set-ups known from another boundary-element method, the command, the
-Python module."""
+"""Boundary elements and the reduced method from outside: set-ups known from another boundary-element method and from the field solver, the
+command, the Python module."""
 
 import json
 import math
@@ -14,10 +14,11 @@ import pytest
 from scipy.constants import epsilon_0
 from scipy.special import elliprf
 
+import fringe
+from fem_reference.answer.reference import solve_conductors
+from fem_reference.bodies.conductors import conductors
+from geometries.scene import reader
 from tests import scenes
-
-
-fringe = pytest.importorskip("fringe")
 
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -230,3 +231,31 @@ def test_members_of_conductors_have_their_charges() -> None:
     assert low < high < 0, "the lower cube is nearer to the sensor"
     left, right = answer["charges"][2][:, 0]
     assert left == pytest.approx(right, rel=1e-3)
+
+
+# Electrodes that are no rectangles, and no round bodies, so that both solve the same.
+POLYGONS = (
+    scenes.body(
+        "electrode",
+        "polygon",
+        vertices=[[0, 0], [0.04, 0], [0.04, 0.04], [0.02, 0.04], [0.02, 0.02], [0, 0.02]],
+        potential="electrode",
+    )
+    + scenes.body(
+        "triangle",
+        "polygon",
+        vertices=[[0, 0], [0.03, 0.01], [-0.01, 0.03]],
+        potential="electrode",
+        translation=[-0.01, 0.03, 0.01],
+    )
+    + scenes.body("target", "box", size=[0.05, 0.04, 0.03], target=True, translation=[0.02, 0.02, 0.05])
+)
+
+
+@pytest.mark.night
+def test_polygons_against_the_field_solver() -> None:
+    boundary = fringe.Scene.loads(POLYGONS).maxwell(rtol=1e-2)
+    field = solve_conductors(conductors(reader.loads(POLYGONS)), rtol=1e-2, error="estimate")
+    apart = np.abs(boundary["maxwell"][:2, :2] - field.maxwell.value[:2, :2])
+    assert np.all(apart <= boundary["error"][:2, :2] + field.maxwell.error[:2, :2])
+    assert np.all(boundary["error"][:2, :2] <= 1e-2 * np.abs(boundary["maxwell"][:2, :2]))

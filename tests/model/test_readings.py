@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import subprocess
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,23 +14,18 @@ import numpy as np
 import pytest
 
 import geometries
-from analysis.pipeline import model_stage
 from tests import scenes
 
-SCENE = Path(geometries.__file__).parent / "scenes" / "guarded_sensor.toml"
-COMMAND = Path(geometries.__file__).parents[1] / "build/bin/fringe"
+SCENES = Path(geometries.__file__).parent / "scenes"
+SCENE = SCENES / "guarded_sensor.toml"
 PARTS = ("value", "background", "change")
-
-
-def printed(*options: str) -> str:
-    return subprocess.run(
-        [COMMAND, "capacitance", SCENE, *options], capture_output=True, text=True, check=True
-    ).stdout
+ASKED = ("--method", "boundary-elements", "--rtol", "0.01")
+Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
 @pytest.fixture(scope="module")
 def readings() -> Any:
-    return model_stage.model_module().Scene.load(SCENE).readings("boundary-elements", rtol=1e-2)
+    return fringe.Scene.load(SCENE).readings("boundary-elements", rtol=1e-2)
 
 
 def test_the_change_is_the_value_less_the_background(readings: Any) -> None:
@@ -39,33 +35,25 @@ def test_the_change_is_the_value_less_the_background(readings: Any) -> None:
         assert reading.answered_by == "boundary-elements"
 
 
-def test_the_command_prints_the_same_readings(readings: Any) -> None:
-    document = json.loads(printed("--method", "boundary-elements", "--rtol", "0.01", "--json"))
+def test_the_command_prints_the_same_readings(fringe_command: Command, readings: Any) -> None:
+    document = json.loads(fringe_command("capacitance", SCENE, *ASKED, "--json").stdout)
     for described in document["readings"]:
         reading = readings[described["name"]]
         assert [described[part] for part in PARTS] == [getattr(reading, part) for part in PARTS]
         assert described["error"] == reading.error
     bounded = {described["name"] for described in document["readings"] if "lower" in described}
     assert bounded == {"unguarded"}  # Only the reading that drives just what it senses is an energy.
-
-
-def test_the_table_has_a_line_for_every_reading() -> None:
-    table = printed("--method", "boundary-elements", "--rtol", "0.01").split("Readings, pF")[1]
+    table = fringe_command("capacitance", SCENE, *ASKED).stdout.split("Readings, pF")[1]
     assert [line.split()[0] for line in table.splitlines()[1:]] == ["guarded", "unguarded", "transmitted"]
 
 
-def test_long_names_and_large_errors_keep_the_tables_columns_apart(tmp_path: Path) -> None:
-    text = (
-        SCENE.read_text()
-        .replace("housing", "housing of the whole machine")
-        .replace("unguarded", "without the guard")
-    )
-    (tmp_path / "scene.toml").write_text(text.replace("[0, 0, -0.07]", "[0, 0, -0.062]"))
-    done = subprocess.run(
-        [COMMAND, "capacitance", tmp_path / "scene.toml", "--method", "reduced", "--entries"],
-        capture_output=True,
-        text=True,
-    )
+def test_long_names_and_large_errors_keep_the_tables_columns_apart(
+    fringe_command: Command, tmp_path: Path
+) -> None:
+    text = SCENE.read_text().replace("[0, 0, -0.07]", "[0, 0, -0.062]")
+    text = text.replace("housing", "housing of the whole machine").replace("unguarded", "without the guard")
+    (tmp_path / "scene.toml").write_text(text)
+    done = fringe_command("capacitance", tmp_path / "scene.toml", "--method", "reduced", "--entries")
     assert done.returncode == 3  # the guard is 2 mm before the housing
     head, *rows = done.stdout.split("\n\n")[1].splitlines()
     assert head.split("  ")[-1] == "housing of the whole machine"
@@ -74,38 +62,37 @@ def test_long_names_and_large_errors_keep_the_tables_columns_apart(tmp_path: Pat
     assert all(line.startswith("  without the guard  ") for line in done.stdout.splitlines()[-2:-1])
 
 
-def test_info_lists_the_readings_and_what_objects_are_to_them() -> None:
-    document = json.loads(
-        subprocess.run([COMMAND, "info", SCENE, "--json"], capture_output=True, check=True).stdout
-    )
+def test_info_lists_the_readings_and_what_objects_are_to_them(fringe_command: Command) -> None:
+    document = json.loads(fringe_command("info", SCENE, "--json").stdout)
     by_name = {
         kind: {described.pop("name"): described for described in listed}
         for kind, listed in document["roles"].items()
     }
-    assert by_name == model_stage.model_module().Scene.load(SCENE).roles()
-    table = subprocess.run([COMMAND, "info", SCENE], capture_output=True, text=True, check=True).stdout
+    assert by_name == fringe.Scene.load(SCENE).roles()
+    table = fringe_command("info", SCENE).stdout
     assert "reading guarded: senses front, drives front and guard, noise 1 fF, threshold 5 fF" in table
     assert "object guard, electrode" in table and "object hand, target, 100 pF to ground" in table
 
 
-def test_an_error_that_a_method_cannot_tell_is_null(tmp_path: Path) -> None:
+def test_an_error_that_a_method_cannot_tell_is_null(fringe_command: Command, tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(
-        (
-            scenes.sensor("front", [[-0.05, -0.04, 0], [0.1, 0, 0], [0, 0.08, 0]])
-            + scenes.body("wall", "plate", size=[10, 10], translation=[0, 0, 0.06], target=True)
-        )
+        scenes.SENSOR + scenes.body("wall", "plate", size=[10, 10], translation=[0, 0, 0.06], target=True)
     )
-    command = [COMMAND, "capacitance", scene, "--method", "formula"]
-    done = subprocess.run([*command, "--json"], capture_output=True, text=True, check=True)
-    document = json.loads(done.stdout)
-    (reading,) = document["readings"]
-    assert reading["change"] > 0 and reading["error"]["change"] is None
-    printed_table = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    change = printed_table.split("Readings, pF")[1].split()[-1]
-    assert float(change) > 0 and printed_table.rstrip().endswith(change)
-    found = model_stage.model_module().Scene.load(scene).readings("formula")["front"]
-    assert found.error["change"] is None
+    asked = ("capacitance", scene, "--method", "formula")
+    (described,) = json.loads(fringe_command(*asked, "--json").stdout)["readings"]
+    assert described["change"] > 0 and described["error"]["change"] is None
+    table = fringe_command(*asked).stdout
+    change = table.split("Readings, pF")[1].split()[-1]
+    assert float(change) > 0 and table.rstrip().endswith(change)
+    assert fringe.Scene.load(scene).readings("formula")["front"].error["change"] is None
+
+
+def test_electrodes_of_any_shape_have_readings_that_the_model_does_not_know() -> None:
+    scene = fringe.Scene.load(SCENES / "round_electrode.toml")
+    assert [reading.change for reading in scene.readings("exact").values()] == [None, None]
+    own, transmitted = scene.readings("boundary-elements", rtol=0.1).values()
+    assert own.change > own.error["change"] and transmitted.change < -transmitted.error["change"]
 
 
 TWO_SENSORS = (
