@@ -12,16 +12,14 @@ from fem_reference.bodies.remarks import remarks
 from geometries.scene import reader
 from geometries.scene.writer import canonical
 from geometries.studies import study
+from tests import scenes
 from tests.fuzz.compare_readers import scene_roles
 
-SENSOR = """
-[[sensor]]
-name = "front"
-plates = [
-    { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] },
-    { corner = [0.1, -0.05, 0.02], edge_u = [0, 0.03, 0.04], edge_v = [0.2, 0, 0] },
-]
-"""
+SENSOR = scenes.sensor(
+    "front",
+    [[-0.05, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]],
+    [[0.1, -0.05, 0.02], [0, 0.03, 0.04], [0.2, 0, 0]],
+)
 LINKS = """
 [[link]]
 name = "arm"
@@ -197,16 +195,14 @@ def test_squared_plates_have_the_same_bits(folder: Path) -> None:
 @pytest.mark.parametrize(
     "objects",
     [
-        '[[object]]\nname = "hand"\nshape = { type = "mesh", file = "body.obj" }\ntranslation = [0, 0, 1]\n',
-        '[[object]]\nname = "hand"\nshape = { type = "mesh", file = "body.obj", scale = 100 }\n',
-        '[[object]]\nname = "hand"\nshape = { type = "mesh", file = "inward.obj" }\n',
-        '[[object]]\nname = "hand"\nshape = { type = "mesh", file = "twice.obj" }\n',
-        '[[object]]\nname = "arm"\nshape = { type = "cube", size = 30 }\n'
-        + "".join(
-            f'[[object]]\nname = "{name}"\nshape = {{ type = "sphere", radius = 1 }}\n' for name in "abcde"
-        ),
-        '[[object]]\nname = "ring"\nshape = { type = "arc", inner_radius = 0.05, outer_radius = 0.06, height = 0.1, degrees = 360 }\n'
-        '[[object]]\nname = "ball"\nshape = { type = "sphere", radius = 0.01 }\ntranslation = [0, 0, 0]\n',
+        scenes.body("hand", "mesh", file="body.obj", translation=[0, 0, 1]),
+        scenes.body("hand", "mesh", file="body.obj", scale=100),
+        scenes.body("hand", "mesh", file="inward.obj"),
+        scenes.body("hand", "mesh", file="twice.obj"),
+        scenes.body("arm", "cube", size=30)
+        + "".join(scenes.body(name, "sphere", radius=1) for name in "abcde"),
+        scenes.body("ring", "arc", inner_radius=0.05, outer_radius=0.06, height=0.1, degrees=360)
+        + scenes.body("ball", "sphere", radius=0.01, translation=[0, 0, 0]),
     ],
 )
 def test_both_make_the_same_remarks(folder: Path, objects: str) -> None:
