@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.packaging.conftest import BUILD, ROOT
+from tests.packaging.test_install import BUILD, ROOT
 from tests.waiting import DEADLINE
 
 pytestmark = pytest.mark.night

@@ -8,21 +8,49 @@ import math
 import os
 import re
 import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
-from tests.packaging.conftest import BUILD, ROOT, SCENE, files_of
+from tests import scenes
+from tests.end_to_end.test_options import COMMANDS
 from tests.waiting import DEADLINE
 
 pytestmark = pytest.mark.night
 
+ROOT = Path(__file__).resolve().parents[2]
+BUILD = ROOT / "build"
+
+SCENE = scenes.SENSOR + scenes.body("hand", "plate", size=[0.073, 0.119], translation=[0.01, 0, 0.03])
 CONSUMER = Path(__file__).with_name("consumer")
 # Only what is installed, wherever the user stands: nothing of the repository is on a path.
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
-PROGRAMS = ("fringe", "fringe-analysis", "fringe-geometries", "fringe-reference")
+
+
+def files_of(prefix: Path) -> set[Path]:
+    """The files of the Python packages of an installation, except what Python compiles."""
+    return {path for path in (prefix / "share/fringe").rglob("*") if "__pycache__" not in path.parts}
+
+
+@pytest.fixture(scope="module")
+def installation(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, set[Path]]:
+    """Where everything is installed, a folder with a space, and the files before any test has used them."""
+    folder = tmp_path_factory.mktemp("an installation") / "prefix"
+    subprocess.run(["cmake", "--install", BUILD, "--prefix", folder], check=True, capture_output=True)
+    return folder, files_of(folder)
+
+
+@pytest.fixture(scope="module")
+def prefix(installation: tuple[Path, set[Path]]) -> Path:
+    return installation[0]
+
+
+@pytest.fixture
+def scene(tmp_path: Path) -> Path:
+    path = tmp_path / "hand.toml"
+    path.write_text(SCENE)
+    return path
 
 
 def output_of(command: list[str | Path], folder: Path, **variables: str) -> str:
@@ -42,10 +70,6 @@ def output_of(command: list[str | Path], folder: Path, **variables: str) -> str:
 def total(prefix: Path, scene: Path) -> float:
     document = json.loads(output_of([prefix / "bin/fringe", "capacitance", scene, "--json"], scene.parent))
     return float(document["sensors"][0]["total"])
-
-
-def modules(prefix: Path) -> str:
-    return str(next(prefix.glob("lib/python3*/dist-packages")))
 
 
 def test_a_project_finds_the_library_with_cmake(prefix: Path, scene: Path) -> None:
@@ -95,51 +119,10 @@ def test_a_project_finds_the_library_with_pkg_config(prefix: Path, scene: Path) 
     assert float(output_of([program, scene], scene.parent).split()[1]) == total(prefix, scene)
 
 
-def test_the_python_module_works_from_another_folder(prefix: Path, scene: Path) -> None:
-    code = "import fringe, sys; print(fringe.__file__, fringe.Scene.load(sys.argv[1]).capacitance()['sensors'][0]['total'], sep='\\n')"
-    printed = output_of(
-        [sys.executable, "-P", "-c", code, scene], scene.parent, PYTHONPATH=modules(prefix)
-    ).splitlines()
-    assert Path(printed[0]).is_relative_to(prefix)
-    assert float(printed[1]) == total(prefix, scene)
-
-
-def test_the_reference_works_from_another_folder(prefix: Path, scene: Path) -> None:
-    # The sensor alone, which is solved the soonest.
-    scene.write_text(SCENE.split("[[object]]")[0])
-    command = [prefix / "bin/fringe-reference", scene, "--rtol", "0.05", "--error", "estimate", "--json"]
-    # What the solver compiles is there already: it takes ten seconds.
-    document = json.loads(output_of(command, scene.parent, XDG_CACHE_HOME=str(BUILD / "cache")))
-    assert document["reached"]
-    assert document["conductors"] == ["front"]
-
-
-def test_studies_are_run_from_another_folder_into_it(prefix: Path, scene: Path) -> None:
-    """Without the reference, which has a test of its own and takes its time."""
-    study = scene.parent / "gap.toml"
-    study.write_text(
-        'name = "gap"\ntitle = "Two plates"\n[reference]\nerror = "none"\n[model]\nmethods = ["exact"]\n[[sweep]]\n'
-        'family = "parallel"\nsensor_size = [0.1, 0.1]\ntarget_size = [0.1, 0.1]\ngap = 0.05\n'
-    )
-    printed = output_of([prefix / "bin/fringe-analysis", "run", study], scene.parent)
-    results = scene.parent / "results" / "gap"
-    assert f"report: {results / 'report.html'}" in printed
-    stored = {path: path.stat().st_mtime_ns for path in results.rglob("model.json")}
-    assert len(stored) == 1
-    output_of([prefix / "bin/fringe-analysis", "run", study], scene.parent)
-    assert stored == {path: path.stat().st_mtime_ns for path in results.rglob("model.json")}
-
-
 def test_meshes_are_converted_from_another_folder(prefix: Path, tmp_path: Path) -> None:
     (tmp_path / "face.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     output_of([prefix / "bin/fringe-geometries", "convert", "face.obj", "face.stl"], tmp_path)
     assert (tmp_path / "face.stl").is_file()
-
-
-def test_nothing_writes_into_the_installation(installation: tuple[Path, set[Path]]) -> None:
-    """After the tests above have used it."""
-    prefix, installed = installation
-    assert installed and files_of(prefix) == installed
 
 
 def options_of(program: Path, *command: str) -> set[str]:
@@ -149,33 +132,20 @@ def options_of(program: Path, *command: str) -> set[str]:
     return {word for word in words if word.startswith("--")} - {"--help"}
 
 
-COMMANDS = {
-    "fringe": ("capacitance", "collide", "export", "info", "sense", "sweep"),
-    "fringe-analysis": (
-        "run",
-        "nightly",
-        "diff",
-        "trends",
-        "report",
-        "verify",
-        "errors",
-        "corrections",
-        "live",
-        "show",
-        "sweep",
-        "coverage",
-        "honesty",
-        "golden",
-    ),
-    "fringe-geometries": ("convert", "person", "expand"),
-    "fringe-reference": (),
+# The packages of the commands.
+INSTALLED = {
+    "fringe": "fringe",
+    "fringe-analysis": "analysis",
+    "fringe-geometries": "geometries",
+    "fringe-reference": "fem_reference",
 }
 
 
-@pytest.mark.parametrize("program", PROGRAMS)
+@pytest.mark.parametrize("program", INSTALLED)
 def test_manual_pages_and_completions_know_every_command_and_option(prefix: Path, program: str) -> None:
     wanted = options_of(prefix / "bin" / program)
-    for command in COMMANDS[program]:
+    commands = COMMANDS[INSTALLED[program]]
+    for command in commands:
         wanted |= options_of(prefix / "bin" / program, command)
     assert wanted or program == "fringe-geometries"
     page = (
@@ -184,7 +154,7 @@ def test_manual_pages_and_completions_know_every_command_and_option(prefix: Path
     bash = (prefix / "share/bash-completion/completions" / program).read_text()
     zsh = (prefix / "share/zsh/vendor-completions" / f"_{program}").read_text()
     for text in (page, bash, zsh):
-        for word in (*wanted, *COMMANDS[program]):
+        for word in (*wanted, *commands):
             assert word in text
 
 
@@ -225,6 +195,8 @@ def agrees(printed: str, shown: str) -> bool:
 def test_the_commands_print_what_the_tutorial_shows(
     installation: tuple[Path, set[Path]], tmp_path: Path
 ) -> None:
+    """With the model, the field solver, a study and the Python module; nothing is written into the installation, which also the tests above
+    have used."""
     prefix, installed = installation
     # The cache of the build holds the forms that the field solver would otherwise compile first.
     environment = os.environ | {
