@@ -12,8 +12,10 @@ from fem_reference.__main__ import main
 from fem_reference.bodies.conductors import conductors
 from geometries.common.errors import InputError
 from geometries.scene.reader import loads
+from tests import scenes
 from tests.bad_input import meshes, places, texts
 from tests.bad_input.case import Case
+from tests.scenes import SENSOR
 
 UNSOLVABLE = [case for case in meshes.cases() if case.unsolvable]
 # It reads with the reader that test_scenes.py tries on all cases.
@@ -30,61 +32,38 @@ UNWRAPPABLE = [
 ]
 
 
-def _assert_told(status: int, output: str, errors: str, scene: Path, place: str) -> None:
-    assert (status, output) == (2, "")
-    # Remarks on a scene precede its refusal.
-    while errors.startswith("fem_reference: remark: "):
-        errors = errors[errors.index("\n") + 1 :]
-    assert errors.startswith("fem_reference: ") and errors.endswith("\n") and errors[:-1].isprintable()
-    assert str(scene)[:200] in errors and place in errors
+EXACT = ["--geometry", "exact"]
 
 
-@pytest.mark.parametrize("case", UNREADABLE + UNWRAPPABLE, ids=lambda case: case.name)
+@pytest.mark.parametrize(
+    ("case", "options"),
+    [*((case, []) for case in UNREADABLE + UNWRAPPABLE), *((case, EXACT) for case in UNSOLVABLE)],
+    ids=lambda value: value.name if isinstance(value, Case) else " ".join(value),
+)
 def test_a_scene_that_cannot_be_solved(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], case: Case
-) -> None:
-    _assert_refused(tmp_path, capsys, case, [])
-
-
-@pytest.mark.parametrize("case", UNSOLVABLE, ids=lambda case: case.name)
-def test_a_mesh_that_bounds_no_solid_unless_it_may_be_wrapped(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], case: Case
-) -> None:
-    _assert_refused(tmp_path, capsys, case, ["--geometry", "exact"])
-
-
-def _assert_refused(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], case: Case, options: list[str]
 ) -> None:
+    """A mesh that bounds no solid cannot unless it may be wrapped."""
     scene = case.make(tmp_path)
     before = sorted(tmp_path.rglob("*"))
     status = main([str(scene), "--json", *options])
     printed = capsys.readouterr()
-    _assert_told(status, printed.out, printed.err, scene, case.place or case.unsolvable or "")
+    assert (status, printed.out) == (2, "")
+    errors = printed.err
+    # Remarks on a scene precede its refusal.
+    while errors.startswith("fem_reference: remark: "):
+        errors = errors[errors.index("\n") + 1 :]
+    assert errors.startswith("fem_reference: ") and errors.endswith("\n") and errors[:-1].isprintable()
+    assert str(scene)[:200] in errors and (case.place or case.unsolvable or "") in errors
     assert sorted(tmp_path.rglob("*")) == before
 
 
-SENSOR = """
-[[sensor]]
-name = "front"
-plates = [{ corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }]
-"""
-HAND = """
-[[object]]
-name = "hand"
-shape = { type = "cuboid", size = [0.1, 0.1, 0.03] }
-translation = [0, 0, 0.025]
-"""
+HAND = scenes.body("hand", "cuboid", size=[0.1, 0.1, 0.03], translation=[0, 0, 0.025])
 
 
-def glass(name: str, x: float, permittivity: float = 4) -> str:
-    return f"""
-[[object]]
-name = "{name}"
-shape = {{ type = "cuboid", size = [0.02, 0.02, 0.01] }}
-translation = [{x}, 0, 0.025]
-material = {{ relative_permittivity = {permittivity} }}
-"""
+def glass(name: str, x: float, z: float = 0.025, permittivity: float = 4) -> str:
+    material = {"relative_permittivity": permittivity}
+    return scenes.body(name, "cuboid", size=[0.02, 0.02, 0.01], translation=[x, 0, z], material=material)
 
 
 def cover(thickness: float, permittivity: float = 3) -> str:
@@ -95,7 +74,10 @@ WRONG = {
     "a cover thicker than the gap": (SENSOR + cover(0.012) + HAND, ("front cover", "hand")),
     "a cover of less than empty space": (SENSOR + cover(0.002, 0.5) + HAND, ("front", "at least 1")),
     "an insulator inside a conductor": (SENSOR + HAND + glass("core", 0), ("core", "inside")),
-    "a permittivity of zero": (SENSOR + HAND + glass("glass", 0.1, 0), ("glass", "relative_permittivity")),
+    "a permittivity of zero": (
+        SENSOR + HAND + glass("glass", 0.1, permittivity=0),
+        ("glass", "relative_permittivity"),
+    ),
 }
 
 
@@ -116,9 +98,7 @@ def test_the_model_refuses_a_cover_thicker_than_the_gap(method: str) -> None:
 
 
 def test_the_reduced_method_refuses_what_touches_several_conductors() -> None:
-    text = (
-        SENSOR + HAND + glass("pad", 0).replace("translation = [0, 0, 0.025]", "translation = [0, 0, 0.005]")
-    )
+    text = SENSOR + HAND + glass("pad", 0, 0.005)
     with pytest.raises(
         ValueError, match='"pad" touches sensor "front" .* and object "hand".*boundary-elements'
     ):

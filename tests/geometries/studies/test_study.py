@@ -208,27 +208,21 @@ def test_a_motion_makes_a_case_of_every_frame_and_one_of_the_sensor_alone(tmp_pa
 
 
 def test_the_sensors_alone_have_no_reading_of_the_electrodes_that_were_there(tmp_path: Path) -> None:
-    guard = '[[object]]\nname = "guard"\nshape = { type = "cube", size = 0.1 }\npotential = "electrode"\n'
-    reading = '[[reading]]\nname = "guarded"\nsense = "front"\ndrive = ["front", "guard"]\n'
+    guard = scenes.body("guard", "cube", size=0.1, potential="electrode")
+    reading = scenes.table("reading", name="guarded", sense="front", drive=["front", "guard"])
     with_guard, alone = scene_study(tmp_path, scene=ARM + guard + reading).cases()
     assert reader.loads(with_guard.text).readings and not reader.loads(alone.text).readings
 
 
 def test_sensors_of_two_links_alone_are_a_case_for_every_pose(tmp_path: Path) -> None:
-    second = (
-        ARM.split("[[object]]")[0]
-        .split("[[sensor]]")[1]
-        .replace("front", "fixed")
-        .replace('link = "arm"', "")
-    )
-    second = second.replace("[0, 0, 0]", "[0.5, 0, 0]")
-    found = scene_study(tmp_path, SCENE + 'motion = "arm.motion.toml"', ARM + "[[sensor]]" + second).cases()
+    second = scenes.sensor("fixed", [[0.5, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
+    found = scene_study(tmp_path, SCENE + 'motion = "arm.motion.toml"', ARM + second).cases()
     assert sum(case.family == study.EMPTY for case in found) == 2
 
 
 def test_a_scene_without_a_sensor_is_no_case(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="no sensor"):
-        scene_study(tmp_path, scene="[[object]]" + ARM.split("[[object]]")[1])
+        scene_study(tmp_path, scene=scenes.body("target", "cube", size=0.1))
 
 
 def test_what_is_wrong_in_a_studys_scene_is_told_with_its_file(tmp_path: Path) -> None:
