@@ -97,6 +97,7 @@ class Reached(Exception):
     """What was called stands for what it would do."""
 
 
+OF_SET_UPS = ("errors", "company", "machines", "insulators")
 SET_UPS_RUN = "analysis.pipeline.set_up_stages.SetUpStages.run"
 VERIFICATION_RUN = "analysis.topics.verification.topic.Rows.run"
 
@@ -116,14 +117,8 @@ VERIFICATION_RUN = "analysis.topics.verification.topic.Rows.run"
         (["nightly", "smoke", "--results", "OUT", "--verify"], VERIFICATION_RUN, 3, None),
         (["verify", "--output", "OUT"], VERIFICATION_RUN, 1, "OUT"),
         (["verify", "--output", "OUT", "--jobs", "3"], VERIFICATION_RUN, 3, 3),
-        (["errors", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
-        (["errors", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
-        (["company", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
-        (["company", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
-        (["machines", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
-        (["machines", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
-        (["insulators", "--output", "OUT"], SET_UPS_RUN, 1, "OUT"),
-        (["insulators", "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3),
+        *(([topic, "--output", "OUT"], SET_UPS_RUN, 1, "OUT") for topic in OF_SET_UPS),
+        *(([topic, "--output", "OUT", "--jobs", "3"], SET_UPS_RUN, 3, 3) for topic in OF_SET_UPS),
         (["corrections", "--output", "OUT"], "analysis.topics.corrections.topic.Evaluated.run", 1, "OUT"),
         (["documentation", "--output", "OUT"], "analysis.documentation.make.build", 0, "OUT"),
     ],
@@ -166,8 +161,6 @@ FORMER_OPTIONS = [
     (("--plates", "nearest"), "--method exact+nearest"),
     (("--faces=facing",), "--method exact+facing"),
     (("--only-readings",), "leave it out"),
-    (("--method", "recommended"), "write auto"),
-    (("--method", "reduced:2"), "write reduced with rtol"),
 ]
 KEYWORDS = [
     ({"correction": "formula"}, 'method="formula", or "auto"'),

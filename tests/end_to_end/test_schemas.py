@@ -1,4 +1,4 @@
-"""What the programs print and store is what the schemas say."""
+"""What the programs print is what the schemas say."""
 
 from __future__ import annotations
 
@@ -12,10 +12,7 @@ import pytest
 import tomli_w
 
 from analysis.pipeline import model_stage
-from analysis.results import store
-from analysis.results.study_results import write_manifest
 from fem_reference import __main__ as fem_reference
-from geometries.studies import study
 from tests.geometries import schemas
 from tests.geometries.schemas import PLATE, Document
 from tests.waiting import DEADLINE
@@ -64,14 +61,6 @@ def printed(command: list[Any]) -> Document:
     return document
 
 
-def assert_exact(name: str, document: Document) -> None:
-    """Valid, and so no more with any of its keys missing that are not said to be optional."""
-    validator = schemas.validator(name)
-    validator.validate(document)
-    for key in validator.schema["required"]:
-        assert not validator.is_valid({other: document[other] for other in document if other != key})
-
-
 every_answer = pytest.mark.parametrize(
     ("name", "options"), [(name, options) for name, all_ in COMMANDS.items() for options in all_], ids=str
 )
@@ -104,24 +93,17 @@ def without_time(answer: Document) -> Document:
     }
 
 
-def test_infinite_capacitances_at_a_contact_are_numbers_to_the_schema(tmp_path: Path) -> None:
-    path = tmp_path / "contact.toml"
-    path.write_text(tomli_w.dumps(schemas.changed(TWO_PLATES, ("object", 0, "translation"), [0.05, 0.05, 0])))
-    document = printed([ROOT / "build/bin/fringe", "capacitance", path, "--json"])
+def test_infinite_capacitances_at_a_contact_are_numbers_to_the_schema(scene: Path) -> None:
+    scene.write_text(
+        tomli_w.dumps(schemas.changed(TWO_PLATES, ("object", 0, "translation"), [0.05, 0.05, 0]))
+    )
+    document = printed([ROOT / "build/bin/fringe", "capacitance", scene, "--json"])
     assert document["sensors"][0]["contact"]
-    assert_exact("capacitance", document)
+    schemas.validator("capacitance").validate(document)
 
 
 def test_the_reference_prints_what_the_schema_says(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Alone and with proven intervals; with objects, and stored, its answers are those of the smoke study."""
+    """Alone and with proven intervals; with objects, and stored, its answers are those that test_run_script.py tries."""
     scene.write_text(tomli_w.dumps({"sensor": TWO_PLATES["sensor"]}))
     fem_reference.main([str(scene), "--rtol", "0.1", "--max-unknowns", "1000", "--json"])
-    assert_exact("reference", json.loads(capsys.readouterr().out))
-
-
-def test_stored_answers_and_results_are_what_the_schemas_say(scene: Path) -> None:
-    target = scene.with_name("model.json")
-    store.write_json(target, {"key": "key", **model_stage.answer(scene, ("exact", "split:2"))})
-    assert_exact("model", json.loads(target.read_text()))
-    write_manifest(scene.parent, study.load(study.find("smoke")), [])
-    assert_exact("results", json.loads((scene.parent / "study.json").read_text()))
+    schemas.validator("reference").validate(json.loads(capsys.readouterr().out))

@@ -101,30 +101,6 @@ def test_the_errors_that_the_table_states(rtol: float) -> None:
         assert math.isclose(measured, stated, rel_tol=0.05)
 
 
-@pytest.mark.parametrize(
-    ("method", "rtol", "bounds"), [("boundary-elements", 2e-3, True), ("reduced", 0.02, False)]
-)
-def test_the_module_answers_like_the_command(
-    fringe_command: Command, scene: Path, method: str, rtol: float, bounds: bool
-) -> None:
-    done = fringe_command("capacitance", scene, "--method", method, "--rtol", rtol, "--entries", "--json")
-    assert (done.returncode, done.stderr) == (0, "")
-    answer = json.loads(done.stdout)
-    assert answer["options"] == {"method": method, "rtol": rtol, "entries": True}
-    assert answer["conductors"] == ["front", "palm"] and answer["floating"] == ["foil"]
-    assert answer["lower_bounds"] == [bounds, bounds]
-    (sensor,) = answer["sensors"]
-    (palm,) = sensor["objects"]
-    assert palm["capacitance"] == -answer["maxwell"][0][1] and palm["error"] == answer["error"][0][1]
-    assert sensor["self"] == answer["maxwell"][0][0] and 0 < sensor["delta_self"] < sensor["self"]
-    assert math.isclose(sensor["voltage"], 5e-12 / (5e-12 + sensor["total"]) * 2.5)
-    matrix = fringe.Scene.load(scene).maxwell(method=method, rtol=rtol)
-    assert np.array_equal(matrix["maxwell"], answer["maxwell"])
-    assert matrix["delta_self"] == {
-        "front": {"value": sensor["delta_self"], "error": sensor["delta_self_error"]}
-    }
-
-
 def test_only_of_readings_an_accuracy_is_asked_without_more_words(
     fringe_command: Command, scene: Path
 ) -> None:
@@ -217,11 +193,11 @@ def test_a_box_that_is_hardly_rounded_is_nearly_a_box() -> None:
 
 
 def test_members_of_conductors_have_their_charges() -> None:
-    box = '[[object]]\nname = "{}"\nshape = {{ type = "cube", size = 0.02 }}\ntranslation = {}\n'
     text = scenes.sensor("front", [[-0.02, -0.02, 0], [0.04, 0, 0], [0, 0.04, 0]])
-    text += box.format("low", [0, 0, 0.03]) + box.format("high", [0, 0, 0.05])
+    for name, z in (("low", 0.03), ("high", 0.05)):
+        text += scenes.body(name, "cube", size=0.02, translation=[0, 0, z])
     for name, x in (("left", -0.1), ("right", 0.1)):
-        text += box.format(name, [x, 0, 0.03]) + 'conductor = "pair"\n'
+        text += scenes.body(name, "cube", size=0.02, translation=[x, 0, 0.03], conductor="pair")
     answer = fringe.Scene.loads(text).maxwell(method="reduced", rtol=0.05)
     assert answer["conductors"] == ["front", "low", "pair"]
     assert answer["members"] == [["front"], ["low", "high"], ["left", "right"]]

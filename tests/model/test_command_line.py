@@ -19,69 +19,23 @@ from tests import scenes
 Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 STATING = ("reduced", "boundary-elements", "auto")
-VACUUM_PERMITTIVITY = 8.8541878128e-12
 
-PLATES = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-
-[[object]]
-name = "target"
-shape = { type = "plate", size = [0.1, 0.1] }
-translation = [0, 0, HEIGHT]
-"""
+TARGET = scenes.body("target", "plate", size=[0.1, 0.1], translation=[0, 0, 0.02])
 
 
 @pytest.fixture
 def scene(tmp_path: Path) -> Path:
     """A 10 cm sensor with a plate of the same size 2 cm in front of it."""
     path = tmp_path / "a scene.toml"
-    path.write_text(PLATES.replace("HEIGHT", "0.02"))
+    path.write_text(scenes.SENSOR + TARGET)
     return path
 
 
 @pytest.fixture
 def touching(tmp_path: Path) -> Path:
     path = tmp_path / "touching.toml"
-    path.write_text(PLATES.replace("HEIGHT", "0"))
+    path.write_text(scenes.SENSOR + TARGET.replace("0.02", "0"))
     return path
-
-
-def test_capacitance_as_json(fringe_command: Command, scene: Path) -> None:
-    done = fringe_command("capacitance", scene, "--json")
-    assert (done.returncode, done.stderr) == (0, "")
-    answer = json.loads(done.stdout)
-    expected = VACUUM_PERMITTIVITY * 0.01 / 0.02  # epsilon A / d
-    voltage = 5e-12 / (5e-12 + expected) * 2.5
-    assert answer["options"] == {"method": "exact", "tolerance": 0}
-    assert answer["counts"] == {
-        "triangles_evaluated": 2,
-        "triangles_lumped": 0,
-        "triangles_skipped": 0,
-        "triangles_reused": 0,
-        "nodes_lumped": 0,
-        "objects_evaluated": 1,
-        "objects_skipped": 0,
-        "objects_reused": 0,
-    }
-    assert answer["seconds"] > 0
-    (sensor,) = answer["sensors"]
-    assert sensor["name"] == "front"
-    assert sensor["total"] == pytest.approx(expected, rel=1e-15)
-    assert sensor["voltage"] == pytest.approx(voltage, rel=1e-15)
-    assert sensor["delta_voltage"] == pytest.approx(2.5 - voltage, rel=1e-15)
-    assert sensor["contact"] is False
-    assert sensor["objects"] == [
-        {
-            "name": "target",
-            "capacitance": sensor["total"],
-            "error": None,
-            "answered_by": "exact",
-            "bound": 0,
-            "skipped": False,
-        }
-    ]
 
 
 def test_capacitance_as_table(fringe_command: Command, scene: Path) -> None:
@@ -108,25 +62,13 @@ def test_contact_is_told_in_one_way(fringe_command: Command, touching: Path, met
     assert "change inf pF, by" in repr(fringe.Scene.load(touching).readings(method)["front"])
 
 
-@pytest.fixture
-def two_plates(tmp_path: Path) -> Path:
-    """Two 5 cm × 10 cm plates at an angle, and an open sheet above them that shows them its back."""
+def test_a_tolerance_is_said_and_what_it_costs(fringe_command: Command, tmp_path: Path) -> None:
+    """Of two 5 cm × 10 cm plates at an angle, and an open sheet above them that shows them its back."""
+    plates = [[-0.05, -0.05, 0], [0.05, 0, 0], [0, 0.1, 0]], [[0, -0.05, 0], [0.04, 0, 0.03], [0, 0.1, 0]]
+    sheet = scenes.body("sheet", "plate", size=[0.1, 0.1], translation=[-0.02, 0.01, 0.06])
     path = tmp_path / "two.toml"
-    path.write_text(
-        (
-            scenes.sensor(
-                "front",
-                [[-0.05, -0.05, 0], [0.05, 0, 0], [0, 0.1, 0]],
-                [[0, -0.05, 0], [0.04, 0, 0.03], [0, 0.1, 0]],
-            )
-            + scenes.body("sheet", "plate", size=[0.1, 0.1], translation=[-0.02, 0.01, 0.06])
-        )
-    )
-    return path
-
-
-def test_a_tolerance_is_said_and_what_it_costs(fringe_command: Command, two_plates: Path) -> None:
-    words = ("capacitance", two_plates, "--method", "exact+nearest", "--tolerance", "1e-2")
+    path.write_text(scenes.sensor("front", *plates) + sheet)
+    words = ("capacitance", path, "--method", "exact+nearest", "--tolerance", "1e-2")
     document = json.loads(fringe_command(*words, "--json").stdout)
     assert document["options"]["tolerance"] == 1e-2
     (sheet,) = document["sensors"][0]["objects"]
@@ -172,29 +114,10 @@ def test_an_unknown_method_is_refused_with_the_choices(fringe_command: Command, 
 
 def test_info(fringe_command: Command, tmp_path: Path) -> None:
     path = tmp_path / "box.toml"
-    path.write_text(
-        'object = [ { name = "box", shape = { type = "cuboid", size = [1, 2, 3] }, translation = [1, 0, 0] } ]'
-    )
-    done = fringe_command("info", path, "--json")
+    path.write_text(scenes.body("box", "cuboid", size=[1, 2, 3], translation=[1, 0, 0]))
+    done = fringe_command("info", path)
     assert (done.returncode, done.stderr) == (0, "")
-    answer = json.loads(done.stdout)
-    assert answer["counts"] == {
-        "links": 0,
-        "sensors": 0,
-        "distance_sensors": 0,
-        "objects": 1,
-        "triangles": 12,
-    }
-    (box,) = answer["objects"]
-    assert box == {
-        "name": "box",
-        "triangles": 12,
-        "area": pytest.approx(22, rel=1e-14),
-        "volume": pytest.approx(6, rel=1e-14),
-        "aabb": {"minimum": [0.5, -1, -1.5], "maximum": [1.5, 1, 1.5]},
-        "defects": None,
-    }
-    assert "22 m2" in fringe_command("info", path).stdout
+    assert "22 m2" in done.stdout and "6 m3" in done.stdout
 
 
 HAND = np.array(Cuboid((0.08, 0.1, 0.02)).triangles())
@@ -205,11 +128,8 @@ def with_hand(scene: Path, triangles: np.ndarray) -> Path:
     vertices = "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in triangles.reshape(-1, 3))
     faces = "".join(f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}\n" for k in range(len(triangles)))
     scene.with_name("hand.obj").write_text(vertices + faces)
-    shape = 'type = "mesh", file = "hand.obj"'
     path = scene.with_name("hand.toml")
-    path.write_text(
-        scene.read_text().replace('type = "plate", size = [0.1, 0.1]', shape).replace("0.02]", "0.06]")
-    )
+    path.write_text(scenes.SENSOR + scenes.body("hand", "mesh", file="hand.obj", translation=[0, 0, 0.06]))
     return path
 
 
@@ -238,26 +158,19 @@ BODIES = (
 def test_collide(fringe_command: Command, tmp_path: Path) -> None:
     path = tmp_path / "bodies.toml"
     path.write_text(BODIES)
-    done = fringe_command("collide", path, "--json")
-    answer = json.loads(done.stdout)
-    assert answer["remarks"][0].startswith('object "air" contains "ball", "box" and "ring": ')
-    assert (done.returncode, done.stderr) == (0, f"fringe: remark: {answer['remarks'][0]}\n")
-    assert answer["pairs"] == [
-        {"a": "ball", "b": "box", "status": "collision"},
-        {"a": "ball", "b": "ring", "status": "bounds"},
-        {"a": "box", "b": "ring", "status": "bounds"},
-    ]
-    assert set(answer["tests"]) == {"broad", "narrow"}
-    assert answer["tests"]["narrow"] >= 1
-    table = fringe_command("collide", path).stdout
-    assert "collision  ball and box" in table
-    assert "bounds     ball and ring" in table
+    done = fringe_command("collide", path)
+    assert done.returncode == 0
+    assert done.stderr.startswith('fringe: remark: object "air" contains "ball", "box" and "ring": ')
+    assert "collision  ball and box" in done.stdout
+    assert "bounds     ball and ring" in done.stdout
 
 
 def test_collide_says_why_there_is_nothing_to_check(fringe_command: Command, tmp_path: Path) -> None:
     path = tmp_path / "arm.toml"
-    body = '[[link]]\nname = "{0}"\n{1}\n[[object]]\nname = "{0}"\nlink = "{0}"\nshape = {{ type = "cube", size = 1 }}\n'
-    path.write_text(body.format("upper", "") + body.format("lower", 'parent = "upper"'))
+    links = scenes.link("upper") + scenes.link("lower", parent="upper")
+    path.write_text(
+        links + "".join(scenes.body(name, "cube", size=1, link=name) for name in ("upper", "lower"))
+    )
     done = fringe_command("collide", path)
     assert done.stdout.startswith("nothing to check among 2 objects: not looked at are objects of one link")
     path.write_text(path.read_text() + "collides_with_parent = true\n")
@@ -269,9 +182,8 @@ def test_remarks_are_printed_once_and_stand_in_every_answer(
 ) -> None:
     path = tmp_path / "long.toml"
     path.write_text(
-        scene.read_text() + '[[object]]\nname = "long"\nshape = { type = "cuboid", size = [50, 1, 1] }\n'
+        scene.read_text() + scenes.body("long", "cuboid", size=[50, 1, 1], translation=[0, 0, -9])
     )
-    path.write_text(path.read_text() + "translation = [0, 0, -9]\n")
     path.with_suffix(".motion.toml").write_text("[[frame]]\n[[frame]]\n")
     for command in ("capacitance", "collide", "sense", "info", "sweep"):
         done = fringe_command(command, path, *(["--json"] if command != "sweep" else []))

@@ -80,17 +80,13 @@ def test_wrong_input_is_a_value_error(call) -> None:  # type: ignore[no-untyped-
         call()
 
 
-def test_answers_of_scene_collide_are_independent_of_each_other(tmp_path: Path) -> None:
+BODIES: dict[str, dict[str, Any]] = {"a": {"link": "arm"}, "b": {}, "c": {"translation": [5, 0, 0]}}
+
+
+def test_answers_of_scene_collide_are_independent_of_each_other() -> None:
     """Dictionaries are given out again only when nobody holds them, and what was changed in them does not return."""
-    path = tmp_path / "scene.toml"
-    cube = 'shape = { type = "cube", size = 1 }'
-    path.write_text(
-        'link = [ { name = "arm" } ]\n'
-        f'[[object]]\nname = "a"\nlink = "arm"\n{cube}\n'
-        f'[[object]]\nname = "b"\n{cube}\n'
-        f'[[object]]\nname = "c"\n{cube}\ntranslation = [5, 0, 0]\n'
-    )
-    scene = fringe.Scene.load(path)
+    cubes = [scenes.body(name, "cube", size=1, **keys) for name, keys in BODIES.items()]
+    scene = fringe.Scene.loads(scenes.link("arm") + "".join(cubes))
 
     def statuses(answer: dict[str, Any]) -> list[str]:
         assert [(pair["a"], pair["b"]) for pair in answer["pairs"]] == [("a", "b"), ("a", "c"), ("b", "c")]
@@ -222,7 +218,7 @@ def test_sense_as_table(fringe_command: Command, path: Path, method: str) -> Non
 
 
 def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Command, path: Path) -> None:
-    path.write_text('[[object]]\nname = "floor"\nshape = { type = "plate", size = [2, 2] }\n')
+    path.write_text(scenes.body("floor", "plate", size=[2, 2]))
     assert json.loads(fringe_command("sense", path, "--json").stdout) == {
         "format": 1,
         "distance_sensors": [],

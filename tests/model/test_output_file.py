@@ -85,13 +85,8 @@ def test_a_triangle_in_contact_is_infinite_and_the_others_are_not(
     fringe_command: Command, tmp_path: Path
 ) -> None:
     path = tmp_path / "scene.toml"
-    path.write_text(
-        SCENE[SCENE.index('[[sensor]]\nname = "back"') : SCENE.index('[[object]]\nname = "ball"')]
-    )
-    with path.open("a") as file:
-        file.write(
-            '[[object]]\nname = "box"\nshape = { type = "cube", size = 0.02 }\ntranslation = [0.02, 0.02, 0.01]'
-        )
+    back = scenes.sensor("back", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
+    path.write_text(back + scenes.body("box", "cube", size=0.02, translation=[0.02, 0.02, 0.01]))
     assert fringe_command("capacitance", path, "--output", tmp_path / "shares.vtu").returncode == 0
     ((shares,),) = [meshio.read(tmp_path / "shares.vtu").cell_data["capacitance back"]]
     # The base, and the sides' lower triangles, which have an edge on the plate.

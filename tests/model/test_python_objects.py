@@ -25,7 +25,7 @@ SCENE = (
     + scenes.body("table", "plate", size=[0.3, 0.3], translation=[0, 0, -0.1])
 )
 TRIANGLE = "v -0.03 -0.03 0\nv 0.03 -0.03 0\nv 0 0.03 0\nf 1 2 3\n"
-BALL = '[[object]]\nname = "ball"\nshape = { type = "sphere", radius = 0.02, segments = 8 }\ntranslation = [0, 0, 0.2]\n'
+BALL = scenes.body("ball", "sphere", radius=0.02, segments=8, translation=[0, 0, 0.2])
 
 
 @pytest.fixture
@@ -73,9 +73,7 @@ def test_what_is_hidden_is_as_if_it_were_not_there(scene: fringe.Scene) -> None:
 
 
 def test_a_baseline_is_the_background_of_the_reading(tmp_path: Path, scene: fringe.Scene) -> None:
-    scene.add(
-        '[[object]]\nname = "target"\nshape = { type = "cube", size = 0.05 }\ntranslation = [0, 0, 0.3]\ntarget = true\n'
-    )
+    scene.add(scenes.body("target", "cube", size=0.05, translation=[0, 0, 0.3], target=True))
     with_target = scene.readings("boundary-elements", rtol=1e-2)["front"]
     scene.hide("target")
     baseline = scene.maxwell(rtol=1e-2)["maxwell"][0, 0]
@@ -85,7 +83,7 @@ def test_a_baseline_is_the_background_of_the_reading(tmp_path: Path, scene: frin
 
 def test_what_is_added_stands_in_the_scene_as_it_is_now(scene: fringe.Scene) -> None:
     pose = scene.pose("arm")
-    scene.add('[[object]]\nname = "watch"\nlink = "arm"\nshape = { type = "cube", size = 0.01 }\n')
+    scene.add(scenes.body("watch", "cube", size=0.01, link="arm"))
     np.testing.assert_array_equal(scene.pose("arm"), pose)
     np.testing.assert_allclose(scene.conductors()["watch"].mean(axis=(0, 1)), pose[:3, 3], atol=1e-12)
 
@@ -93,8 +91,8 @@ def test_what_is_added_stands_in_the_scene_as_it_is_now(scene: fringe.Scene) -> 
 @pytest.mark.parametrize(
     "text, words",
     [
-        ('[[object]]\nname = "hand"\nshape = { type = "cube", size = 1 }\n', "hand"),
-        ('[[object]]\nname = "b"\nlink = "leg"\nshape = { type = "cube", size = 1 }\n', "leg"),
+        (scenes.body("hand", "cube", size=1), "hand"),
+        (scenes.body("b", "cube", size=1, link="leg"), "leg"),
         ("[[object", "scene:"),
     ],
 )
@@ -108,12 +106,10 @@ def test_a_wrong_addition_leaves_the_scene_as_it_was(scene: fringe.Scene, text: 
 def test_what_cannot_be_hidden_is_named(scene: fringe.Scene) -> None:
     with pytest.raises(fringe.InputError, match='there is no object "nobody"'):
         scene.hide("nobody")
-    scene.add(
-        '[[object]]\nname = "pad"\npotential = "electrode"\nshape = { type = "cube", size = 0.01 }\ntranslation = [1, 0, 0]\n'
-    )
+    scene.add(scenes.body("pad", "cube", size=0.01, translation=[1, 0, 0], potential="electrode"))
     with pytest.raises(fringe.InputError, match='"pad" is an electrode'):
         scene.hide("pad")
-    alone = fringe.Scene.loads('[[object]]\nname = "ball"\nshape = { type = "cube", size = 1 }\n')
+    alone = fringe.Scene.loads(scenes.body("ball", "cube", size=1))
     with pytest.raises(fringe.InputError, match="at least one"):
         alone.hide("ball")
     assert alone.objects == ["ball"]
