@@ -53,6 +53,12 @@ ROBOT = f"""<?xml version="1.0"?>
 """
 
 
+def written(path: Path, text: str, encoding: str = "utf-8") -> Path:
+    """The file, with this text."""
+    path.write_text(text, encoding=encoding)
+    return path
+
+
 def robot_in(folder: Path, text: str = ROBOT) -> Path:
     """The file of a robot, in a package that has the mesh of the one above."""
     path = folder / "arm_description" / "urdf" / "arm.urdf"

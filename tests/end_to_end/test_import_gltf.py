@@ -13,7 +13,15 @@ import numpy as np
 import pytest
 
 from geometries.scene import reader
-from tests.end_to_end.importing import TRIANGLES, about, affine, assert_refused, fringe_import, imported
+from tests.end_to_end.importing import (
+    TRIANGLES,
+    about,
+    affine,
+    assert_refused,
+    fringe_import,
+    imported,
+    written,
+)
 
 
 POINTS = struct.pack("<12f", 0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3)
@@ -48,10 +56,8 @@ def model(nodes: list[dict[str, Any]], **changes: Any) -> dict[str, Any]:
     } | changes
 
 
-def written(tmp_path: Path, document: dict[str, Any]) -> Path:
-    path = tmp_path / "model.gltf"
-    path.write_text(json.dumps(document))
-    return path
+def gltf(folder: Path, document: dict[str, Any]) -> Path:
+    return written(folder / "model.gltf", json.dumps(document))
 
 
 HALF = math.sqrt(0.5)
@@ -66,7 +72,7 @@ NODES: list[dict[str, Any]] = [
 
 def test_nodes_are_links_and_their_triangles_are_where_the_matrices_put_them(tmp_path: Path) -> None:
     """Also those below a node that scales unevenly and reflects, which no rigid link does."""
-    scene = imported(written(tmp_path, model(NODES)))
+    scene = imported(gltf(tmp_path, model(NODES)))
     assert {link.name: link.parent for link in scene.links} == {
         "base": None,
         "arm": "base",
@@ -87,7 +93,7 @@ def test_nodes_are_links_and_their_triangles_are_where_the_matrices_put_them(tmp
 
 @pytest.mark.parametrize(("mesh", "turned"), [(1, [[0, 1, 2], [1, 3, 2]]), (2, [[0, 1, 2], [0, 2, 3]])])
 def test_strips_and_fans_are_triangles(tmp_path: Path, mesh: int, turned: list[list[int]]) -> None:
-    scene = imported(written(tmp_path, model([{"mesh": mesh}])))
+    scene = imported(gltf(tmp_path, model([{"mesh": mesh}])))
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], dtype=float)
     assert scene.conductors()["node 0"] == pytest.approx(points[turned])
 
@@ -106,7 +112,7 @@ def test_a_binary_model_is_read_as_a_text_is(tmp_path: Path) -> None:
         + struct.pack("<I4s", len(data), b"BIN\0")
         + data
     )
-    expected = imported(written(tmp_path, model(NODES))).conductors()
+    expected = imported(gltf(tmp_path, model(NODES))).conductors()
     for name, triangles in imported(path).conductors().items():
         assert triangles == pytest.approx(expected[name], abs=0)
 
@@ -117,23 +123,23 @@ def test_indices_are_whole_numbers_of_any_width(tmp_path: Path, component: int, 
     document = model(MESH, buffers=buffer(POINTS + indices))
     document["bufferViews"][1]["byteLength"] = len(indices)
     document["accessors"][1]["componentType"] = component
-    assert imported(written(tmp_path, document)).conductors()["node 0"] == pytest.approx(TRIANGLES)
+    assert imported(gltf(tmp_path, document)).conductors()["node 0"] == pytest.approx(TRIANGLES)
 
 
 def test_extensions_for_looks_are_not_needed(tmp_path: Path) -> None:
     names = ["KHR_materials_unlit", "KHR_texture_transform", "KHR_lights_punctual"]
     document = model(MESH, extensionsRequired=names, extensionsUsed=names)
-    assert imported(written(tmp_path, document)).conductors()["node 0"] == pytest.approx(TRIANGLES)
+    assert imported(gltf(tmp_path, document)).conductors()["node 0"] == pytest.approx(TRIANGLES)
 
 
 def test_names_of_any_letters_come_through(tmp_path: Path) -> None:
     name = 'left "arm" \\ 1\t\x7fé'
-    scene = imported(written(tmp_path, model([{"name": name, "mesh": 0}])))
+    scene = imported(gltf(tmp_path, model([{"name": name, "mesh": 0}])))
     assert [link.name for link in scene.links] == [name] == list(scene.conductors())
 
 
 def test_folders_that_are_not_there_are_made_and_those_that_cannot_be_are_told(tmp_path: Path) -> None:
-    source, target = written(tmp_path, model(MESH)), tmp_path / "new" / "deep" / "scene.toml"
+    source, target = gltf(tmp_path, model(MESH)), tmp_path / "new" / "deep" / "scene.toml"
     assert fringe_import(source, target).returncode == 0 and reader.load(target).objects
     done = fringe_import(source, target.parent)
     assert done.returncode == 1 and done.stderr == f"fringe: {target.parent}: cannot be written\n"
@@ -213,7 +219,7 @@ WRONG_MODELS = {
 def test_models_that_are_none_are_refused_and_leave_nothing(
     tmp_path: Path, document: dict[str, Any], told: str
 ) -> None:
-    assert_refused(written(tmp_path, document), told)
+    assert_refused(gltf(tmp_path, document), told)
 
 
 POINTER = "version https://git-lfs.github.com/spec/v1\noid sha256:0000\nsize 684\n"
@@ -231,15 +237,12 @@ def test_files_that_are_missing_or_without_their_content_are_told(tmp_path: Path
     ("ending", "content", "told"), [("gltf", "\0{", ""), ("glb", "\0{", ""), ("glb", "", "it is empty")]
 )
 def test_files_that_are_damaged_are_refused(tmp_path: Path, ending: str, content: str, told: str) -> None:
-    path = tmp_path / f"model.{ending}"
-    path.write_text(content)
-    assert_refused(path, f"{path.name}: {told}")
+    assert_refused(written(tmp_path / f"model.{ending}", content), f"model.{ending}: {told}")
 
 
 def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
-    path = written(tmp_path, model(MESH))
     assert_refused(
-        path.rename(tmp_path / "model.xml"),
+        written(tmp_path / "model.xml", "<model/>"),
         "must end in .urdf, .gltf, .glb, .dae, .obj, .3mf, .step, .stp, .lst or .qui",
     )
 
@@ -249,5 +252,5 @@ def test_a_file_of_another_kind_is_refused(tmp_path: Path) -> None:
     [("--geometry", "visual"), ("--missing", "refuse"), ("--package-path", "."), ("--joints", "a=1")],
 )
 def test_options_that_would_change_nothing_are_refused(tmp_path: Path, option: tuple[str, str]) -> None:
-    done = fringe_import(written(tmp_path, model(MESH)), tmp_path / "scene.toml", *option)
+    done = fringe_import(gltf(tmp_path, model(MESH)), tmp_path / "scene.toml", *option)
     assert done.returncode == 2 and "options for URDF" in done.stderr

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from tests.end_to_end.importing import area, assert_refused, imported, volume
+from tests.end_to_end.importing import area, assert_refused, imported, volume, written
 
 # A tetrahedron; its faces look outwards.
 VERTICES = np.array([[0, 0, 0], [1, 0, 0], [0, 2, 0], [0, 0, 3]], dtype=float)
@@ -60,9 +60,7 @@ SECOND = (SOLID * [1, 1, -2])[:, [0, 2, 1]] @ np.array([[0, 1, 0], [-1, 0, 0], [
     [('<unit name="meter" meter="1"/>', 1.0), ('<unit name="centimeter" meter="0.01"/>', 0.01), ("", 1.0)],
 )
 def test_collada_is_in_metres_and_its_nodes_are_links(tmp_path: Path, unit: str, metres: float) -> None:
-    path = tmp_path / "model.dae"
-    path.write_text(collada(unit=unit))
-    scene = imported(path)
+    scene = imported(written(tmp_path / "model.dae", collada(unit=unit)))
     assert {link.name: link.parent for link in scene.links} == {"model": None, "base": "model", "arm": "base"}
     found = scene.conductors()
     assert found["base"] == pytest.approx(metres * (SOLID + [10, 0, 0]), rel=1e-6, abs=1e-6)
@@ -72,9 +70,8 @@ def test_collada_is_in_metres_and_its_nodes_are_links(tmp_path: Path, unit: str,
 @pytest.mark.parametrize("up", ["Z_UP", "Y_UP", "X_UP"])
 def test_what_is_up_in_collada_is_z(tmp_path: Path, up: str) -> None:
     """By a rotation, which leaves x as it is unless that is up."""
-    path = tmp_path / "model.dae"
-    path.write_text(collada(up=up))
-    found, base = imported(path).conductors()["base"], SOLID + [10, 0, 0]
+    found = imported(written(tmp_path / "model.dae", collada(up=up))).conductors()["base"]
+    base = SOLID + [10, 0, 0]
     assert found[..., 2] == pytest.approx(base[..., "XYZ".index(up[0])], abs=1e-6)
     assert up == "X_UP" or found[..., 0] == pytest.approx(base[..., 0], abs=1e-6)
     assert volume(found) == pytest.approx(volume(base))
@@ -97,18 +94,15 @@ def test_what_bounds_no_body_does_not_matter_in_collada(tmp_path: Path, encoding
     text = text.replace('<node id="n1"', nodes + '<node id="n1"').replace(
         'encoding="utf-8"', f'encoding="{encoding}"'
     )
-    path = tmp_path / "model.dae"
-    path.write_text(text, encoding=encoding)
-    found = imported(path).conductors()
+    found = imported(written(tmp_path / "model.dae", text, encoding=encoding)).conductors()
     assert list(found) == ["base", "arm"]
     assert found["base"] == pytest.approx(SOLID + [10, 0, 0], rel=1e-6, abs=1e-6)
 
 
 def test_polygons_of_collada_are_divided_as_those_of_meshes_are(tmp_path: Path) -> None:
-    path = tmp_path / "model.dae"
     polygon = '<polylist count="1"><input semantic="VERTEX" source="#corners" offset="0"/><vcount>4</vcount><p>0 1 2 3</p></polylist>'
     text = collada(vertices="2 0 0 1 .2 0 1 2 0 0 0 0")
-    path.write_text(re.sub("<triangles.*</triangles>", polygon, text))
+    path = written(tmp_path / "model.dae", re.sub("<triangles.*</triangles>", polygon, text))
     assert area(imported(path).conductors()["base"]) == pytest.approx(1.1, rel=1e-6)
 
 
@@ -128,9 +122,7 @@ WRONG_COLLADA = {
 
 @pytest.mark.parametrize(("text", "told"), WRONG_COLLADA.values(), ids=WRONG_COLLADA)
 def test_damaged_collada_is_refused(tmp_path: Path, text: str, told: str) -> None:
-    path = tmp_path / "model.dae"
-    path.write_text(text)
-    assert_refused(path, told)
+    assert_refused(written(tmp_path / "model.dae", text), told)
 
 
 OBJ = """mtllib colours.mtl
@@ -157,8 +149,7 @@ f 5 6 7 8
 
 def test_objects_of_obj_are_bodies_whatever_their_materials(tmp_path: Path) -> None:
     """Also if their file is missing."""
-    path = tmp_path / "model.obj"
-    path.write_text(OBJ)
+    path = written(tmp_path / "model.obj", OBJ)
     assert list(imported(path).conductors()) == ["housing", "plate"]
     (tmp_path / "colours.mtl").write_text("newmtl steel\nKd 1 1 1\nnewmtl paint\nKd 0 0 1\n")
     found = imported(path).conductors()
@@ -184,17 +175,15 @@ def test_obj_is_read_as_the_mesh_of_a_scene_is(
     tmp_path: Path, text: str, names: list[str], encoding: str
 ) -> None:
     """Also an arrowhead, which a fan from its first corner leaves, weights of 1, and numbers that begin with their point."""
-    path = tmp_path / "model.obj"
-    path.write_text(text, encoding=encoding)
-    found = imported(path).conductors()
+    found = imported(written(tmp_path / "model.obj", text, encoding=encoding)).conductors()
     assert list(found) == names
     assert sum(map(area, found.values())) == pytest.approx(1.1, rel=1e-6)
 
 
 def test_faces_that_are_bent_are_told(tmp_path: Path) -> None:
-    path = tmp_path / "model.obj"
-    path.write_text("o roof\n" + CORNERS.replace("1 2 0", "1 2 1") + "f 1 2 3 4\n")
-    imported(path, warnings='"roof": faces whose corners are not in one plane: 1, by up to')
+    roof = "o roof\n" + CORNERS.replace("1 2 0", "1 2 1") + "f 1 2 3 4\n"
+    told = '"roof": faces whose corners are not in one plane: 1, by up to'
+    imported(written(tmp_path / "model.obj", roof), warnings=told)
 
 
 @pytest.mark.parametrize(
@@ -208,9 +197,7 @@ def test_faces_that_are_bent_are_told(tmp_path: Path) -> None:
     ],
 )
 def test_damaged_obj_is_refused(tmp_path: Path, text: str, told: str) -> None:
-    path = tmp_path / "model.obj"
-    path.write_text(text)
-    assert_refused(path, told)
+    assert_refused(written(tmp_path / "model.obj", text), told)
 
 
 RELATIONS = """<?xml version="1.0" encoding="UTF-8"?>
@@ -242,7 +229,7 @@ def object_3mf(number: int = 1, kind: str = "model", vertices: str = "", index: 
     )
 
 
-def archive_3mf(path: Path, parts: dict[str, str | bytes], *, wide: bool = False) -> None:
+def archive_3mf(path: Path, parts: dict[str, str | bytes], *, wide: bool = False) -> Path:
     """Writes an archive; `wide`: with sizes of 64 bits in its entries, as some programs always have them."""
     with zipfile.ZipFile(path, "w") as archive:
         archive.writestr(
@@ -255,13 +242,14 @@ def archive_3mf(path: Path, parts: dict[str, str | bytes], *, wide: bool = False
         for name, content in parts.items():
             with archive.open(name, "w", force_zip64=wide) as part:
                 part.write(content.encode() if isinstance(content, str) else content)
+    return path
 
 
-def write_3mf(path: Path, unit: str | None) -> None:
+def write_3mf(path: Path, unit: str | None) -> Path:
     """A tetrahedron at (10, 0, 0)."""
     item = '<item objectid="1" transform="1 0 0 0 1 0 0 0 1 10 0 0"/>'
     model = model_3mf(object_3mf(), item, f'unit="{unit}"' if unit else "")
-    archive_3mf(path, {"3D/3dmodel.model": model})
+    return archive_3mf(path, {"3D/3dmodel.model": model})
 
 
 @pytest.mark.parametrize(
@@ -269,9 +257,7 @@ def write_3mf(path: Path, unit: str | None) -> None:
     [("millimeter", 1e-3), (None, 1e-3), ("inch", 0.0254), ("meter", 1.0), ("micron", 1e-6)],
 )
 def test_3mf_has_its_own_unit(tmp_path: Path, unit: str | None, metres: float) -> None:
-    path = tmp_path / "model.3mf"
-    write_3mf(path, unit)
-    (found,) = imported(path).conductors().values()
+    (found,) = imported(write_3mf(tmp_path / "model.3mf", unit)).conductors().values()
     assert found == pytest.approx(metres * (SOLID + [10, 0, 0]), rel=1e-6, abs=1e-6 * metres)
 
 
@@ -287,7 +273,6 @@ def test_an_archive_of_3mf_may_have_a_thumbnail_and_sizes_of_64_bits(tmp_path: P
 
 def test_parts_of_3mf_are_links_with_their_places_also_from_other_models(tmp_path: Path) -> None:
     """A turn by a quarter about z; x is mapped to y."""
-    path = tmp_path / "model.3mf"
     components = (
         '<object id="2"><components><component p:path="/3D/Objects/a.model" objectid="1"/>'
         '<component objectid="1" transform="0 1 0 -1 0 0 0 0 1 5 0 0"/></components></object>'
@@ -298,7 +283,7 @@ def test_parts_of_3mf_are_links_with_their_places_also_from_other_models(tmp_pat
     other = model_3mf(
         object_3mf(vertices="".join(f'<vertex x="{x}" y="{y}" z="{z}"/>' for x, y, z in 2 * VERTICES)), ""
     )
-    archive_3mf(path, {"3D/3dmodel.model": root, "3D/Objects/a.model": other})
+    path = archive_3mf(tmp_path / "model.3mf", {"3D/3dmodel.model": root, "3D/Objects/a.model": other})
     scene = imported(path)
     assert {link.name: link.parent for link in scene.links} == {
         "model": None, "object 2": "model", "part 1": "object 2", "part 1 2": "object 2",
@@ -351,14 +336,11 @@ WRONG_3MF = {
 
 @pytest.mark.parametrize(("model", "told"), WRONG_3MF.values(), ids=WRONG_3MF)
 def test_wrong_models_of_3mf_are_refused(tmp_path: Path, model: str, told: str) -> None:
-    path = tmp_path / "model.3mf"
-    archive_3mf(path, {"3D/3dmodel.model": model})
-    assert_refused(path, told)
+    assert_refused(archive_3mf(tmp_path / "model.3mf", {"3D/3dmodel.model": model}), told)
 
 
 def test_an_archive_that_is_cut_off_is_refused(tmp_path: Path) -> None:
-    path = tmp_path / "model.3mf"
-    write_3mf(path, None)
+    path = write_3mf(tmp_path / "model.3mf", None)
     path.write_bytes(path.read_bytes()[:-300])
     assert_refused(path, "model.3mf: ")
 
@@ -373,8 +355,7 @@ def robot_with(mesh: str, scale: str = "1 1 1") -> str:
 @pytest.mark.parametrize("up", ["Z_UP", "Y_UP", "X_UP"])
 def test_meshes_of_a_robot_keep_their_axes_and_have_their_unit_and_scale(tmp_path: Path, up: str) -> None:
     (tmp_path / "part.dae").write_text(collada(unit='<unit name="centimeter" meter="0.01"/>', up=up))
-    path = tmp_path / "robot.urdf"
-    path.write_text(robot_with("part.dae", "1 2 -3"))
+    path = written(tmp_path / "robot.urdf", robot_with("part.dae", "1 2 -3"))
     (found,) = imported(path).conductors().values()
     both = np.concatenate([SOLID, SECOND]) + [10, 0, 0]
     assert found == pytest.approx((0.01 * both * [1, 2, -3])[:, [0, 2, 1]], rel=1e-6, abs=1e-6)
@@ -382,6 +363,4 @@ def test_meshes_of_a_robot_keep_their_axes_and_have_their_unit_and_scale(tmp_pat
 
 def test_a_robot_has_meshes_of_3mf(tmp_path: Path) -> None:
     write_3mf(tmp_path / "part.3mf", None)
-    path = tmp_path / "robot.urdf"
-    path.write_text(robot_with("part.3mf"))
-    assert len(imported(path).conductors()["a"]) == 4
+    assert len(imported(written(tmp_path / "robot.urdf", robot_with("part.3mf"))).conductors()["a"]) == 4

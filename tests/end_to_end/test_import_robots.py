@@ -21,6 +21,7 @@ from tests.end_to_end.importing import (
     fringe_import,
     imported,
     robot_in,
+    written,
 )
 
 
@@ -158,11 +159,8 @@ LINKS = "".join(f'<link name="{name}"><collision>{BOX}</collision></link>' for n
 
 
 def robot_of(folder: Path, text: str, encoding: str = "utf-8") -> Path:
-    path = folder / "arm.urdf"
-    path.write_text(
-        f'<?xml version="1.0" encoding="{encoding}"?>\n<robot name="r">{text}</robot>', encoding=encoding
-    )
-    return path
+    head = f'<?xml version="1.0" encoding="{encoding}"?>\n'
+    return written(folder / "arm.urdf", f'{head}<robot name="r">{text}</robot>', encoding)
 
 
 def joint(more: str, kind: str = "revolute") -> str:

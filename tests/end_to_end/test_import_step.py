@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from geometries.scene import reader
-from tests.end_to_end.importing import assert_refused, fringe_import, imported, volume
+from tests.end_to_end.importing import assert_refused, fringe_import, imported, volume, written
 from tests.waiting import DEADLINE
 
 # A box of 10 x 20 x 30 mm, and a cylinder of radius 5 mm and height 40 mm at x = 50 mm.
@@ -43,12 +43,6 @@ def text(tmp_path_factory: pytest.TempPathFactory) -> str:
     return made
 
 
-def written(tmp_path: Path, text: str) -> Path:
-    path = tmp_path / "model.step"
-    path.write_text(text)
-    return path
-
-
 def open_edges(triangles: np.ndarray) -> int:
     """How many edges are without their opposite, as the single precision of the file has them."""
     corners = [tuple(map(tuple, triangle)) for triangle in triangles.astype(np.float32).tolist()]
@@ -57,7 +51,7 @@ def open_edges(triangles: np.ndarray) -> int:
 
 
 def test_parts_are_links_and_solids_closed_bodies_in_metres(tmp_path: Path, text: str) -> None:
-    scene = imported(written(tmp_path, text))
+    scene = imported(written(tmp_path / "model.step", text))
     assert {link.name: link.parent for link in scene.links} == {
         "machine": None,
         "housing": "machine",
@@ -74,14 +68,16 @@ def test_parts_are_links_and_solids_closed_bodies_in_metres(tmp_path: Path, text
 
 
 def test_the_unit_of_the_file_counts(tmp_path: Path, text: str) -> None:
-    scene = imported(written(tmp_path, text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)")))
+    scene = imported(
+        written(tmp_path / "model.step", text.replace("SI_UNIT(.MILLI.,.METRE.)", "SI_UNIT($,.METRE.)"))
+    )
     assert volume(scene.conductors()["housing"]) == pytest.approx(BOX * 1e9, rel=1e-6)
 
 
 def test_named_faces_and_solids_are_bodies_with_their_names(tmp_path: Path, text: str) -> None:
     named = re.sub(r"ADVANCED_FACE\(''", "ADVANCED_FACE('pad'", text, count=2)
     named = re.sub(r"MANIFOLD_SOLID_BREP\(''", "MANIFOLD_SOLID_BREP('shell'", named, count=1)
-    found = imported(written(tmp_path, named)).conductors()
+    found = imported(written(tmp_path / "model.step", named)).conductors()
     assert {name: len(triangles) for name, triangles in found.items()}.items() >= {
         "shell": 8,
         "pad": 4,
@@ -108,7 +104,7 @@ def middles(triangles: np.ndarray) -> np.ndarray:
 def test_triangles_are_as_near_to_the_surface_as_is_asked_and_told(
     tmp_path: Path, text: str, asked: float
 ) -> None:
-    found, told = as_near_as(written(tmp_path, text), asked)
+    found, told = as_near_as(written(tmp_path / "model.step", text), asked)
     assert told <= asked
     side = found["pin"][np.ptp(found["pin"][:, :, 2], axis=1) > 1e-3]
     depth = 0.005 - np.hypot(middles(side)[:, 0] - 0.05, middles(side)[:, 1])
@@ -162,13 +158,13 @@ def test_the_distance_that_is_told_is_that_of_the_surface(tmp_path: Path, kind: 
 def test_a_part_in_another_file_is_named(tmp_path: Path, text: str) -> None:
     document = "#9001=DOCUMENT_TYPE('');\n#9002=DOCUMENT_FILE('part.stp','','',#9001,'',$);\nENDSEC;\nEND-ISO"
     assert_refused(
-        written(tmp_path, text.replace("ENDSEC;\nEND-ISO", document)),
+        written(tmp_path / "model.step", text.replace("ENDSEC;\nEND-ISO", document)),
         "a part of the assembly is in the file part.stp, which is not read",
     )
 
 
 def test_the_default_is_told(tmp_path: Path, text: str) -> None:
-    done = fringe_import(written(tmp_path, text), tmp_path / "scene.toml")
+    done = fringe_import(written(tmp_path / "model.step", text), tmp_path / "scene.toml")
     # The diagonal of a box of 55 x 25 x 40 mm.
     assert "7.2e-05 m asked for (0.001 of the diagonal)" in done.stdout
 
@@ -188,13 +184,13 @@ def test_files_that_cannot_be_read_are_refused(
     tmp_path: Path, text: str, spoiled: Callable[[str], str], told: str
 ) -> None:
     assert spoiled(text) != text
-    assert_refused(written(tmp_path, spoiled(text)), f"model.step: {told}")
+    assert_refused(written(tmp_path / "model.step", spoiled(text)), f"model.step: {told}")
 
 
 def test_deflection_is_for_step_and_greater_than_zero(tmp_path: Path, text: str) -> None:
     (tmp_path / "model.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
     for path, value, told in (
-        (written(tmp_path, text), "0", "--deflection: must be greater than 0"),
+        (written(tmp_path / "model.step", text), "0", "--deflection: must be greater than 0"),
         (tmp_path / "model.step", "nan", "--deflection: must be greater than 0"),
         (tmp_path / "model.obj", "1", "--deflection is an option for STEP"),
     ):

@@ -13,7 +13,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
-import meshio
 import pytest
 
 from analysis.measure import MEASURES
@@ -87,14 +86,6 @@ def test_boundary_elements_print_what_the_guide_shows(tmp_path: Path) -> None:
     for (value, error), (new, new_error) in zip(expected, found):
         assert abs(float(new) - float(value)) <= 0.1 * float(error)
         assert float(new_error) == pytest.approx(float(error), rel=0.1)
-
-
-def test_the_file_for_paraview_is_written(tmp_path: Path) -> None:
-    """`--output triangles.vtu`"""
-    command = [ROOT / "build/bin/fringe", "capacitance", example(tmp_path), "--output", "triangles.vtu"]
-    assert command[-2] + " " + command[-1] in GUIDE
-    subprocess.run(command, cwd=tmp_path, capture_output=True, check=True)
-    assert {"body", "capacitance front"} == set(meshio.read(tmp_path / "triangles.vtu").cell_data)
 
 
 def test_the_python_example_works(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
