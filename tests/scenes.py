@@ -53,6 +53,13 @@ def _value(value: Any) -> str:
     return json.dumps(value, ensure_ascii=False)
 
 
+def obj(triangles: Any) -> str:
+    """The text of a mesh file of triangles, an array of the shape (n, 3, 3), each of which has its own corners."""
+    corners = [f"v {x!r} {y!r} {z!r}\n" for x, y, z in triangles.reshape(-1, 3).tolist()]
+    faces = [f"f {k} {k + 1} {k + 2}\n" for k in range(1, len(corners), 3)]
+    return "".join(corners + faces)
+
+
 SENSOR = sensor("front", [[-0.05, -0.05, 0], [0.1, 0, 0], [0, 0.1, 0]])
 """A square sensor of 10 cm."""
 GUARDED_SENSOR = SENSOR + body(

@@ -40,9 +40,9 @@ def _rows(points: list[Point]) -> list[str]:
     return [" ".join(map(repr, point)) for point in points]
 
 
-def ply(points: list[Point] = POINTS, faces: Sequence[Face] = FACES) -> str:
+def ply(points: list[Point] = POINTS, faces: Sequence[Face] = FACES, number: str = "float") -> str:
     head = f"ply\nformat ascii 1.0\nelement vertex {len(points)}\n"
-    head += "property float x\nproperty float y\nproperty float z\n"
+    head += "".join(f"property {number} {axis}\n" for axis in "xyz")
     head += f"element face {len(faces)}\nproperty list uchar int vertex_indices\nend_header\n"
     lines = [f"{row}\n" for row in _rows(points)]
     return head + "".join(lines + [f"{len(face)} {' '.join(map(str, face))}\n" for face in faces])

@@ -63,6 +63,7 @@ def test_the_model_prints_what_the_readme_shows(tmp_path: Path) -> None:
         assert line in printed
 
 
+@pytest.mark.night
 def test_the_reference_agrees_with_what_the_readme_shows(tmp_path: Path) -> None:
     """Same table, and every value within the error beside it: another machine's libraries may make another mesh."""
     command = [sys.executable, "-m", "fem_reference", example(tmp_path)]

@@ -16,6 +16,7 @@ from pathlib import Path
 import pytest
 
 from tests import scenes
+from tests.analysis.synthetic import HEAD
 from tests.by_night import all_but
 from tests.geometries import schemas
 from tests.waiting import DEADLINE
@@ -250,17 +251,7 @@ def test_what_is_no_lock_is_not_waited_for(new_machine: Path) -> None:
     assert "Unable to locate package unknown-package" in printed and "Waiting" not in printed
 
 
-STUDY = """
-name = "quick"
-title = "Two squares"
-[reference]
-rtol = 1e-2
-max_seconds = 60
-[model]
-methods = ["exact", "split:0", "split:4"]
-""" + scenes.sweep(
-    "parallel", gap=0.05
-)
+STUDY = HEAD.replace("1e-3", "1e-2") + scenes.sweep("parallel", gap=0.05)
 
 
 @pytest.fixture(scope="module")

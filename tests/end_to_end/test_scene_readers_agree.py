@@ -13,6 +13,7 @@ from geometries.scene import reader
 from geometries.scene.writer import canonical
 from geometries.studies import study
 from tests import scenes
+from tests.bad_input import meshes
 from tests.fuzz.compare_readers import scene_roles
 
 SENSOR = scenes.sensor(
@@ -80,18 +81,8 @@ POSES = {
     "on a link": 'link = "hand"\ntranslation = [0.1, 0, 0]\nrotation = { axis = [0, 1, 0], degrees = -250 }',
 }
 # A square, a pentagon and two triangles, so that polygons have to be cut in the same way.
-OBJ = """
-v 0 0 0
-v 10 0 0
-v 10 10 0
-v 0 10 0
-v 5 15 1
-v 2 3 9.5
-f 1 2 3 4
-f 1 2 3 5 4
-f 1 2 6
-f 3 2 6
-"""
+MIXED: list[meshes.Point] = [(0, 0, 0), (10, 0, 0), (10, 10, 0), (0, 10, 0), (5, 15, 1), (2, 3, 9.5)]
+MIXED_FACES = [(0, 1, 2, 3), (0, 1, 2, 4, 3), (0, 1, 5), (2, 1, 5)]
 # In the planes of the axes and across them: an arrowhead, a comb, a square around a hole, a bow tie, one that is bent, one with corners
 # in the middle of sides, and one whose outline touches its first corner from within.
 POLYGONS = (
@@ -115,7 +106,14 @@ POLYGONS = (
     [(0, 0, 9), (4, 0, 9), (4, 4, 9), (0, 4, 9), (0, 0, 9), (1, 2, 9), (2, 2, 9), (2, 1, 9)],
 )
 # Binary fractions: in a mesh file the model's reader keeps seven digits of a decimal number.
-TRIANGLES = [((0, 0, 0), (0.75, 0, 0), (0, 0.75, 0)), ((0, 0, 0.25), (0.75, 0, 0), (0, 0.5, 0.125))]
+TRIANGLES: list[meshes.Point] = [
+    (0, 0, 0),
+    (0.75, 0, 0),
+    (0, 0.75, 0),
+    (0, 0, 0.25),
+    (0.75, 0, 0),
+    (0, 0.5, 0.125),
+]
 CONSTRUCTED, SINGLE_PRECISION = 1e-12, 2e-7
 
 
@@ -143,21 +141,9 @@ def assert_same_roles(path: Path) -> None:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    (tmp_path / "body.obj").write_text(OBJ)
-    facets = [
-        "facet normal 0 0 0\nouter loop\n"
-        + "".join(f"vertex {x} {y} {z}\n" for x, y, z in triangle)
-        + "endloop\nendfacet\n"
-        for triangle in TRIANGLES
-    ]
-    (tmp_path / "body.stl").write_text("solid body\n" + "".join(facets) + "endsolid body\n")
-    vertices = [vertex for triangle in TRIANGLES for vertex in triangle]
-    header = (
-        "ply\nformat ascii 1.0\nelement vertex 6\nproperty double x\nproperty double y\nproperty double z\n"
-    )
-    header += "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
-    lines = "".join(f"{x} {y} {z}\n" for x, y, z in vertices)
-    (tmp_path / "body.ply").write_text(header + lines + "3 0 1 2\n3 3 4 5\n")
+    (tmp_path / "body.obj").write_text(meshes.obj(MIXED, MIXED_FACES))
+    (tmp_path / "body.stl").write_text(meshes.ascii_stl(TRIANGLES, [(0, 1, 2), (3, 4, 5)]))
+    (tmp_path / "body.ply").write_text(meshes.ply(TRIANGLES, [(0, 1, 2), (3, 4, 5)], "double"))
     return tmp_path
 
 
@@ -232,19 +218,12 @@ def test_polygons_are_divided_alike_and_have_the_same_remarks(folder: Path, suff
     faces = [np.array(face) @ frame for frame in frames for face in POLYGONS]
     faces += [random.normal(size=(n, 3)) * [1, 1, flat] for n in range(4, 12) for flat in (1, 0.1, 0)]
     points, ends = np.concatenate(faces), np.cumsum([len(face) for face in faces])
-    rows = [" ".join(map(repr, row)) for row in points.tolist()]
     corners = [list(range(end - len(face), end)) for face, end in zip(faces, ends)]
-    if suffix == "obj":
-        text = "".join(f"v {row}\n" for row in rows)
-        text += "".join(f"f {' '.join(str(k + 1) for k in face)}\n" for face in corners)
-    else:
-        text = f"ply\nformat ascii 1.0\nelement vertex {len(rows)}\nproperty double x\nproperty double y\nproperty double z\n"
-        text += f"element face {len(corners)}\nproperty list uchar int vertex_indices\nend_header\n"
-        text += "".join(f"{row}\n" for row in rows)
-        text += "".join(f"{len(face)} {' '.join(map(str, face))}\n" for face in corners)
+    given = (points.tolist(), corners)
+    text = meshes.obj(*given) if suffix == "obj" else meshes.ply(*given, "double")
     (folder / f"faces.{suffix}").write_text(text)
     (folder / "scene.toml").write_text(
-        f'{SENSOR}[[object]]\nname = "body"\nshape = {{ type = "mesh", file = "faces.{suffix}", scale = 0.01 }}\n'
+        SENSOR + scenes.body("body", "mesh", file=f"faces.{suffix}", scale=0.01)
     )
     here, there = reader.load(folder / "scene.toml"), model_module().Scene.load(str(folder / "scene.toml"))
     assert np.array_equal(here.conductors()["body"], there.conductors()["body"])

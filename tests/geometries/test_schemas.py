@@ -208,15 +208,6 @@ def test_schema_and_reader_agree_on_what_may_be_absent(name: str, source: str) -
     assert verdicts == {True, False}
 
 
-@pytest.mark.parametrize(("place", "value"), WRONG_SCENES, ids=str)
-def test_scenes_with_values_out_of_range_are_refused_by_schema_and_reader(
-    place: schemas.Place, value: Any, source: str
-) -> None:
-    wrong = schemas.changed(SCENE, place, value)
-    assert not schemas.validator("scene").is_valid(wrong)
-    assert not reads_scene(wrong, source)
-
-
 APART = {case.name for case in keys.related()} | {f"without {'.'.join(map(str, place))}" for place in NAMED}
 
 
@@ -238,13 +229,18 @@ def test_the_schema_of_scenes_refuses_every_key_that_the_readers_refuse(tmp_path
         assert validator.is_valid(tomllib.loads(text)) == (case.place is None), case.name
 
 
-@pytest.mark.parametrize(("place", "value"), WRONG_STUDIES, ids=str)
-def test_studies_with_values_out_of_range_are_refused_by_schema_and_reader(
-    place: schemas.Place, value: Any, source: str
+@pytest.mark.parametrize(
+    ("name", "place", "value"),
+    [*(("scene", *wrong) for wrong in WRONG_SCENES), *(("study", *wrong) for wrong in WRONG_STUDIES)],
+    ids=str,
+)
+def test_values_out_of_range_are_refused_by_schema_and_reader(
+    name: str, place: schemas.Place, value: Any, source: str
 ) -> None:
-    wrong = schemas.changed(STUDY, place, value)
-    assert not schemas.validator("study").is_valid(wrong)
-    assert not reads_study(wrong, source)
+    document, reads = FORMATS[name]
+    wrong = schemas.changed(document, place, value)
+    assert not schemas.validator(name).is_valid(wrong)
+    assert not reads(wrong, source)
 
 
 def test_a_scene_of_nothing_is_refused_by_schema_and_reader(source: str) -> None:

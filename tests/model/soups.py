@@ -403,13 +403,8 @@ def written(case: Case, random: Random, folder: Path) -> tuple[Path, Path]:
                 }
             else:
                 kind, keys = "mesh", {"file": f"{name}_{k}.obj"}
-                _write_obj(folder / f"{name}_{k}.obj", part)
+                (folder / f"{name}_{k}.obj").write_text(scenes.obj(part))
             text += scenes.body(f"{name} {k}", kind, link="body", potential=potential, **conductor, **keys)
         paths.append(folder / f"{name}.toml")
         paths[-1].write_text(text)
     return paths[0], paths[1]
-
-
-def _write_obj(path: Path, triangles: Array) -> None:
-    text = "".join(f"v {x!r} {y!r} {z!r}\n" for x, y, z in triangles.reshape(-1, 3).tolist())
-    path.write_text(text + "".join(f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}\n" for k in range(len(triangles))))

@@ -125,9 +125,7 @@ HAND = np.array(Cuboid((0.08, 0.1, 0.02)).triangles())
 
 def with_hand(scene: Path, triangles: np.ndarray) -> Path:
     """A scene of the sensor and a mesh of these triangles before it."""
-    vertices = "".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in triangles.reshape(-1, 3))
-    faces = "".join(f"f {3 * k + 1} {3 * k + 2} {3 * k + 3}\n" for k in range(len(triangles)))
-    scene.with_name("hand.obj").write_text(vertices + faces)
+    scene.with_name("hand.obj").write_text(scenes.obj(triangles))
     path = scene.with_name("hand.toml")
     path.write_text(scenes.SENSOR + scenes.body("hand", "mesh", file="hand.obj", translation=[0, 0, 0.06]))
     return path
