@@ -38,7 +38,7 @@ def test_a_folder_named_like_ours_where_the_user_stands_is_not_taken_for_ours(tm
 
 def test_help_and_a_name_that_is_no_study_are_answered_before_anything_is_installed(tmp_path: Path) -> None:
     folder = empty_repository(tmp_path, "cmake")
-    assert "./run [STUDY]" in run_in(folder, "./run --help", os.environ["PATH"])
+    assert "./run [STUDY]" in run_in(folder, "./run --help")
     for name in ("nowhere", "--fast"):
         done = subprocess.run([folder / "run", name], capture_output=True, text=True, check=False)
         assert done.returncode == 2 and f"run: {name}: is neither a study" in done.stderr
@@ -68,7 +68,7 @@ def test_help_and_a_name_that_is_no_study_are_answered_before_anything_is_instal
 )
 def test_what_it_asks_of_the_analysis(tmp_path: Path, given: str, asked: list[str]) -> None:
     folder = empty_repository(tmp_path, "cmake", "em++")
-    printed = run_in(folder, given, f"{folder}:{os.environ['PATH']}")
+    printed = run_in(folder, given)
     assert re.findall(r"asked: (.*)", printed) == asked and "Installing" not in printed
     browsers = folder / "build-browser" / "build.log"
     assert browsers.is_file() == (given == "./run")
@@ -99,7 +99,7 @@ def test_packages_that_no_report_needs_are_installed_after_it(tmp_path: Path) ->
         ("./run nightly", ["first second"]),
         ("./run --prepare", ["first second"]),
     ):
-        printed = run_in(folder, given, f"{folder}:{os.environ['PATH']}")
+        printed = run_in(folder, given)
         assert re.findall("apt-get -q install -y --no-install-recommends (.*)", printed) == installed
         if given == "./run":
             assert (
@@ -114,10 +114,10 @@ def test_only_what_is_named_is_prepared(tmp_path: Path) -> None:
     folder = empty_repository(tmp_path, "cmake", "em++")
     log = folder / "build" / "build.log"
     for words, built in (("", "product"), ("product test_programs", "product test_programs")):
-        printed = run_in(folder, f"./run --prepare {words}", f"{folder}:{os.environ['PATH']}")
+        printed = run_in(folder, f"./run --prepare {words}")
         assert f"--target {built}\n" in log.read_text() and "asked:" not in printed
     assert not (folder / "build-browser").exists()
-    run_in(folder, "./run --prepare browser", f"{folder}:{os.environ['PATH']}")
+    run_in(folder, "./run --prepare browser")
     assert (folder / "build-browser" / "build.log").is_file()
 
 
@@ -128,7 +128,7 @@ def test_without_emscripten_it_says_that_there_is_no_live_page(tmp_path: Path) -
     for program in Path("/usr/bin").iterdir():
         if program.name not in ("em++", "cmake"):
             (tmp_path / "bin" / program.name).symlink_to(program)
-    printed = run_in(folder, "./run", f"{folder}:{tmp_path / 'bin'}")
+    printed = run_in(folder, "./run", str(tmp_path / "bin"))
     assert "Without emscripten (em++) the library is not built for browsers" in printed
     assert "asked: run default" in printed and "asked: live" not in printed
 
@@ -149,14 +149,13 @@ def empty_repository(place: Path, *programs: str) -> Path:
     return folder
 
 
-def run_in(folder: Path, given: str, path: str) -> str:
-    """What ./run of a repository prints, called elsewhere."""
+def run_in(folder: Path, given: str, path: str = os.environ["PATH"]) -> str:
+    """What ./run of a repository prints, called elsewhere; the repository's programs stand before those of the path."""
     command = [str(folder / "run"), *given.split()[1:]]
-    environment = os.environ | {"PATH": path}
-    done = subprocess.run(
-        command, env=environment, cwd=folder.parent, capture_output=True, text=True, check=True
-    )
-    return done.stdout
+    more = os.environ | {"PATH": f"{folder}:{path}"}
+    return subprocess.run(
+        command, env=more, cwd=folder.parent, capture_output=True, text=True, check=True
+    ).stdout
 
 
 def test_it_prints_the_python_that_has_the_field_solver() -> None:
