@@ -291,7 +291,7 @@ def test_a_frame_that_is_none_is_refused(
     ("options", "python"),
     [
         (("--method", "exact+nearest"), {"method": "exact+nearest"}),
-        (("--method", "reduced", "--rtol", "0.1"), {"method": "reduced", "rtol": 0.1}),
+        (("--rtol", "0.1"), {"rtol": 0.1}),
         (("--motion", "other.toml"), {"method": "exact"}),
     ],
 )
