@@ -29,7 +29,6 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results.answers import Estimate
 from analysis.results.store import read_json
 from analysis.topics.company import set_ups as company
-from analysis.topics.company.topic import CHECK as COMPANY_CHECK
 from analysis.topics.corrections import set_ups as corrections, set_ups as corrections_truths
 from analysis.topics.insulators import set_ups as insulators, truths as insulators_truths
 from analysis.topics.machines import set_ups as machines, truths as machines_truths
@@ -109,7 +108,7 @@ def _corrections() -> Iterator[Case]:
 
 def _company() -> Iterator[Case]:
     """The set-ups whose readings are stored by the field solver."""
-    checks = COMPANY_CHECK.records()
+    checks = company.CHECK.records()
     for set_up in (each for each in company.all_set_ups() if each.identity in checks):
         true, name = checks[set_up.identity], f"company/{set_up.machine} {set_up.number}, {set_up.ground}"
         truths = {part_of(company.SENSOR, part): Estimate(**true[part]) for part in PARTS}

@@ -13,7 +13,7 @@ from analysis.pipeline import keys
 from analysis.pipeline.set_up_stages import SetUpStages, SomeItem, Stages
 from analysis.report import page
 from analysis.results.store import Document, write_text
-from analysis.topics import field_section
+from analysis.topics import field_solver
 from analysis.topics.field_solver import FieldCheck
 from analysis.topics.stored import Stored
 from geometries.common import installation
@@ -91,7 +91,7 @@ class Topic(Generic[SomeItem, SomeEntry]):
             return [page.section(self.title, page.paragraph(self.absent))]
         # The entries of a topic with a field check have a set-up and the quantities that it compares.
         entries: Any = found
-        checked = field_section.parts(self.check, self.check.comparisons(entries)) if self.check else []
+        checked = field_solver.parts(self.check, self.check.comparisons(entries)) if self.check else []
         return self.sections(found, checked, opened)
 
     def make(self, folder: Path) -> page.Made:

@@ -1,92 +1,342 @@
-"""Experiment VII as a topic: what company makes of a reading.
-
-The field solver's readings of some set-ups are stored: `python3 -m analysis measure field-check company`, forty minutes of one core.
-"""
+"""Experiment VII in the report: what company makes of the change of a reading, as factors with figures of them, and the model beside it."""
 
 from __future__ import annotations
 
-from pathlib import Path
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 
-from analysis.pipeline.stage import NoAnswer
+import plotly.graph_objects as go
+from markupsafe import Markup
+
 from analysis.report import page
+from analysis.report.plot import INK, Panel, figure, log_axis, marks, rows_axis, series_colour
+from analysis.results.answers import Estimate
 from analysis.results.store import Document
-from analysis.topics import field_solver
-from analysis.topics.company import factors, section, set_ups
-from analysis.topics.company.factors import Entry
+from analysis.results.units import percent
+from analysis.topics.company import set_ups
 from analysis.topics.company.set_ups import (
-    ARRANGEMENTS,
+    CHECK,
     GUARD,
+    HOUSING,
     MACHINES,
+    NOTHING,
     PERSON,
+    RTOL,
     STAGES,
+    TABLE,
     TO_GROUND,
     SetUp,
-    all_set_ups,
 )
-from analysis.topics.field_solver import FieldCheck
+from analysis.topics.field_solver import QUANTITIES
+from analysis.topics.spread import Spread, ratio, spread
 from analysis.topics.topic import Topic
-
-MOST_UNKNOWNS = (550_000, 1_200_000)
-"""Limits of a mesh's unknowns, tried in turn until two meshes have fewer; a third mesh mostly has more and would take minutes and gigabytes."""
-# Steps in the arrangements' numbers from machine to machine and from connection to connection: with these all arrangements occur.
-_BY_MACHINE, _BY_GROUND = 3, 2
-_DESCRIPTION = (
-    "Readings (F) of set-ups of Experiment VII by the field solver, by the hash of the scene, with estimated errors; seconds are elapsed. "
-    "Made by python3 -m analysis measure field-check company."
-)
+from geometries.common.measured import PICOFARAD, picofarads
+from geometries.studies.families import FLOATING, GROUNDED
 
 
-def chosen() -> tuple[SetUp, ...]:
-    """Returns one set-up for each machine and each connection of the hand, of all arrangements; those of large machines, the slowest, last."""
-    numbers = {
-        (machine, ground): 1 + (_BY_MACHINE * row + _BY_GROUND * column) % ARRANGEMENTS
-        for row, machine in enumerate(MACHINES)
-        for column, ground in enumerate(TO_GROUND)
+PARTS = {
+    "housing": (HOUSING, NOTHING),
+    "driven guard": (GUARD, HOUSING),
+    "table": (TABLE, NOTHING),
+    "second person": (PERSON, NOTHING),
+}
+"""Part of a machine → the machines with it and without it, whose changes are divided."""
+CONNECTIONS = tuple(ground for ground in TO_GROUND if ground != GROUNDED)
+"""The hand's connections whose changes are divided by that of the grounded hand."""
+TOGETHER = "housing, hand floating"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """A set-up with value, background and change of its reading; `model` is the model's change, None unless the hand is grounded (F)."""
+
+    set_up: SetUp
+    value: Estimate
+    background: Estimate
+    change: Estimate
+    model: float | None
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """A change over another one, of two set-ups that differ in one respect; `error` is relative, `id` is the first set-up's."""
+
+    id: str
+    value: float
+    error: float
+
+
+@dataclass(frozen=True)
+class Factor:
+    """The ratios of all set-ups that differ in `what` from those without it (`against`)."""
+
+    what: str
+    against: str
+    ratios: tuple[Ratio, ...]
+
+    @property
+    def spread(self) -> Spread:
+        """How the ratios are spread, of which there must be one."""
+        found = spread(ratio.value for ratio in self.ratios)
+        assert found is not None
+        return found
+
+    @property
+    def error(self) -> float:
+        """The largest relative error of a ratio."""
+        return max(ratio.error for ratio in self.ratios)
+
+
+def factors(found: list[Entry]) -> list[Factor]:
+    """Returns what each part of a machine, and each connection of the hand but the grounded one, makes of the change; those
+    for which there is any pair of set-ups."""
+    made = [of_part(found, part, tuple(TO_GROUND)) for part in PARTS]
+    made += [of_connection(found, ground, MACHINES) for ground in CONNECTIONS]
+    made.append(Factor(TOGETHER, "neither", _ratios(found, (HOUSING, FLOATING), (NOTHING, GROUNDED))))
+    return [factor for factor in made if factor.ratios]
+
+
+def of_part(found: list[Entry], part: str, grounds: tuple[str, ...]) -> Factor:
+    """Returns what a part of a machine makes of the change, over some connections of the hand; perhaps without any ratio."""
+    machine, without = PARTS[part]
+    ratios = (ratio for ground in grounds for ratio in _ratios(found, (machine, ground), (without, ground)))
+    return Factor(part, "without it", tuple(ratios))
+
+
+def of_connection(found: list[Entry], ground: str, machines: tuple[str, ...]) -> Factor:
+    """Returns what the hand's connection makes of the change, over some machines; perhaps without any ratio."""
+    ratios = (
+        ratio for machine in machines for ratio in _ratios(found, (machine, ground), (machine, GROUNDED))
+    )
+    return Factor(_hand(ground), "grounded", tuple(ratios))
+
+
+def of_model(found: list[Entry], machine: str, ground: str) -> Factor:
+    """Returns the model's change, that of the grounded hand, over the true one; perhaps without any ratio."""
+    by_model = {
+        (entry.set_up.number, entry.set_up.machine): entry.model for entry in found if entry.model is not None
     }
-    found = [each for each in all_set_ups() if each.number == numbers[each.machine, each.ground]]
-    return tuple(sorted(found, key=lambda each: (each.machine == GUARD, _is_large(each))))
+    ratios = []
+    for entry in _of(found, machine, ground).values():
+        model = by_model.get((entry.set_up.number, machine))
+        if model is not None:
+            true = entry.change
+            ratios.append(Ratio(entry.set_up.id, model / true.value, true.error / true.value))
+    return Factor(f"{machine}, {_hand(ground)}", "truth", tuple(ratios))
 
 
-def solved(set_up: SetUp) -> Document:
-    """Solves a set-up for what its reading drives; NoAnswer if the field solver has none."""
-    (asked_for,) = set_up.scene.readings
-    asked = ("--error", "estimate", "--columns", ",".join(asked_for.drive))
-    for most in MOST_UNKNOWNS[1:] if _is_large(set_up) else MOST_UNKNOWNS:
-        document = field_solver.solved(set_up, *asked, "--max-unknowns", str(most))
-        if len(document["levels"]) > 1:
-            (reading,) = document["readings"]
-            return {**field_solver.quantities_of(reading), "seconds": document["seconds"]}
-    raise NoAnswer("one mesh has no estimated error")
+def _hand(ground: str) -> str:
+    return f"hand {ground}" if ground in (GROUNDED, FLOATING) else f"hand through {ground}"
 
 
-def _is_large(set_up: SetUp) -> bool:
-    return set_up.machine in (GUARD, PERSON)
+def _ratios(found: list[Entry], these: tuple[str, str], those: tuple[str, str]) -> tuple[Ratio, ...]:
+    """Divides the changes of a machine and a connection by those of others, arrangement by arrangement."""
+    above, below = _of(found, *these), _of(found, *those)
+    return tuple(_ratio(above[number], below[number]) for number in sorted(above.keys() & below.keys()))
 
 
-CHECK = FieldCheck[SetUp](
-    file=Path(__file__).with_name("field_checks.json"),
-    description=_DESCRIPTION,
-    chosen=chosen,
-    solve=solved,
-    kind=lambda each: each.machine,
-    described=(
-        ("set-up", lambda each: page.code(each.id)),
-        ("in company of", lambda each: each.machine),
-        ("hand", lambda each: each.ground),
-    ),
-    explanation=(
-        "Its errors are estimates from two meshes, at least twice what the second one changes, or from three, extrapolated. "
-        "python3 -m analysis measure field-check company makes them in forty minutes of one core."
-    ),
+def _ratio(entry: Entry, other: Entry) -> Ratio:
+    above, below = entry.change, other.change
+    # Both errors may have the same cause or opposite ones: their sizes are added.
+    error = above.error / above.value + below.error / below.value
+    return Ratio(entry.set_up.id, above.value / below.value, error)
+
+
+def _of(found: list[Entry], machine: str, ground: str) -> dict[int, Entry]:
+    return {
+        entry.set_up.number: entry
+        for entry in found
+        if entry.set_up.machine == machine and entry.set_up.ground == ground
+    }
+
+
+def entry(set_up: SetUp, document: Document) -> Entry:
+    """Returns a set-up with its answer."""
+    value, background, change = (Estimate(**document[name]) for name in QUANTITIES)
+    return Entry(set_up, value, background, change, document["model"])
+
+
+TITLE = "In company: Experiment VII"
+ABSENT = (
+    "This version of the model has no study of readings in company yet: python3 -m analysis company does it in a "
+    "minute or two."
 )
+_WHAT = (
+    "Change: the reading with the hand less that without it, the rest of the scene as it is. Each factor divides the changes of two set-ups "
+    "that differ only in what the row names; a factor of one means that it does not matter. The machine's housing, "
+    "the table and the second person are grounded; the guard is driven with the sensor. The hand is connected to the ground through a "
+    "capacitance, as a person's body is, or floating, without net charge. Error: the largest relative error of a factor, "
+    "from the errors that boundary elements state. Definitions: analysis/topics/experiments/EXPERIMENTS.md."
+)
+
+
+def section(found: list[Entry], checked: list[Markup]) -> Markup:
+    """Returns the section, with what the field solver finds; one sentence without answers."""
+    if not factors(found):
+        return page.section(TITLE, page.paragraph(ABSENT))
+    company = "in company of"
+    return page.section(
+        TITLE,
+        page.finding(finding(found)),
+        page.figures([_plot_of_factors(found)]),
+        page.table_of(
+            factors(found),
+            ("what", lambda each: each.what),
+            ("against", lambda each: each.against),
+            ("pairs", lambda each: str(len(each.ratios))),
+            ("median", lambda each: f"{each.spread.median:.3f}"),
+            ("smallest", lambda each: f"{each.spread.least:.3f}"),
+            ("largest", lambda each: f"{each.spread.greatest:.3f}"),
+            ("error", lambda each: f"{each.error:.1e}"),
+        ),
+        page.paragraph(
+            "The same apart, median, and from smallest to largest: each part by the hand's connection,"
+        ),
+        _table("part", TO_GROUND, PARTS, lambda part, ground: of_part(found, part, (ground,))),
+        page.paragraph("and each connection, against the grounded hand, by the company."),
+        _table(company, CONNECTIONS, MACHINES, lambda one, ground: of_connection(found, ground, (one,))),
+        page.finding(model_finding(found)),
+        page.paragraph("The model's change over the true one:"),
+        _table(company, TO_GROUND, MACHINES, lambda machine, ground: of_model(found, machine, ground)),
+        page.finding(conclusion(found)),
+        page.soft(_WHAT),
+        *checked,
+        page.folded("Show the numbers", _numbers(found)),
+    )
+
+
+def finding(found: list[Entry]) -> str:
+    """Tells by how much the machine's parts and the hand's connection change the change."""
+    phrases = []
+    for part in PARTS:
+        grounded, floating = (of_part(found, part, (ground,)) for ground in (GROUNDED, FLOATING))
+        if grounded.ratios and floating.ratios:
+            phrases.append(
+                f"{part} {grounded.spread.range} of a grounded hand and {floating.spread.range} of a floating one"
+            )
+    phrases += [
+        f"{each.what} instead of grounded {each.spread.range}"
+        for each in factors(found)
+        if each.against == GROUNDED
+    ]
+    return (
+        f"Over {len(found)} set-ups, solved by boundary elements asked for {percent(RTOL)}, the change that a hand makes is multiplied, in "
+        f"the median and from least to most, by: {'; '.join(phrases)}."
+    )
+
+
+def model_finding(found: list[Entry]) -> str:
+    """Tells how far the model's change is from the true one alone, and in company."""
+    alone = of_model(found, NOTHING, GROUNDED)
+    each = [of_model(found, machine, ground) for machine in MACHINES for ground in TO_GROUND]
+    ratios = [ratio.value for factor in each for ratio in factor.ratios]
+    if not alone.ratios:
+        return "The model has no answer for a grounded hand before a sensor by itself."
+    one, all_ = alone.spread, spread(ratios)
+    assert all_ is not None
+    return (
+        f"The model, which knows neither company nor connections, gives {ratio(one.median)} times ({ratio(one.least)} to {ratio(one.greatest)}) the true change for "
+        f"a grounded hand before a sensor by itself; over all set-ups {ratio(all_.median)} times it ({ratio(all_.least)} to {ratio(all_.greatest)})."
+    )
+
+
+def conclusion(found: list[Entry]) -> str:
+    """Says what one may conclude from the factors for a threshold."""
+    made = factors(found)
+    told = [
+        "A threshold found for a grounded hand in free space does not hold on a machine: before a housing a floating hand "
+        f"makes {each.spread.range} of that change."
+        for each in made
+        if each.what == TOGETHER
+    ]
+    single = [each for each in made if each.what != TOGETHER]
+    strongest = max(single, key=lambda each: abs(math.log(each.spread.median)))
+    widest = max(single, key=lambda each: each.spread.greatest / each.spread.least)
+    told.append(
+        f"The strongest effect in the median is that of {strongest.what} ({strongest.spread.median:.3g}); the one that depends most on sizes and "
+        f"distances is that of {widest.what} ({widest.spread.least:.3g} to {widest.spread.greatest:.3g}). No constant stands for it: a scene has to hold "
+        "the machine and the hand's connection to the ground."
+    )
+    return " ".join(told)
+
+
+def _table(
+    what: str, grounds: Iterable[str], rows: Iterable[str], factor: Callable[[str, str], Factor]
+) -> Markup:
+    """Returns the factors of each row by the hand's connection; rows without any ratio are left out."""
+    known = {name: [factor(name, ground) for ground in grounds] for name in rows}
+    return page.table(
+        [what, *(f"hand: {ground}" for ground in grounds)],
+        [
+            [name, *(each.spread.range if each.ratios else "" for each in row)]
+            for name, row in known.items()
+            if any(each.ratios for each in row)
+        ],
+    )
+
+
+def _numbers(found: list[Entry]) -> Markup:
+    return page.table_of(
+        found,
+        ("set-up", lambda entry: page.code(entry.set_up.id)),
+        ("arrangement", lambda entry: str(entry.set_up.number)),
+        ("in company of", lambda entry: entry.set_up.machine),
+        ("hand", lambda entry: entry.set_up.ground),
+        ("background (pF)", lambda entry: picofarads(entry.background.value, entry.background.error)),
+        ("change (pF)", lambda entry: picofarads(entry.change.value, entry.change.error)),
+        ("model (pF)", lambda entry: "" if entry.model is None else f"{entry.model / PICOFARAD:.4f}"),
+        text_columns=4,
+    )
+
+
+# Height (pixels) of a row of points, and of what is around the rows.
+_ROW, _AROUND = 34, 150
+_CONNECTED = tuple(ground for ground in TO_GROUND if ground != FLOATING)
+
+
+def _plot_of_factors(found: list[Entry]) -> Panel:
+    """Plots each factor in a row: a point for every pair of set-ups, and a bar at the median. Parts of machines have two colours,
+    because they act otherwise on a floating hand."""
+    made = factors(found)
+    names = [factor.what for factor in made]
+    split = {
+        "hand grounded or through a capacitance": [of_part(found, part, _CONNECTED) for part in PARTS],
+        "hand floating": [of_part(found, part, (FLOATING,)) for part in PARTS],
+        "hand, against the grounded one": [factor for factor in made if factor.what not in PARTS],
+    }
+    traces: list[object] = [
+        _points(name, factors_of_colour, series_colour(index))
+        for index, (name, factors_of_colour) in enumerate(split.items())
+    ]
+    traces.append(_medians(made))
+    x = log_axis("change over the change without it")
+    return Panel(
+        "what the company and the hand's connection make of the change",
+        figure(traces, x, rows_axis(names), height=_AROUND + _ROW * len(names)),
+    )
+
+
+def _points(name: str, made: list[Factor], colour: str) -> go.Scatter:
+    points = [(each.value, factor.what, each.id) for factor in made for each in factor.ratios]
+    values, whats, ids = zip(*points) if points else ((), (), ())
+    marker = {"color": colour, "size": 7, "opacity": 0.45}
+    return marks(name, values, whats, marker, "%{x:.4g}<br>set-up %{text}<extra>%{y}</extra>", text=ids)
+
+
+def _medians(made: list[Factor]) -> go.Scatter:
+    marker = {"color": INK, "symbol": "line-ns-open", "size": 20, "line": {"width": 3}}
+    medians, whats = [factor.spread.median for factor in made], [factor.what for factor in made]
+    return marks("median", medians, whats, marker, "median %{x:.4g}<extra>%{y}</extra>")
+
 
 COMPANY = Topic[SetUp, Entry](
     stages=STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
-    entry=factors.entry,
-    sections=lambda found, checked, _: [section.section(found, checked)],
-    finding=section.finding,
-    absent=section.ABSENT,
+    entry=entry,
+    sections=lambda found, checked, _: [section(found, checked)],
+    finding=finding,
+    absent=ABSENT,
     title="The model in company",
     question="What does a machine around the sensor change?",
     short="in company",

@@ -12,10 +12,10 @@ import pytest
 from analysis.pipeline import reference_stage
 from analysis.results import store
 from analysis.results.study_results import SCENE
-from analysis.topics.company import factors, section
-from analysis.topics.company.factors import TOGETHER, Entry
+from analysis.topics.company import topic
 from analysis.topics.company.set_ups import (
     ARRANGEMENTS,
+    CHECK,
     GUARD,
     HAND,
     HOUSING,
@@ -28,8 +28,9 @@ from analysis.topics.company.set_ups import (
     TO_GROUND,
     SetUp,
     all_set_ups,
+    chosen,
 )
-from analysis.topics.company.topic import CHECK, COMPANY, chosen
+from analysis.topics.company.topic import COMPANY, TOGETHER, Entry
 from analysis.topics.field_solver import QUANTITIES
 from geometries.common.installation import ROOT
 from geometries.scene import reader
@@ -109,7 +110,7 @@ def test_bodies_keep_apart_and_the_hand_alone_comes_and_goes(tmp_path: Path) -> 
 
 
 def test_factors_of_made_up_answers_are_those_put_in() -> None:
-    made = {each.what: each for each in factors.factors(made_up())}
+    made = {each.what: each for each in topic.factors(made_up())}
     expected = {
         "housing": 0.5,
         "driven guard": 0.75 / 0.5,
@@ -131,32 +132,32 @@ def test_factors_of_made_up_answers_are_those_put_in() -> None:
 
 def test_only_pairs_that_are_there_are_compared() -> None:
     alone = [each for each in made_up() if each.set_up.machine == NOTHING and each.set_up.ground == GROUNDED]
-    assert factors.factors(alone) == []
+    assert topic.factors(alone) == []
     beside = [each for each in made_up() if each.set_up.machine == PERSON and each.set_up.ground == GROUNDED]
-    (made,) = factors.factors(alone + beside[:3])
+    (made,) = topic.factors(alone + beside[:3])
     assert (made.what, len(made.ratios)) == (PERSON, 3)
-    assert not factors.of_model(alone, PERSON, GROUNDED).ratios
+    assert not topic.of_model(alone, PERSON, GROUNDED).ratios
 
 
 def test_the_model_is_held_against_each_company_and_connection() -> None:
     found = made_up()
     for machine, by_machine in BY_MACHINE.items():
         for ground, by_ground in BY_GROUND.items():
-            each = factors.of_model(found, machine, ground)
+            each = topic.of_model(found, machine, ground)
             assert each.spread.median == pytest.approx(4 / (by_machine * by_ground))
 
 
 def test_the_section_says_what_follows_from_the_factors() -> None:
     found = made_up()
-    assert "hand floating instead of grounded 0.2 (0.2 to 0.2)" in section.finding(found)
-    assert "table 0.8 (0.8 to 0.8) of a grounded hand and 0.8" in section.finding(found)
+    assert "hand floating instead of grounded 0.2 (0.2 to 0.2)" in topic.finding(found)
+    assert "table 0.8 (0.8 to 0.8) of a grounded hand and 0.8" in topic.finding(found)
     times = [4 / (machine * ground) for machine in BY_MACHINE.values() for ground in BY_GROUND.values()]
     told = f"over all set-ups {np.median(times):.3g} times it (4 to 40)."
-    assert section.model_finding(found).endswith(told)
-    told = section.conclusion(found)
+    assert topic.model_finding(found).endswith(told)
+    told = topic.conclusion(found)
     assert "before a housing a floating hand makes 0.1 (0.1 to 0.1) of that change" in told
     assert "strongest effect in the median is that of hand floating (0.2)" in told
-    text = str(section.section(found, []))
+    text = str(topic.section(found, []))
     assert text.count("plotly-graph-div") == 1
     assert "<td>0.750</td>" not in text and "<td>1.500</td>" in text
 
