@@ -19,8 +19,8 @@ from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SL
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.results.truth import FIELD, Known
 from analysis.results.units import duration, in_words, signed_percent
-from analysis.topics.errors import section as errors_section
-from analysis.topics.errors.records import Entry
+from analysis.topics.errors import topic as errors_topic
+from analysis.topics.errors.set_ups import Entry
 from geometries.common.measured import PICOFARAD, picofarads
 from geometries.studies.study import EMPTY, NO_REFERENCE
 
@@ -68,7 +68,7 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
     if rows:
         yield page.section("Numbers", *_numbers(case, rows))
     if apart is not None:
-        yield page.section("The parts of the model's error", *errors_section.of_one(apart))
+        yield page.section("The parts of the model's error", *errors_topic.of_one(apart))
     if case.reference is not None:
         yield page.section("Maxwell matrix", _matrix(case.reference), *_second_matrix(case.boundary))
     elif case.boundary is not None:

@@ -21,7 +21,7 @@ from analysis.study import case_page
 from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material, set_ups_file
 from analysis.topics.all import TOPICS
 from analysis.topics.cross_check import agreement, section as cross_check_section
-from analysis.topics.errors import records as error_records
+from analysis.topics.errors.set_ups import by_reference
 from analysis.topics.errors.topic import ERRORS
 from analysis.topics.topic import Topic
 from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
@@ -158,7 +158,7 @@ def _pages(material: Material, inputs: str) -> list[Card]:
     rows: dict[str, list[table.Row]] = {}
     for row in material.rows:
         rows.setdefault(row.case.id, []).append(row)
-    known_parts = error_records.by_reference(material.entries[ERRORS.name], material.found)
+    known_parts = by_reference(material.entries[ERRORS.name], material.found)
     apart = {entry.set_up.id: entry for _, entry in known_parts}
     for case in material.found.cases.values():
         case_page.make(material.found, case, rows.get(case.id, []), apart.get(case.id))

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import combinations
 
 from analysis.results.answers import Estimate
+from analysis.results.store import Document
 from analysis.results.table import DELTA_SELF
 from analysis.topics.errors.parts import PARTS, QUANTITY, REST, Part, Split, Truth, parts, shares
 from analysis.topics.machines.set_ups import SetUp
@@ -37,6 +38,17 @@ class OnMachine:
     """The true changes (F) of a set-up for each choice of what is included, by the names of that in the order of COMPANY."""
 
     changes: dict[tuple[str, ...], Estimate]
+
+    @staticmethod
+    def read(documents: Iterable[Document]) -> OnMachine:
+        """Reads what `documents` returns."""
+        return OnMachine(
+            {tuple(each["included"]): Estimate(each["value"], each["error"]) for each in documents}
+        )
+
+    def documents(self) -> list[Document]:
+        """Returns the changes as they are stored."""
+        return [{"included": list(chosen), **asdict(value)} for chosen, value in self.changes.items()]
 
     @property
     def included(self) -> tuple[str, ...]:
@@ -73,6 +85,13 @@ class Pairs:
     def delta_self(self) -> Estimate:
         """The sum of the true changes."""
         return added(truth.delta_self for truth in self.truths)
+
+    @staticmethod
+    def read(document: Document) -> Pairs:
+        """Reads a stored answer."""
+        apart = Split.read(document["split"]) if document["split"] else None
+        truths = tuple(map(Truth.read, document["truths"]))
+        return Pairs(truths, document["every"], document["facing"], apart)
 
     def parts(self) -> dict[str, float]:
         """Returns the parts (F) of the model's change minus the sum of the true ones, which add up to it."""

@@ -1,4 +1,7 @@
-"""The true changes of the set-ups on machines, by boundary elements: `python3 -m analysis measure truths machines`, a quarter of an hour of two cores."""
+"""The true changes of the set-ups on machines, by boundary elements: `python3 -m analysis measure truths machines`, a quarter of an hour of two cores.
+
+The field solver's readings of some set-ups are stored: `python3 -m analysis measure field-check machines`, an hour of one core.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +17,15 @@ from analysis.pipeline.set_up_stages import SetUpStages
 from analysis.results.answers import Estimate
 from analysis.results.set_up import rectangles
 from analysis.results.store import Document
-from analysis.topics.errors import parts as parts_of_pairs, records as records_of_pairs
-from analysis.topics.errors.parts import Truth
+from analysis.topics import field_solver
+from analysis.topics.errors.parts import Truth, split
+from analysis.topics.field_solver import FieldCheck
 from analysis.topics.machines import parts
 from analysis.topics.machines.parts import OnMachine
 from analysis.topics.machines.set_ups import READING, SetUp, all_set_ups
 from analysis.topics.stored import Stored, rounded
 from geometries.scene.scene import Scene
+from geometries.scene.shapes import Cuboid, PlateShape
 from geometries.scene.writer import canonical
 
 RTOL = 1e-1
@@ -84,15 +89,11 @@ def _pair(model: Any, scene: Scene, rtol: float) -> Truth:
 
 
 def _truths(record: Document) -> Truths:
-    changes = {tuple(each["included"]): Estimate(each["value"], each["error"]) for each in record["changes"]}
-    return Truths(OnMachine(changes), tuple(records_of_pairs.truth(each) for each in record["pairs"]))
+    return Truths(OnMachine.read(record["changes"]), tuple(map(Truth.read, record["pairs"])))
 
 
 def _record(truths: Truths) -> Document:
-    changes = [
-        {"included": list(chosen), **asdict(value)} for chosen, value in truths.changes.changes.items()
-    ]
-    return rounded({"changes": changes, "pairs": [asdict(pair) for pair in truths.pairs]})
+    return rounded({"changes": truths.changes.documents(), "pairs": [asdict(pair) for pair in truths.pairs]})
 
 
 STORED = Stored[SetUp](
@@ -110,7 +111,6 @@ REDUCED_RTOL = 0.1
 """Relative error asked of the reduced method, which then prepares a machine in less than a second."""
 _SECONDS = 1.0
 _FILES = (
-    "errors/paths.py",
     "errors/parts.py",
     "machines/parts.py",
     "machines/truths.py",
@@ -124,7 +124,7 @@ def answer(set_up: SetUp, _: Path) -> Document:
     model = model_stage.model_module()
     true = load().get(set_up.identity) or solved(model, set_up)
     return {
-        "changes": [{"included": chosen, **asdict(value)} for chosen, value in true.changes.changes.items()],
+        "changes": true.changes.documents(),
         "pairs": None if set_up.is_between_sensors else asdict(_pairs(model, set_up, true)),
         "methods": {method: _by(model, set_up, method) for method in methods(set_up)},
     }
@@ -163,7 +163,7 @@ def _pairs(model: Any, set_up: SetUp, true: Truths) -> parts.Pairs:
         truths=true.pairs,
         every=by_model[EVERY],
         facing=by_model[FACING],
-        split=parts_of_pairs.split(model, *plates) if plates else None,
+        split=split(model, *plates) if plates else None,
     )
 
 
@@ -178,4 +178,56 @@ STAGES = SetUpStages[SetUp](
     sources=(*(f"analysis/topics/{file}" for file in _FILES), "analysis/results/set_up.py"),
     seconds=lambda _: _SECONDS,
     answer=answer,
+)
+
+
+_RTOL_OF_CHECKS = 2e-2
+"""Relative accuracy asked of the enclosures of value and background: the first mesh mostly has it."""
+_MOST_UNKNOWNS = 400_000
+"""Limit of a mesh's unknowns: more would take minutes."""
+_DESCRIPTION_OF_CHECKS = (
+    "Changes of readings (F) on machines by the field solver, by the hash of the scene: value, estimated error, and the interval that is proven to "
+    "contain it; seconds are elapsed. Made by python3 -m analysis measure field-check machines."
+)
+
+
+def chosen() -> tuple[SetUp, ...]:
+    """Returns the set-ups whose bodies are cuboids and plates only, which the field solver meshes quickly: those with few bodies, and of these
+    the sealed ones, first."""
+    flat = (
+        each
+        for each in all_set_ups()
+        if all(isinstance(body.shape, (Cuboid, PlateShape)) for body in each.scene.objects)
+    )
+    return tuple(sorted(flat, key=lambda each: (len(each.scene.objects), not each.sealed)))
+
+
+def checked(set_up: SetUp) -> Document:
+    """Encloses the change of a set-up's reading; NoAnswer if the field solver has none."""
+    (asked_for,) = set_up.scene.readings
+    columns = dict.fromkeys([asked_for.sense, *asked_for.drive])
+    asked = ("--rtol", repr(_RTOL_OF_CHECKS), "--error", "enclosure", "--max-unknowns", str(_MOST_UNKNOWNS))
+    document = field_solver.solved(set_up, *asked, "--columns", ",".join(columns))
+    (reading,) = document["readings"]
+    return {
+        **field_solver.quantities_of(reading, ("change",)),
+        "lower": reading["lower"]["change"],
+        "upper": reading["upper"]["change"],
+        "seconds": document["seconds"],
+    }
+
+
+CHECK = FieldCheck[SetUp](
+    file=Path(__file__).with_name("field_checks.json"),
+    description=_DESCRIPTION_OF_CHECKS,
+    chosen=chosen,
+    solve=checked,
+    kind=lambda each: each.family,
+    described=(("set-up", lambda each: each.name), ("sealed", lambda each: "yes" if each.sealed else "")),
+    explanation=(
+        "The proven interval is the field solver's enclosure of the value less that of the background, so that it is wide where the change is a small part of the "
+        "reading; its estimate of the change is far better. python3 -m analysis measure field-check machines makes the records in an hour of one core, for set-ups "
+        "of boxes and plates, which it meshes quickly."
+    ),
+    quantities=("change",),
 )

@@ -18,10 +18,10 @@ from analysis.results.answers import Estimate
 from analysis.results.set_up import Rectangle, describe, rectangles
 from analysis.results.table import DELTA_SELF, MUTUAL
 from analysis.study import report
-from analysis.topics.errors import parts, paths, records, section, set_ups
+from analysis.topics.errors import parts, set_ups
 from analysis.topics.errors.parts import BACK, EFFECTS, LATERAL, PARTS, RECIPROCITY, TILT
 from analysis.topics.errors.set_ups import MAPS, STAGES, SetUp, all_set_ups
-from analysis.topics.errors.topic import ERRORS
+from analysis.topics.errors.topic import ABSENT, ERRORS
 from geometries.common.installation import ROOT
 from geometries.scene.scene import Scene
 from geometries.studies import families
@@ -30,8 +30,8 @@ from tests.analysis.synthetic import make_results, report_text
 Array = NDArray[np.float64]
 
 SQUARE = (0.1, 0.1)
-CHORD = paths.Stretch(1.0, 1.0)
-BOTH = paths.Stretch(1.3, math.pi / 2)
+CHORD = parts.Stretch(1.0, 1.0)
+BOTH = parts.Stretch(1.3, math.pi / 2)
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +49,7 @@ TURNED = families.corner(SQUARE, (0.06, 0.04), (0.01, 0.02), 0.015, tilt_degrees
 ASTRIDE = families.straddle(SQUARE, (0.12, 0.05), 0.02, (0.04, 0.03), tilt_degrees=20, turn_degrees=70)
 
 
-def length(points: Array, stretch: paths.Stretch) -> Array:
+def length(points: Array, stretch: parts.Stretch) -> Array:
     """L of points (..., 3) to the square sensor, which is centred at the origin in z = 0."""
     half = SQUARE[0] / 2
     beside = points[..., :2] - np.clip(points[..., :2], -half, half)
@@ -59,7 +59,7 @@ def length(points: Array, stretch: paths.Stretch) -> Array:
 
 @pytest.mark.parametrize("scene", [TURNED, ASTRIDE])
 @pytest.mark.parametrize("stretch", [CHORD, BOTH])
-def test_path_integrals_are_those_of_a_plain_rule(model: Any, scene: Scene, stretch: paths.Stretch) -> None:
+def test_path_integrals_are_those_of_a_plain_rule(model: Any, scene: Scene, stretch: parts.Stretch) -> None:
     """The middles of 1000 × 1000 equal pieces, each mirrored at the four edges."""
     sensor, target = plates(scene)
     width, depth = np.linalg.norm(target.edge_u), np.linalg.norm(target.edge_v)
@@ -75,7 +75,7 @@ def test_path_integrals_are_those_of_a_plain_rule(model: Any, scene: Scene, stre
         math.pi * depth * b + from_(a, -b),
         math.pi * depth * (1 - b) + from_(a, 2 - b),
     ]
-    front, back = paths.front(model, target, sensor, stretch), paths.back(target, sensor, stretch)
+    front, back = parts.front(model, target, sensor, stretch), parts.back(target, sensor, stretch)
     assert front.value == pytest.approx(width * depth * np.mean(1 / from_(a, b)), rel=1e-5)
     assert back.value == pytest.approx(width * depth * np.mean(1 / np.min(around, axis=0)), rel=3e-4)
     assert 0 == front.error < back.error < 1e-3 * back.value
@@ -87,9 +87,9 @@ def test_arcs_between_plates_of_a_wedge_are_exact(model: Any, degrees: float) ->
     angle, hinge, side = math.radians(degrees), 0.002, 0.03
     sensor, target = plates(families.inclined(SQUARE, (side, 0.04), hinge, degrees))
     first = hinge / math.sin(angle)
-    stretch = paths.Stretch(paths.arc_over_chord(target, sensor), 1.0)
+    stretch = parts.Stretch(parts.arc_over_chord(target, sensor), 1.0)
     expected = 0.04 / angle * math.log((first + side) / first)
-    assert paths.front(model, target, sensor, stretch).value == pytest.approx(expected, rel=1e-12)
+    assert parts.front(model, target, sensor, stretch).value == pytest.approx(expected, rel=1e-12)
 
 
 def test_the_model_without_effects_is_the_model(model: Any) -> None:
@@ -191,7 +191,7 @@ def test_random_plates_keep_their_distance_and_are_turned_all_ways() -> None:
 
 def test_parts_of_real_set_ups_add_up_and_are_known(folder: Path) -> None:
     answers = STAGES.load(folder, some())
-    entries = [records.entry(each, answers[each.id]) for each in some()]
+    entries = [set_ups.entry(each, answers[each.id]) for each in some()]
     assert len(entries) == len(some())
     for entry in entries:
         for quantity in PARTS:
@@ -219,8 +219,8 @@ def test_a_report_beside_the_errors_shows_them_and_opens_their_cases(folder: Pat
     study = make_results(folder.parent / "study")
     ERRORS.make(folder)
     text = report_text(study)
-    assert "Where does the model&#39;s error come from?" in text and section.ABSENT not in text
+    assert "Where does the model&#39;s error come from?" in text and ABSENT not in text
     assert "The error over gap and tilt" in text and 'data-cases="../../errors/cases"' in text
     for target in re.findall(r'href="(\.\./\.\./errors/[^"]*)"', text):
         assert (study / report.PAGES / target).is_file()
-    assert section.ABSENT in report_text(make_results(tmp_path / "elsewhere" / "study"))
+    assert ABSENT in report_text(make_results(tmp_path / "elsewhere" / "study"))

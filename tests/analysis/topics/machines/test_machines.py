@@ -14,9 +14,8 @@ from analysis.results.answers import Estimate
 from analysis.results.study_results import SCENE
 from analysis.topics.errors.parts import EFFECTS, Truth
 from analysis.topics.field_solver import Comparison
-from analysis.topics.machines import parts, section, truths
+from analysis.topics.machines import parts, topic, truths
 from analysis.topics.machines.parts import GROUNDING, MERGED, OTHERS, OWN, SENSORS, OnMachine, Pairs
-from analysis.topics.machines.section import Entry
 from analysis.topics.machines.set_ups import (
     ARM,
     FAMILIES,
@@ -29,8 +28,8 @@ from analysis.topics.machines.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.machines.topic import CHECK, MACHINES, chosen
-from analysis.topics.machines.truths import EVERY, METHODS, REDUCED, RTOL, STAGES
+from analysis.topics.machines.topic import MACHINES, Entry
+from analysis.topics.machines.truths import CHECK, EVERY, METHODS, REDUCED, RTOL, STAGES, chosen
 from geometries.common.installation import ROOT
 from geometries.scene import reader
 from geometries.scene.shapes import MeshShape, PlateShape
@@ -149,7 +148,7 @@ def test_made_up_changes_have_the_parts_that_were_put_in() -> None:
     )
     assert math.fsum(named.values()) == pytest.approx(entry.error) == pytest.approx(30 / 5.4 - 1)
     assert entry.largest == parts.TURNED_AWAY
-    told = section.parts_finding([entry])
+    told = topic.parts_finding([entry])
     assert "Company alone makes 1.85 times too much of a change" in told and OWN in told
 
 
@@ -190,12 +189,12 @@ def test_grounded_company_takes_from_the_change(found: list[Entry]) -> None:
 
 
 def test_the_section_tells_ratios_and_parts(found: list[Entry]) -> None:
-    text = str(section.section(found, []))
+    text = str(topic.section(found, []))
     assert text.count("plotly-graph-div") == 2
-    told = section.finding(found)
+    told = topic.finding(found)
     times = [entry.ratio(EVERY) for entry in found if EVERY in entry.methods]
     assert f"exact {np.median(times):.3g} times" in told and f"Over {len(found)} set-ups" in told
-    assert section.statistics(found, "no such method") is None
+    assert topic.statistics(found, "no such method") is None
     assert all(f">{method}<" in text for method in METHODS)
 
 
