@@ -6,7 +6,7 @@ import argparse
 import math
 
 from analysis.topics.all import TOPICS
-from analysis.topics.insulators import topic as insulators
+from analysis.topics.insulators import truths as insulators
 from geometries.common.arguments import positive_number
 from geometries.common.errors import InputError
 
@@ -34,11 +34,11 @@ def arguments(parser: argparse.ArgumentParser) -> None:
 
 def measure(options: argparse.Namespace) -> int:
     """Solves what has no record; status 1 where some remain without."""
-    if options.boundary and options.topic != insulators.INSULATORS.name:
+    if options.boundary and options.topic != insulators.STAGES.name:
         raise InputError(
             "",
             "",
-            f"--boundary is an option of {insulators.INSULATORS.name}: the records of {options.topic} have no boundary elements",
+            f"--boundary is an option of {insulators.STAGES.name}: the records of {options.topic} have no boundary elements",
         )
     if options.boundary:
         print(f"insulators: {insulators.solve_again()} set-ups solved by boundary elements")

@@ -1,99 +1,282 @@
-"""Experiment VIII as a topic: what insulators before a sensor make of its reading.
-
-The field solver's readings of some set-ups are stored: `python3 -m analysis measure field-check insulators`, minutes for each set-up.
-The hand of each is moved to the sensor's axis, so that the field solver meshes a quarter of space only.
-"""
+"""Experiment VIII as a topic: what insulators before a sensor make of its reading, and the model's layer rule beside it."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-from functools import cache
-from pathlib import Path
+from collections.abc import Iterable
+from dataclasses import dataclass
 
-from analysis.pipeline import model_stage
+from markupsafe import Markup
+
+from analysis.report import page
+from analysis.report.plot import Panel, axis, boxes, figure, log_axis, marks, rows_axis, series_colour
+from analysis.results.answers import Estimate
 from analysis.results.store import Document
-from analysis.topics import field_solver
-from analysis.topics.field_solver import QUANTITIES, FieldCheck
-from analysis.topics.insulators import section, set_ups, truths
-from analysis.topics.insulators.section import Entry
-from analysis.topics.insulators.set_ups import COVER, FILM, READING, TARGET, SetUp, all_set_ups
-from analysis.topics.insulators.truths import STAGES
-from analysis.topics.stored import rounded
+from analysis.results.units import percent, signed_percent
+from analysis.topics.insulators import set_ups, truths
+from analysis.topics.insulators.set_ups import BLANKET, COUNTS, COVER, FILM, TARGET, SetUp
+from analysis.topics.insulators.truths import CHECK, IGNORING, REDUCED, RTOL, STAGES, Truths, read
+from analysis.topics.spread import Spread, range_of, spread
 from analysis.topics.topic import Topic
+from geometries.common.measured import picofarads
 
-RTOL = 1e-2
-"""Relative accuracy asked of both methods."""
-_DESCRIPTION = (
-    "Readings (F) of set-ups of Experiment VIII, their hands on the sensors' axes, by the field solver and by boundary elements asked for 1e-2, by the hash "
-    "of the scene, with stated errors. Made by python3 -m analysis measure field-check insulators."
+
+@dataclass(frozen=True, eq=False)
+class Entry:
+    """A set-up; `changes` holds the change (F) by the reduced method, with the insulator and without it, where it answers."""
+
+    set_up: SetUp
+    true: Truths
+    changes: dict[str, Estimate]
+
+    @property
+    def factor(self) -> float:
+        """The true change with the insulator over that without it; of an insulating target over that of a grounded one."""
+        return self.true.insulated.change.value / self.true.without.change.value
+
+    @property
+    def uncertainty(self) -> float:
+        """The relative error of the factor."""
+        return sum(
+            each.change.error / abs(each.change.value) for each in (self.true.insulated, self.true.without)
+        )
+
+    @property
+    def false_change(self) -> float:
+        """What the insulator alone adds to the reading, over the change by the hand without it."""
+        added = self.true.insulated.background.value - self.true.without.background.value
+        return added / self.true.without.change.value
+
+    def error(self, method: str) -> float:
+        """Returns a change by the reduced method over the true one with the insulator, less one."""
+        return self.changes[method].value / self.true.insulated.change.value - 1
+
+    @property
+    def is_enclosed(self) -> bool:
+        """Tells whether the true change lies within the error that the reduced method states."""
+        found, true = self.changes[REDUCED], self.true.insulated.change
+        return abs(found.value - true.value) <= found.error + true.error
+
+
+def by_family(found: list[Entry]) -> dict[str, list[Entry]]:
+    """Returns the entries of each family that has any."""
+    families = {family: [entry for entry in found if entry.set_up.family == family] for family in COUNTS}
+    return {family: members for family, members in families.items() if members}
+
+
+def errors(found: Iterable[Entry], method: str) -> Spread | None:
+    """Returns the statistics of the reduced method's relative errors, of those entries for which it has an answer."""
+    return spread(entry.error(method) for entry in found if method in entry.changes)
+
+
+def entry(set_up: SetUp, answer: Document) -> Entry:
+    """Returns a set-up with its answer."""
+    changes = {name: Estimate(**each) for name, each in answer["changes"].items() if "refused" not in each}
+    return Entry(set_up, read(answer["truths"]), changes)
+
+
+TITLE = "Insulators: Experiment VIII"
+ABSENT = "This version of the model has no study of insulators yet: python3 -m analysis insulators does it in a minute."
+_WHAT = (
+    "Change: the reading with the hand less that without it, the insulator as it is; a blanket comes with the hand. Factor: the change with the insulator over that "
+    "without it, and of an insulating target over that of a grounded one of the same shape. False change: what the insulator by itself adds to the reading, over the "
+    "change by the hand without it. Layer rule: a covered plate counts as moved to the front by its cover's thickness times (1 − 1/permittivity), and the reduced method "
+    "keeps the plate behind it. Insulating targets: the reduced method has bounds, the changes without them and with conductors in their place, and an estimate "
+    "between both. Mattresses belong to the machine and are left to boundary elements. Definitions: analysis/topics/experiments/EXPERIMENTS.md."
 )
 
 
-@cache
-def chosen() -> tuple[SetUp, ...]:
-    """Returns the insulating targets, covers and films with their hands on the axis: those first that take the fewest cells."""
-    found = [centred(each) for each in all_set_ups() if each.family in (COVER, FILM, TARGET)]
-    return tuple(sorted(found, key=lambda each: each.size / each.thickness))
-
-
-def centred(set_up: SetUp) -> SetUp:
-    """Returns the set-up with its hand on the sensor's axis, with the insulator only."""
-    moved = tuple(
-        replace(body, pose=replace(body.pose, translation=(0.0, 0.0, body.pose.translation[2])))
-        for body in set_up.scene.objects
+def section(found: list[Entry], checked: list[Markup]) -> Markup:
+    """Returns the section, with what the field solver finds."""
+    return page.section(
+        TITLE,
+        page.finding(finding(found)),
+        page.figures([of_families(found), of_layers(found)]),
+        page.table_of(
+            by_family(found).items(),
+            ("family", lambda each: each[0]),
+            ("set-ups", lambda each: str(len(each[1]))),
+            (
+                "factor: median (least to greatest)",
+                lambda each: range_of(spread(entry.factor for entry in each[1])),
+            ),
+            ("false change", lambda each: _false_changes(*each)),
+            ("error of the factor", lambda each: percent(max(entry.uncertainty for entry in each[1]))),
+        ),
+        page.finding(warnings(found)),
+        page.figures([of_targets(found)]),
+        page.finding(rule_finding(found)),
+        page.table(
+            ["family", "reduced method", "answers", "rms error", "median", "worst", "within stated errors"],
+            _rows_of_model(found),
+            text_columns=2,
+        ),
+        page.soft(_WHAT),
+        *checked,
+        page.folded("Show the numbers", _numbers(found)),
     )
-    return replace(set_up, scene=replace(set_up.scene, objects=moved))
 
 
-def solved(set_up: SetUp) -> Document:
-    """Solves a set-up by both methods; NoAnswer if the field solver has none."""
-    asked = ("--columns", set_up.scene.sensors[0].name, "--rtol", repr(RTOL))
-    document = field_solver.solved(set_up, *asked)
-    (found,) = document["readings"]
-    return {
-        "field": rounded(field_solver.quantities_of(found)),
-        "seconds": round(document["seconds"], 1),
-        "unknowns": document["unknowns"],
-        **by_boundary_elements(set_up),
+def finding(found: list[Entry]) -> str:
+    """Tells by how much each kind of insulator multiplies the change."""
+    phrases = [
+        f"a {family} {range_of(spread(entry.factor for entry in members))}"
+        for family, members in by_family(found).items()
+        if family != TARGET
+    ]
+    sure = spread(entry.uncertainty for entry in found)
+    assert sure is not None
+    return (
+        f"Over {len(found)} set-ups insulators multiply the change that a hand makes, in the median and from least to most, by: {'; '.join(phrases)}. The factors are "
+        f"known to {percent(sure.median)} in the median and {percent(sure.greatest)} at worst, by boundary elements asked for {percent(RTOL)} of each entry and change."
+    )
+
+
+def warnings(found: list[Entry]) -> str:
+    """Says in numbers what manuals warn of: keep dry, and insulating objects are not seen."""
+    families, told = by_family(found), []
+    wet = spread(entry.false_change for entry in families.get(FILM, []))
+    if wet:
+        told.append(
+            "Keep dry: a wet film of half a millimetre adds to the reading, before any hand comes, "
+            f"{range_of(wet)} of the change by the hand."
+        )
+    seen = spread(entry.factor for entry in families.get(TARGET, []))
+    if seen:
+        told.append(
+            f"Insulating objects are seen less, not unseen: they make {range_of(seen)} of the change by a grounded one of the same shape."
+        )
+    return " ".join(told)
+
+
+def rule_finding(found: list[Entry]) -> str:
+    """Tells how far off the reduced method is under layers, with the layer rule and without it."""
+    phrases = []
+    for family in (COVER, FILM):
+        members = by_family(found).get(family, [])
+        ruled, ignoring = (errors(members, method) for method in (REDUCED, IGNORING))
+        if ruled and ignoring:
+            phrases.append(
+                f"under a {family} {percent(ruled.rms)} rms and {signed_percent(ruled.worst)} at worst ({percent(ignoring.rms)} and "
+                f"{signed_percent(ignoring.worst)} without regard to the layer)"
+            )
+    return f"The reduced method, with the layer rule, is off by: {'; '.join(phrases)}."
+
+
+def _false_changes(family: str, members: list[Entry]) -> str:
+    if family in (BLANKET, TARGET):
+        return ""
+    return range_of(spread(entry.false_change for entry in members))
+
+
+def _rows_of_model(found: list[Entry]) -> list[list[str]]:
+    rows = []
+    for family, members in by_family(found).items():
+        for method, name in ((REDUCED, "as it is"), (IGNORING, "without regard to the insulator")):
+            each = errors(members, method)
+            if family == TARGET and method == IGNORING:
+                continue
+            if each is None:
+                rows.append([family, name, f"refuses all {len(members)}", "", "", "", ""])
+                continue
+            enclosed = sum(entry.is_enclosed for entry in members if REDUCED in entry.changes)
+            within = f"{enclosed} of {each.count}" if method == REDUCED else ""
+            of_errors = percent(each.rms), signed_percent(each.median), signed_percent(each.worst)
+            rows.append([family, name, str(each.count), *of_errors, within])
+    return rows
+
+
+def _numbers(found: list[Entry]) -> Markup:
+    return page.table_of(
+        found,
+        ("set-up", lambda entry: page.code(entry.set_up.id)),
+        ("name", lambda entry: entry.set_up.name),
+        ("permittivity", lambda entry: f"{entry.set_up.permittivity:g}"),
+        ("thickness (mm)", lambda entry: f"{1e3 * entry.set_up.thickness:.1f}"),
+        ("distance (mm)", lambda entry: f"{1e3 * entry.set_up.gap:.1f}"),
+        ("change (pF)", lambda entry: _picofarads(entry.true.insulated.change)),
+        ("without (pF)", lambda entry: _picofarads(entry.true.without.change)),
+        ("reduced (pF)", lambda entry: _picofarads(entry.changes.get(REDUCED))),
+        text_columns=2,
+    )
+
+
+def _picofarads(estimate: Estimate | None) -> str:
+    return "refused" if estimate is None else picofarads(estimate.value, estimate.error)
+
+
+_PERCENT = 100.0
+# Height (pixels) of a row of boxes, and of what is around the rows.
+_ROW, _AROUND = 62, 140
+_HOVER = "%{text}<br>%{x:.3g}, %{y:.3g}<extra></extra>"
+
+
+def of_families(found: list[Entry]) -> Panel:
+    """Plots the true change with the insulator over that without it, a box for each family, with all set-ups."""
+    families = by_family(found)
+    traces = [
+        boxes([(family, entry.factor, entry.set_up.name) for entry in members], family, series_colour(index))
+        for index, (family, members) in enumerate(families.items())
+    ]
+    x = log_axis("change with the insulator over that without it")
+    return Panel(
+        "what insulators make of the change",
+        figure(traces, x, rows_axis(list(families)), height=_AROUND + _ROW * len(families), showlegend=False),
+    )
+
+
+def of_layers(found: list[Entry]) -> Panel:
+    """Plots what covers and films add to the change over the shift of the layer rule relative to the hand's distance."""
+    traces: list[object] = []
+    for index, family in enumerate((COVER, FILM)):
+        members = by_family(found).get(family, [])
+        traces.append(
+            marks(
+                family,
+                [entry.set_up.shift / entry.set_up.gap for entry in members],
+                [_PERCENT * (entry.factor - 1) for entry in members],
+                {"color": series_colour(index), "size": 6},
+                _HOVER,
+                [_PERCENT * entry.uncertainty for entry in members],
+                text=[entry.set_up.name for entry in members],
+            )
+        )
+    x = log_axis("thickness · (1 − 1/permittivity) over the distance of the hand")
+    return Panel("what layers add to the change", figure(traces, x, axis("added to the change (%)")))
+
+
+def of_targets(found: list[Entry]) -> Panel:
+    """Plots the change by insulating targets over that by grounded ones, over their permittivity; the reduced method's estimates beside the truth."""
+    members = by_family(found).get(TARGET, [])
+    changes = {
+        ("true change", "circle"): [entry.true.insulated.change.value for entry in members],
+        ("estimate", "x-thin-open"): [_estimate(entry) for entry in members],
     }
+    traces = [
+        marks(
+            name,
+            [entry.set_up.permittivity for entry in members],
+            [value / entry.true.without.change.value for value, entry in zip(values, members, strict=True)],
+            {"color": series_colour(index), "size": 7, "symbol": symbol},
+            _HOVER,
+            text=[entry.set_up.name for entry in members],
+        )
+        for index, ((name, symbol), values) in enumerate(changes.items())
+    ]
+    x = log_axis("relative permittivity of the target")
+    return Panel("insulating targets", figure(traces, x, log_axis("change over that by a grounded target")))
 
 
-def solve_again() -> int:
-    """Solves the set-ups that have a record anew by boundary elements; returns how many."""
-    kept = CHECK.records()
-    recorded = [each for each in chosen() if each.identity in kept]
-    for each in recorded:
-        kept[each.identity] |= by_boundary_elements(each)
-        CHECK.write(kept)
-    return len(recorded)
+def _estimate(entry: Entry) -> float:
+    return entry.changes[REDUCED].value if REDUCED in entry.changes else float("nan")
 
-
-def by_boundary_elements(set_up: SetUp) -> Document:
-    """Returns what a record has of a set-up by boundary elements."""
-    model = model_stage.model_module()
-    reading = model.Scene.loads(set_up.text).readings("boundary-elements", rtol=RTOL)[READING]
-    found = {name: {"value": getattr(reading, name), "error": reading.error[name]} for name in QUANTITIES}
-    return {"boundary": rounded(found)}
-
-
-CHECK = FieldCheck[SetUp](
-    file=Path(__file__).with_name("field_checks.json"),
-    description=_DESCRIPTION,
-    chosen=chosen,
-    solve=solved,
-    kind=lambda each: each.family,
-    described=(("set-up", lambda each: each.name),),
-    explanation="The hands are moved to the sensors' axes, where the field solver meshes a quarter of space.",
-    both=True,
-)
 
 INSULATORS = Topic[SetUp, Entry](
     stages=STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
-    entry=section.entry,
-    sections=lambda found, checked, _: [section.section(found, checked)],
-    finding=section.finding,
-    absent=section.ABSENT,
+    entry=entry,
+    sections=lambda found, checked, _: [section(found, checked)],
+    finding=finding,
+    absent=ABSENT,
     title="The model before insulators",
     question="What do insulators before a sensor change?",
     short="insulators",

@@ -11,8 +11,7 @@ from markupsafe import Markup
 
 from analysis.results.answers import Estimate
 from analysis.topics.field_solver import QUANTITIES
-from analysis.topics.insulators import section, topic, truths
-from analysis.topics.insulators.section import Entry
+from analysis.topics.insulators import topic, truths
 from analysis.topics.insulators.set_ups import (
     BLANKET,
     COUNTS,
@@ -23,8 +22,8 @@ from analysis.topics.insulators.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.insulators.topic import CHECK, INSULATORS
-from analysis.topics.insulators.truths import IGNORING, REDUCED, STAGES
+from analysis.topics.insulators.topic import INSULATORS, Entry
+from analysis.topics.insulators.truths import CHECK, IGNORING, REDUCED, STAGES
 from geometries.scene import reader
 
 
@@ -93,7 +92,7 @@ def test_boundary_elements_solve_a_check_as_it_is_recorded() -> None:
     """The first of the set-ups, which takes the fewest cells of the field solver."""
     set_up = CHECK.chosen()[0]
     recorded = CHECK.records()[set_up.identity]["boundary"]
-    again = topic.by_boundary_elements(set_up)["boundary"]
+    again = truths.by_boundary_elements(set_up)["boundary"]
     assert list(again) == list(QUANTITIES)
     for name in QUANTITIES:
         assert Estimate(**again[name]).agrees_with(Estimate(**recorded[name]))
@@ -115,9 +114,9 @@ def test_the_formula_follows_layers_and_encloses_insulating_targets(found: list[
 
 
 def test_the_section_warns_in_numbers(found: list[Entry]) -> None:
-    told = section.warnings(found)
+    told = topic.warnings(found)
     assert re.search(r"Keep dry: .* [\d.]+ \([\d.]+ to [\d.]+\)", told) and "seen less" in told
-    assert f"Over {len(found)} set-ups" in section.finding(found)
-    text = str(section.section(found, [Markup("what the field solver finds")]))
+    assert f"Over {len(found)} set-ups" in topic.finding(found)
+    text = str(topic.section(found, [Markup("what the field solver finds")]))
     assert text.count("plotly-graph-div") == 3 and "refuses all 1" in text and BLANKET in text
     assert "what the field solver finds" in text
