@@ -1,27 +1,240 @@
-"""The corrections of the model as a topic: their errors and run times, evaluated and measured together."""
+"""The corrections of the model as a topic: their errors and run times, evaluated and measured together, and every set-up as plain data."""
 
 from __future__ import annotations
 
 import json
 import subprocess
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
+
+import numpy as np
+from markupsafe import Markup
 
 from analysis.pipeline import keys, model_stage
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
 from analysis.pipeline.set_up_stages import Whole
 from analysis.pipeline.stage import NoAnswer, Stage, outdated
+from analysis.report import page, set_ups_page
+from analysis.report.plot import Panel, axis, by_family, figure, log_axis
+from analysis.report.set_ups_page import Around, Shown
 from analysis.results import machine
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
-from analysis.topics.corrections import cases, estimates, section
-from analysis.topics.corrections.set_ups import FILE, set_ups
+from analysis.results.units import CENTIMETRE, percent, signed_percent, too
+from analysis.topics.corrections import estimates
+from analysis.topics.corrections.estimates import FORMULA, PLAIN, REDUCED, Estimates
+from analysis.topics.corrections.set_ups import FILE, RTOL, SetUp, load, set_ups
 from analysis.topics.topic import Topic
 from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.installation import ROOT, no_benchmark
+from geometries.common.measured import PICOFARAD, measured
+from geometries.scene import reader
+from geometries.scene.scene import Scene
+from geometries.scene.shapes import Cuboid, PlateShape
+
+
+def documents(module: Any, found: Estimates, chosen: list[SetUp]) -> list[Document]:
+    """Returns every set-up with its scene, its truth and all estimates, as plain data: farads, metres."""
+    truths = load()
+    return [
+        {
+            "name": set_up.name,
+            "family": set_up.family,
+            "sealed": set_up.sealed,
+            "distance": _distance(module, set_up.scene),
+            "sensor_size": _sensor_size(set_up.scene),
+            "truth": float(found.truth[index]),
+            "error": truths[set_up.name].error,
+            "estimates": {name: float(values[index]) for name, values in found.by_method.items()},
+            "scene": set_up.text,
+        }
+        for index, set_up in enumerate(chosen)
+    ]
+
+
+def _sensor_size(scene: Scene) -> float:
+    (plate,) = scene.sensors[0].plates
+    return float(np.sqrt(np.linalg.norm(plate.edge_u) * np.linalg.norm(plate.edge_v)))
+
+
+def _distance(module: Any, scene: Scene) -> float:
+    """Returns the shortest distance between the two bodies, in metres."""
+    bodies = scene.conductors()
+    points = [bodies[name].reshape(-1, 3) for name in ("sensor", "target")]
+    return float(module.gjk_distance(*points)[0])
+
+
+SHOWN = (FORMULA, REDUCED)
+"""The methods whose errors are plotted set-up by set-up."""
+_PERCENT = 100.0
+_WITHIN = 0.05
+
+
+def set_by_set(cases: list[Document], set_ups: str) -> Markup:
+    """Returns the finding and the plot; `set_ups` is the file of the page that the points open, as seen from the page."""
+    return page.lines(
+        [
+            page.heading("Set-up by set-up"),
+            page.finding(finding_of_set_ups(cases)),
+            page.figures([_panel(cases, name) for name in SHOWN], set_ups=set_ups),
+            page.soft(
+                "A click on a point opens its set-up. The distance is the shortest between the two bodies, the sensor's size the root of its "
+                "area."
+            ),
+        ]
+    )
+
+
+def finding_of_set_ups(cases: list[Document]) -> str:
+    """Tells for how many set-ups the best closed formula is nearly right, and where it and the reduced method are worst."""
+    best, reduced = SHOWN
+    near = sum(abs(_off(case, best)) <= _WITHIN for case in cases)
+    worst = {name: max(cases, key=lambda case: abs(_off(case, name))) for name in SHOWN}
+    return (
+        f"The {best} is within {percent(_WITHIN)} in {near} of {len(cases)} set-ups and worst in {_told_worst(worst[best], best)}; "
+        f"{reduced} is worst in {_told_worst(worst[reduced], reduced)}."
+    )
+
+
+def _told_worst(case: Document, name: str) -> str:
+    return (
+        f"{case['name']}, {_PERCENT * _off(case, name):+.2g} % at {_relative_distance(case):.2g} sensor sizes"
+    )
+
+
+def _panel(cases: list[Document], name: str) -> Panel:
+    points = by_family(
+        cases,
+        lambda case: str(case["family"]),
+        "%{customdata}: %{y:+.2g} %<extra></extra>",
+        size=6,
+        x=_relative_distance,
+        y=lambda case: _PERCENT * _off(case, name),
+        customdata=lambda case: case["name"],
+    )
+    x, y = log_axis("distance over sensor size"), axis("error in mutual, %")
+    return Panel(name, figure(points, x, y))
+
+
+def set_ups_document(cases: list[Document], back: str, back_title: str, inputs: str, script: str) -> str:
+    """Returns the page of all set-ups; `back` is the file of the page that leads to it."""
+    around = Around(
+        "Set-ups of the corrections",
+        back,
+        back_title,
+        ("method", "mutual (pF)", "off by"),
+        "mutual = −M[sensor, target]. The truth's error is what boundary elements state.",
+        (
+            f"--method {FORMULA}",
+            f"--method {REDUCED} --entries",
+            f"--method boundary-elements --rtol {RTOL:g} --entries",
+        ),
+    )
+    return set_ups_page.document(around, [_shown(case) for case in cases], inputs, script)
+
+
+def _shown(case: Document) -> Shown:
+    scene = reader.loads(case["scene"], case["name"])
+    kept = "sealed: no constant was fitted on it" if case["sealed"] else "open to the fit of constants"
+    truth, error = case["truth"] / PICOFARAD, case["error"] / PICOFARAD
+    off = ", ".join(f"{name} is {too(_off(case, name))}" for name in SHOWN)
+    finding_ = f"mutual: {measured(truth, error)} pF by boundary elements; {off}, the plain model {too(_off(case, PLAIN))}."
+    rows = [("boundary elements", measured(truth, error), "")]
+    rows += [
+        (name, f"{value / PICOFARAD:.6g}", signed_percent(value / case["truth"] - 1))
+        for name, value in case["estimates"].items()
+    ]
+    description = f"{_sizes(scene)}; {case['distance'] / CENTIMETRE:.3g} cm between them; {kept}."
+    return Shown(case["name"], case["family"], description, (finding_,), tuple(rows), scene, case["scene"])
+
+
+def _sizes(scene: Scene) -> str:
+    """Returns both bodies' sides in words."""
+    (plate,) = scene.sensors[0].plates
+    shape = scene.objects[0].shape
+    assert isinstance(shape, (PlateShape, Cuboid))
+    sides = [float(np.linalg.norm(edge)) for edge in (plate.edge_u, plate.edge_v)]
+    kind = "plate" if isinstance(shape, PlateShape) else "box"
+    return f"Sensor {_lengths(sides)}, {kind} {_lengths(shape.size)}"
+
+
+def _lengths(metres: Any) -> str:
+    return f"{' × '.join(f'{length / CENTIMETRE:.3g}' for length in metres)} cm"
+
+
+def _off(case: Document, name: str) -> float:
+    return float(case["estimates"][name] / case["truth"] - 1)
+
+
+def _relative_distance(case: Document) -> float:
+    """Returns the distance relative to the root of the sensor's area."""
+    return float(case["distance"] / case["sensor_size"])
+
+
+TITLE = "Corrections of the model (mutual)"
+COMMAND = "python3 -m analysis corrections"
+ABSENT = f"The corrections were not evaluated yet: {COMMAND} does it in a minute."
+
+
+def section(document: Document, set_ups: str) -> Markup:
+    """Returns the section of the topic's document. `set_ups` is the file of the page of its set-ups, as seen from the page."""
+    return page.section(
+        TITLE,
+        page.finding(finding(document)),
+        _table(document),
+        set_by_set(document["cases"], set_ups),
+        page.soft(_explanation(document)),
+    )
+
+
+def finding(document: Document) -> str:
+    """Tells the error that the best closed formula leaves on unseen set-ups, and its cost."""
+    known = {entry["name"]: entry for entry in document["corrections"]}
+    plain, best, reduced = (known[name] for name in estimates.METHODS)
+    ratios = {shape: times[FORMULA] / times[PLAIN] for shape, times in document["nanoseconds"].items()}
+    return (
+        f"In the {best['sealed']['count']} set-ups never used to find it, the formula is {percent(best['sealed']['rms'])} off (rms) and "
+        f"{percent(best['sealed']['worst'])} at worst, where the plain model is {percent(plain['sealed']['rms'])} and "
+        f"{percent(plain['sealed']['worst'])}, at {min(ratios.values()):.1f} to {max(ratios.values()):.1f} times its time per "
+        "triangle. The reduced method has no fitted constant: "
+        f"{percent(reduced['all']['rms'])} off (rms) and {percent(reduced['all']['worst'])} at worst in all "
+        f"{reduced['all']['count']}."
+    )
+
+
+def _table(document: Document) -> Markup:
+    return page.table_of(
+        document["corrections"],
+        ("method", lambda entry: page.code(entry["name"])),
+        ("rms", _error("all", "rms")),
+        ("median", _error("all", "median")),
+        ("95 %", _error("all", "percentile_95")),
+        ("worst", _error("all", "worst")),
+        ("sealed: rms", _error("sealed", "rms")),
+        ("worst", _error("sealed", "worst")),
+        *((f"ns, {shape}", _time(known)) for shape, known in document["nanoseconds"].items()),
+        strong=frozenset({estimates.METHODS.index(REDUCED)}),
+    )
+
+
+def _error(over: str, name: str) -> Callable[[Document], str]:
+    return lambda entry: percent(entry[over][name])
+
+
+def _time(known: dict[str, float]) -> Callable[[Document], str]:
+    return lambda entry: f"{known[entry['name']]:.3g}"
+
+
+def _explanation(document: Document) -> str:
+    return (
+        f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); {document['sealed']} of them are sealed "
+        "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Times: one "
+        f"core, one run, new pose each time. Repeat: {COMMAND}."
+    )
+
 
 DOCUMENT = "corrections.json"
 _BENCHMARK = Path("build", "bin", "correction_benchmark")
@@ -56,7 +269,7 @@ def stage(folder: Path) -> Stage:
     ]
     truths = FILE.relative_to(ROOT).as_posix()
     code = keys.code_of((*_SOURCES, *python, truths), ROOT)
-    key = keys.measurement_key(section.COMMAND, code, machine.identity())
+    key = keys.measurement_key(COMMAND, code, machine.identity())
     return Stage("corrections", "", folder / DOCUMENT, key, _SECONDS, _answer)
 
 
@@ -78,11 +291,8 @@ def evaluated(module: Any) -> Document:
         "truths": FILE.relative_to(ROOT).as_posix(),
         "set_ups": len(found.names),
         "sealed": int(found.sealed.sum()),
-        "corrections": [
-            {name.rstrip("_"): value for name, value in asdict(entry).items()}
-            for entry in estimates.evaluations(found)
-        ],
-        "cases": cases.documents(module, found, chosen),
+        "corrections": [asdict(entry) for entry in estimates.evaluations(found)],
+        "cases": documents(module, found, chosen),
     }
 
 
@@ -91,19 +301,13 @@ def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
     order; the least of three."""
     with temporary_folder() as folder:
         answer = folder / "answer.json"
-        subprocess.run(
-            ending_with_this(
-                [
-                    program,
-                    "--benchmark_repetitions=3",
-                    "--benchmark_enable_random_interleaving=true",
-                    f"--benchmark_out={answer}",
-                    "--benchmark_out_format=json",
-                ]
-            ),
-            check=True,
-            capture_output=True,
+        options = (
+            "--benchmark_repetitions=3",
+            "--benchmark_enable_random_interleaving=true",
+            f"--benchmark_out={answer}",
+            "--benchmark_out_format=json",
         )
+        subprocess.run(ending_with_this([program, *options]), check=True, capture_output=True)
         entries = json.loads(answer.read_text(encoding="utf-8"))["benchmarks"]
     times: dict[str, dict[str, float]] = {}
     for entry in sorted(entries, key=lambda entry: int(entry["family_index"])):
@@ -119,11 +323,11 @@ CORRECTIONS = Topic[Whole, Document](
     stages=Evaluated(),
     set_ups=lambda: (Whole(),),
     entry=lambda _, answer: answer,
-    sections=lambda found, _, set_ups: [section.section(found[0], set_ups)],
-    finding=lambda found: section.finding(found[0]),
-    absent=section.ABSENT,
+    sections=lambda found, _, set_ups: [section(found[0], set_ups)],
+    finding=lambda found: finding(found[0]),
+    absent=ABSENT,
     title="Corrections",
     question="What can be corrected, and at what cost?",
     short="corrections",
-    set_ups_page=lambda found, *around: cases.set_ups_document(found[0]["cases"], *around),
+    set_ups_page=lambda found, *around: set_ups_document(found[0]["cases"], *around),
 )

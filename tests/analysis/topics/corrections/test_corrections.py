@@ -11,7 +11,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results import store
 from analysis.results.store import Document
 from analysis.results.units import percent
-from analysis.topics.corrections import cases, estimates, section, set_ups, topic
+from analysis.topics.corrections import estimates, set_ups, topic
 from analysis.topics.corrections.estimates import Errors, Evaluation
 from analysis.topics.corrections.topic import CORRECTIONS
 from geometries.common.installation import ROOT
@@ -119,13 +119,13 @@ def test_the_constants_are_those_of_the_code(text: str) -> None:
 @pytest.fixture(scope="module")
 def told(found: estimates.Estimates) -> list[Document]:
     """Every set-up as plain data."""
-    return cases.documents(model_module(), found, list(set_ups.set_ups(model_module())))
+    return topic.documents(model_module(), found, list(set_ups.set_ups(model_module())))
 
 
 def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
     found: estimates.Estimates, told: list[Document]
 ) -> None:
-    text = cases.section(told, SET_UPS)
+    text = topic.set_by_set(told, SET_UPS)
     named = {
         name for group in re.findall(r'"customdata":\[(.*?)\]', text) for name in json.loads(f"[{group}]")
     }
@@ -135,11 +135,11 @@ def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
     gap = parallel.scene.pose_of_object("target")[1][2]
     assert sides[parallel.name][0] == pytest.approx(gap)
     worst = max(told, key=lambda case: abs(case["estimates"]["formula"] / case["truth"] - 1))
-    assert f"worst in {worst['name']}, " in cases.finding(told)
+    assert f"worst in {worst['name']}, " in topic.finding_of_set_ups(told)
 
 
 def test_the_page_of_the_set_ups_shows_each_scene_with_its_numbers(told: list[Document]) -> None:
-    text = cases.set_ups_document(told, "corrections.html", "Corrections", "made from", "plotly.js")
+    text = topic.set_ups_document(told, "corrections.html", "Corrections", "made from", "plotly.js")
     (data,) = re.findall(r'<script type="application/json" id="set-ups">(.*?)</script>', text, re.DOTALL)
     shown = {each["name"]: each for each in json.loads(data)["setUps"]}
     heads, commands = json.loads(data)["heads"], json.loads(data)["commands"]
@@ -164,25 +164,25 @@ def test_an_answer_of_an_earlier_form_counts_as_none(tmp_path: Path, earlier: st
     store.write_json(tmp_path / topic.DOCUMENT, {"key": "", **earlier})
     assert not CORRECTIONS.load(tmp_path)
     made = CORRECTIONS.make(tmp_path)
-    assert section.ABSENT in made.path.read_text() and not (tmp_path / "set_ups.html").exists()
+    assert topic.ABSENT in made.path.read_text() and not (tmp_path / "set_ups.html").exists()
 
 
 def test_the_page_by_itself_leads_to_that_of_its_set_ups(tmp_path: Path) -> None:
     store.write_json(tmp_path / topic.DOCUMENT, corrections_document())
     made = CORRECTIONS.make(tmp_path)
-    assert made.headline == section.finding(corrections_document())
+    assert made.headline == topic.finding(corrections_document())
     assert 'data-set-ups="set_ups.html"' in made.path.read_text()
     assert f'href="{CORRECTIONS.file}"' in (tmp_path / "set_ups.html").read_text()
 
 
 def test_the_section_tells_the_errors_and_the_times() -> None:
     document = corrections_document()
-    told = section.finding(document)
+    told = topic.finding(document)
     assert (
         "2.1 % off (rms)" in told
         and "at 2.2 to 2.2 times" in told
         and "2 % off (rms) and 7 % at worst in all 9" in told
     )
-    text = section.section(document, SET_UPS)
-    assert section.COMMAND in text and text.count(f'data-set-ups="{SET_UPS}"') == 1
+    text = topic.section(document, SET_UPS)
+    assert topic.COMMAND in text and text.count(f'data-set-ups="{SET_UPS}"') == 1
     assert "within 5 % in 1 of 2 set-ups and worst in parallel-001, −6 % at 0.2 sensor sizes" in text
