@@ -21,7 +21,7 @@ from analysis.results.store import write_text
 from analysis.results.study_results import Failure, case_folder, write_manifest
 from analysis.study import plan, workflow
 from analysis.study.plan import Work
-from analysis.topics.trade_off import stage as trade_off
+from analysis.topics.trade_off import measure as trade_off
 from geometries.common.children import ENDS_WITH_PARENT
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT

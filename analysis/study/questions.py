@@ -19,16 +19,16 @@ from analysis.report import (
 )
 from analysis.results import statistics, study_results as results, symmetry, table
 from analysis.results.store import Document
+from analysis.topics import cross_check
 from analysis.topics.company.topic import COMPANY
 from analysis.topics.corrections.topic import CORRECTIONS
-from analysis.topics.cross_check import section as cross_check_section
 from analysis.topics.errors.topic import ERRORS
 from analysis.topics.experiments import section as experiments_section
 from analysis.topics.insulators.topic import INSULATORS
 from analysis.topics.machines.topic import MACHINES
 from analysis.topics.published.topic import PUBLISHED
 from analysis.topics.topic import Topic
-from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
+from analysis.topics.trade_off import measure as trade_off, section as trade_off_section
 from analysis.topics.verification import topic as verification
 from analysis.topics.verification.topic import VERIFICATION
 from geometries.studies.study import BOTH, NO_REFERENCE
@@ -103,7 +103,7 @@ def _reference(material: Material) -> list[Markup]:
 
 def _cross_check(material: Material) -> list[Markup]:
     both = material.found.error != NO_REFERENCE and material.found.reference_method == BOTH
-    return cross_check_section.sections(material.found) if both else []
+    return cross_check.sections(material.found) if both else []
 
 
 def _run_time(material: Material) -> list[Markup]:

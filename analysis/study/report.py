@@ -19,12 +19,12 @@ from analysis.results.refusals import Refusal
 from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.study import case_page
 from analysis.study.questions import CROSS_CHECK, QUESTIONS, Material, set_ups_file
+from analysis.topics import cross_check
 from analysis.topics.all import TOPICS
-from analysis.topics.cross_check import agreement, section as cross_check_section
 from analysis.topics.errors.set_ups import by_reference
 from analysis.topics.errors.topic import ERRORS
 from analysis.topics.topic import Topic
-from analysis.topics.trade_off import section as trade_off_section, stage as trade_off
+from analysis.topics.trade_off import measure as trade_off, section as trade_off_section
 from analysis.topics.trends import page as trends_page
 
 PAGES = "report"
@@ -76,7 +76,7 @@ def make(folder: Path) -> Report:
         summaries,
         len(table.short(found, rows)),
         len(refusals.unanswered(found)),
-        agreement.contradictions(found),
+        cross_check.contradictions(found),
         refusals.refusals(found),
     )
 
@@ -110,7 +110,7 @@ def _write(
     if nights is not None:
         cards.append(Card(trends_page.PAGE, "What has changed from commit to commit?", nights))
     cards += [Card(file, each.title, each.says) for each, file in scenes]
-    warning = cross_check_section.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
+    warning = cross_check.warning(material.found, f"{PAGES}/{CROSS_CHECK}.html")
     headline = sections.refused(material.found)
     headline += sections.headline(material.found, material.rows, material.summaries)
     if any(row.is_change for row in table.compared(material.rows)):
@@ -132,7 +132,7 @@ def _answers_of(cards: list[Card], material: Material) -> list[Answer]:
             "Which method?",
             trade_off_section.advice(trade_off.load(material.found.folder), material.found),
         ),
-        CROSS_CHECK: ("Can the reference be believed?", cross_check_section.in_short(material.found)),
+        CROSS_CHECK: ("Can the reference be believed?", cross_check.in_short(material.found)),
     }
     shown = {card.target: card for card in cards}
     return [

@@ -21,7 +21,7 @@ from analysis.results.study_results import (
 )
 from analysis.study import plan
 from analysis.study.plan import Work
-from analysis.topics.trade_off import stage as trade_off
+from analysis.topics.trade_off import measure as trade_off
 from geometries.studies.study import Study
 
 

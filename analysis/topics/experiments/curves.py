@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from analysis.report.plot import Panel, axis, figure, joined, log_axis, marks, series_colour
@@ -13,6 +15,7 @@ from analysis.results.answers import Estimate
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import CENTIMETRE
+from geometries.common.measured import PICOFARAD
 from geometries.studies.study import Parameter
 
 Array = NDArray[np.float64]
@@ -182,12 +185,10 @@ def _curve(results: Results, members: list[CaseResult]) -> Curve:
     for case in members:
         assert case.truth is not None and case.model is not None
         change = case.truth.delta_self(sensor.name).best
-        at = case.parameters[_SWEPT[case.family]]
-        assert isinstance(at, float)
         points.append(
             Point(
                 case.id,
-                at,
+                number(case, _SWEPT[case.family]),
                 case.model.values[COMPARED_METHOD][sensor.name].total,
                 reference_delta_output(own, change, sensor.coupling_capacitance, sensor.input_voltage),
                 case.truth.mutual(sensor.name, case.scene.objects[0].name).best,
@@ -196,6 +197,13 @@ def _curve(results: Results, members: list[CaseResult]) -> Curve:
         )
     ordered = tuple(sorted(points, key=lambda point: point.at))
     return Curve(first.family, _same(first), own, sensor.coupling_capacitance, sensor.input_voltage, ordered)
+
+
+def number(case: CaseResult, name: str) -> float:
+    """Returns a parameter of a case that is a number."""
+    value = case.parameters[name]
+    assert isinstance(value, float)
+    return value
 
 
 Labelled = list[tuple[str, Curve]]
@@ -255,6 +263,14 @@ def ratios(labelled: Labelled, swept: str) -> Panel:
         traces.append(joined(name, across(curve, swept), values, series_colour(index), hover, bars, **more))
     y = axis("model over reference", rangemode="tozero")
     return Panel("the model's over the reference's", figure(traces, axis_of(swept), y, 440))
+
+
+def estimated(
+    name: str, x: Any, found: Iterable[Estimate], colour: str, hover: str, **more: Any
+) -> go.Scatter:
+    """Returns capacitances in pF, joined by lines, with their errors as bars."""
+    values, errors = zip(*((each.value / PICOFARAD, each.error / PICOFARAD) for each in found))
+    return joined(name, x, values, colour, hover, errors, **more)
 
 
 def across(curve: Curve, swept: str) -> Array:

@@ -13,7 +13,7 @@ from analysis.results.answers import Estimate
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import CENTIMETRE
-from analysis.topics.experiments.curves import DISTANCE, place
+from analysis.topics.experiments.curves import DISTANCE, estimated, number, place
 from geometries.common.measured import PICOFARAD, picofarads
 from geometries.studies.families import DIELECTRIC, GROUNDED
 
@@ -75,10 +75,9 @@ def _material(case: CaseResult) -> tuple[str, float | None]:
 
 def _point(case: CaseResult) -> Point:
     assert case.truth is not None
-    sensor, gap = case.scene.sensors[0].name, case.parameters["gap"]
-    assert isinstance(gap, float)
+    sensor = case.scene.sensors[0].name
     model = None if case.model is None else case.model.values[COMPARED_METHOD][sensor].total
-    return Point(case.id, gap, case.truth.delta_self(sensor).best, model)
+    return Point(case.id, number(case, DISTANCE), case.truth.delta_self(sensor).best, model)
 
 
 _WHAT = (
@@ -138,10 +137,8 @@ def _factor(value: float) -> str:
 def _felt(found: list[Material], grounded: Material) -> Panel:
     traces = [_trace(each, index) for index, each in enumerate(found)]
     known = [point for point in grounded.points if point.model is not None]
-    gaps, model = (
-        [point.gap / CENTIMETRE for point in known],
-        [(point.model or 0.0) / PICOFARAD for point in known],
-    )
+    gaps = [point.gap / CENTIMETRE for point in known]
+    model = [(point.model or 0.0) / PICOFARAD for point in known]
     traces.append(joined("model", gaps, model, INK, "%{y:.4g} pF", mode="lines", dash="dash"))
     y = power_axis("delta_self (pF)")
     return Panel("delta_self over the gap", figure(traces, log_axis("gap (cm)"), y, 440))
@@ -149,12 +146,9 @@ def _felt(found: list[Material], grounded: Material) -> Panel:
 
 def _trace(each: Material, index: int) -> go.Scatter:
     gaps = [point.gap / CENTIMETRE for point in each.points]
-    values, bars = (
-        [getattr(point.delta_self, part) / PICOFARAD for point in each.points] for part in ("value", "error")
-    )
-    cases = [point.case for point in each.points]
-    hover = "%{y:.4g} pF at %{x:.3g} cm"
-    return joined(each.label, gaps, values, series_colour(index), hover, bars, customdata=cases)
+    cases, hover = [point.case for point in each.points], "%{y:.4g} pF at %{x:.3g} cm"
+    known = [point.delta_self for point in each.points]
+    return estimated(each.label, gaps, known, series_colour(index), hover, customdata=cases)
 
 
 def _ratios(others: list[Material], grounded: Material) -> Panel:

@@ -13,6 +13,7 @@ from analysis.results.answers import Estimate
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import CENTIMETRE, percent, signed_percent
+from analysis.topics.experiments.curves import DISTANCE, estimated, number, place
 from geometries.common.measured import PICOFARAD, picofarads
 
 FAMILY, ALONE = "sensors", "parallel"
@@ -57,7 +58,7 @@ def series(results: Results) -> list[Series]:
     for case in results.compared():
         point = _point(results, case) if case.family == FAMILY else None
         if point is not None:
-            found.setdefault(_number(case, "separation"), []).append(point)
+            found.setdefault(number(case, "separation"), []).append(point)
     return [
         Series(separation, tuple(sorted(points, key=lambda point: point.gap)))
         for separation, points in found.items()
@@ -80,7 +81,7 @@ def _point(results: Results, case: CaseResult) -> Point | None:
     )
     return Point(
         case=case.id,
-        gap=_number(case, "gap"),
+        gap=number(case, "gap"),
         near=near,
         neighbour=neighbour,
         coupling=case.truth.mutual(NEAR, NEIGHBOUR).best,
@@ -97,12 +98,6 @@ def _single(results: Results, case: CaseResult) -> Estimate | None:
         if other.family == ALONE and alike and other.truth is not None:
             return other.truth.delta_self(NEAR).best
     return None
-
-
-def _number(case: CaseResult, name: str) -> float:
-    value = case.parameters[name]
-    assert isinstance(value, float)
-    return value
 
 
 _WHAT = (
@@ -134,8 +129,8 @@ def finding(found: list[Series]) -> str:
         shares = [_share(point) for point in series.points]
         model = [point.neighbour.model / point.near.model for point in series.points]
         phrases.append(
-            f"{_centimetres(series.separation)} away it feels {percent(shares[0])} of what the near sensor does with the object at "
-            f"{_centimetres(series.points[0].gap)}, {percent(shares[-1])} at {_centimetres(series.points[-1].gap)} (model: "
+            f"{_far(series.separation)} away it feels {percent(shares[0])} of what the near sensor does with the object at "
+            f"{_far(series.points[0].gap)}, {percent(shares[-1])} at {_far(series.points[-1].gap)} (model: "
             f"{percent(model[0])} and {percent(model[-1])})"
         )
     return f"The neighbour, in delta_self: {'; '.join(phrases)}."
@@ -148,8 +143,8 @@ def coupling_finding(found: list[Series]) -> str:
         near = series.points[0]
         change = near.coupling.value / near.coupling_alone.value - 1
         sentence = (
-            f"{_centimetres(series.separation)} apart the sensors are coupled by {near.coupling_alone.value / PICOFARAD:.3g} pF, which "
-            f"the object at {_centimetres(near.gap)} changes by {signed_percent(change)}"
+            f"{_far(series.separation)} apart the sensors are coupled by {near.coupling_alone.value / PICOFARAD:.3g} pF, which "
+            f"the object at {_far(near.gap)} changes by {signed_percent(change)}"
         )
         taken = [
             (p.near.delta_self.value / p.single.value - 1, p.gap)
@@ -160,7 +155,7 @@ def coupling_finding(found: list[Series]) -> str:
             most, gap = max(taken, key=lambda each: abs(each[0]))
             sentence += (
                 f"; beside the neighbour the near sensor's delta_self differs from that of a sensor alone by up to {signed_percent(most)}, "
-                f"at {_centimetres(gap)}"
+                f"at {_far(gap)}"
             )
         phrases.append(sentence)
     return ". ".join(phrases) + "."
@@ -181,7 +176,7 @@ def _felt(series: Series) -> Panel:
         for index, (name, felt) in enumerate(both)
         for trace in _traces(name, series.points, felt, series_colour(index))
     ]
-    caption = f"sensors {_centimetres(series.separation)} apart"
+    caption = f"sensors {_far(series.separation)} apart"
     y = power_axis("delta_self, model (pF)")
     return Panel(caption, figure(traces, log_axis("gap to the object (cm)"), y, 440))
 
@@ -189,11 +184,10 @@ def _felt(series: Series) -> Panel:
 def _traces(name: str, points: tuple[Point, ...], felt: list[Felt], colour: str) -> list[go.Scatter]:
     x, cases = [point.gap / CENTIMETRE for point in points], [point.case for point in points]
     known = [each.delta_self for each in felt]
-    values, bars = ([getattr(each, part) / PICOFARAD for each in known] for part in ("value", "error"))
     model = [each.model / PICOFARAD for each in felt]
     hover = "%{y:.4g} pF at %{x:.3g} cm"
     return [
-        joined(f"{name}: reference", x, values, colour, hover, bars, customdata=cases),
+        estimated(f"{name}: reference", x, known, colour, hover, customdata=cases),
         joined(f"{name}: model", x, model, colour, hover, customdata=cases, mode="lines", dash="dash"),
     ]
 
@@ -202,13 +196,10 @@ def _coupling(found: list[Series]) -> Panel:
     traces = []
     for index, series in enumerate(found):
         gaps = [point.gap / CENTIMETRE for point in series.points]
-        values, bars = (
-            [getattr(point.coupling, part) / PICOFARAD for point in series.points]
-            for part in ("value", "error")
-        )
-        name, cases = f"{_centimetres(series.separation)} apart", [point.case for point in series.points]
+        name, cases = f"{_far(series.separation)} apart", [point.case for point in series.points]
         colour, hover = series_colour(index), "%{y:.4g} pF at %{x:.3g} cm"
-        traces.append(joined(name, gaps, values, colour, hover, bars, customdata=cases))
+        coupling = [point.coupling for point in series.points]
+        traces.append(estimated(name, gaps, coupling, colour, hover, customdata=cases))
         alone = [series.points[0].coupling_alone.value / PICOFARAD] * 2
         traces.append(guide("the same without the object", [gaps[0], gaps[-1]], alone, color=colour))
     y = axis("coupling of the sensors (pF)", rangemode="tozero")
@@ -224,25 +215,18 @@ def _table(found: list[Series]) -> Markup:
         for point in series.points
         for name, each in (("near", point.near), ("neighbour", point.neighbour))
     ]
-    rows = [
-        [
-            _centimetres(series.separation),
-            page.case_link(point.case, _centimetres(point.gap)),
-            name,
-            _estimate(each.delta_self),
-            _estimate(each.mutual),
-            f"{each.model / PICOFARAD:.5f}",
-            _estimate(point.coupling),
-        ]
-        for series, point, name, each in felt
-    ]
-    values = ["delta_self (pF)", "mutual (pF)", "model (pF)", "coupling (pF)"]
-    return page.table(["apart", "gap", "sensor", *values], rows, text_columns=3)
+    return page.table_of(
+        felt,
+        ("apart", lambda row: _far(row[0].separation)),
+        ("gap", lambda row: page.case_link(row[1].case, _far(row[1].gap))),
+        ("sensor", lambda row: row[2]),
+        ("delta_self (pF)", lambda row: picofarads(row[3].delta_self.value, row[3].delta_self.error)),
+        ("mutual (pF)", lambda row: picofarads(row[3].mutual.value, row[3].mutual.error)),
+        ("model (pF)", lambda row: f"{row[3].model / PICOFARAD:.5f}"),
+        ("coupling (pF)", lambda row: picofarads(row[1].coupling.value, row[1].coupling.error)),
+        text_columns=3,
+    )
 
 
-def _estimate(value: Estimate) -> str:
-    return picofarads(value.value, value.error)
-
-
-def _centimetres(length: float) -> str:
-    return f"{length / CENTIMETRE:.3g} cm"
+def _far(length: float) -> str:
+    return place(length, DISTANCE)

@@ -1,20 +1,156 @@
-"""The section of an experiment in the report of its study."""
+"""The section of an experiment in the report of its study; the first one: the thesis' splitting of triangles against the exact integral."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
+import numpy as np
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.report.plot import Panel, figure, joined, power_axis, series_colour
-from analysis.results.study_results import Results
-from analysis.topics.experiments import curves, materials, neighbours, splitting
+from analysis.report.plot import Panel, axis, figure, joined, power_axis, series_colour
+from analysis.results.commands import COMPARED_METHOD
+from analysis.results.set_up import Rectangle, rectangles
+from analysis.results.study_results import CaseResult, Results
+from analysis.topics.experiments import curves, materials, neighbours
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve, with_flat_start
 from geometries.common.measured import PICOFARAD
 
-NOTHING_MEASURED = (
+
+IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL = "region I", "region II", "region III", "several regions"
+REGIONS = (IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL)
+_SPLIT = "split:"
+# Thesis 6.1: "after splitting up the triangle only four or more times, the difference is negligible".
+_NEGLIGIBLE_FROM_LEVEL = 4
+# Relative tolerance for the rounding of a plate that ends above the sensor's edge.
+_TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """(split − exact)/exact of the set-ups of a region at one level."""
+
+    region: str
+    level: int
+    errors: tuple[float, ...]
+
+    @property
+    def median(self) -> float:
+        return float(np.median(np.abs(self.errors)))
+
+    @property
+    def worst(self) -> float:
+        return float(np.max(np.abs(self.errors)))
+
+
+def region(sensor: Rectangle, target: Rectangle) -> str:
+    """Returns the thesis' region (5.3) that the target lies in, seen along the sensor's normal."""
+    # The edges of a plate are at right angles.
+    edges = np.array([edge / (edge @ edge) for edge in (sensor.edge_u, sensor.edge_v)])
+    along = edges @ (target.vertices - sensor.corner).T
+    low, high = along.min(axis=1), along.max(axis=1)
+    within = (low >= -_TOLERANCE) & (high <= 1 + _TOLERANCE)
+    beside = (high <= _TOLERANCE) | (low >= 1 - _TOLERANCE)
+    if within.all():
+        return IN_FRONT
+    if beside.all():
+        return AT_CORNER
+    return BESIDE_EDGE if (within | beside).all() else SEVERAL
+
+
+def accuracies(results: Results) -> list[Accuracy]:
+    """Returns an entry for each region and level that has answers, regions in the thesis' order, levels upwards."""
+    found: dict[tuple[str, int], list[float]] = {}
+    for case in results.compared():
+        plates = rectangles(case.scene)
+        if plates is not None:
+            for level, error in _errors(case).items():
+                found.setdefault((region(*plates), level), []).append(error)
+    ordered = sorted(found, key=lambda entry: (REGIONS.index(entry[0]), entry[1]))
+    return [Accuracy(name, level, tuple(found[name, level])) for name, level in ordered]
+
+
+def _errors(case: CaseResult) -> dict[int, float]:
+    if case.model is None:
+        return {}
+    sensor = case.scene.sensors[0].name
+    exact = case.model.values[COMPARED_METHOD][sensor].total
+    return {
+        int(method.removeprefix(_SPLIT)): values[sensor].total / exact - 1
+        for method, values in case.model.values.items()
+        if method.startswith(_SPLIT) and method.removeprefix(_SPLIT).isdecimal()
+    }
+
+
+_EXPLANATION = (
+    "Error: (split:N − exact)/exact of the model's capacitance. Regions as seen along the sensor's normal: I in front "
+    "of it, II beside an edge, III diagonal to a corner; the thesis has done this in region I, in one set-up."
+)
+_NOTHING_MEASURED = (
     "Measured quantity: none. The thesis compares two evaluations of its own formula, and so does this section; their difference is the same "
     "whether the formula stands for mutual or for the change of a reading."
 )
+
+
+def splitting(found: list[Accuracy]) -> list[Markup]:
+    """Returns the finding, the plot and its numbers."""
+    if not found:
+        return [
+            page.paragraph("No case has answers of the model by split:N."),
+            page.paragraph(_NOTHING_MEASURED),
+        ]
+    table = page.table_of(
+        found,
+        ("region", lambda each: each.region),
+        ("splits", lambda each: str(each.level)),
+        ("set-ups", lambda each: str(len(each.errors))),
+        ("median", lambda each: f"{100 * each.median:.3g} %"),
+        ("worst", lambda each: f"{100 * each.worst:.3g} %"),
+        ("below exact", lambda each: str(sum(error < 0 for error in each.errors))),
+    )
+    return [
+        page.finding(splitting_finding(found)),
+        page.figures([_figure(found)]),
+        page.folded("Show the figures", table),
+        page.soft(_EXPLANATION),
+        page.paragraph(_NOTHING_MEASURED),
+    ]
+
+
+def splitting_finding(found: list[Accuracy]) -> str:
+    """Tells the error at the thesis' recommended level in every region, and how often splitting gives too little."""
+    levels = {each.level for each in found}
+    level = _NEGLIGIBLE_FROM_LEVEL if _NEGLIGIBLE_FROM_LEVEL in levels else max(levels)
+    regions = [each for each in found if each.level == level]
+    phrases = ", ".join(
+        f"{each.region} {100 * each.median:.2g} % ({100 * each.worst:.2g} %)" for each in regions
+    )
+    errors = [error for each in found for error in each.errors]
+    low = sum(error < 0 for error in errors) / len(errors)
+    return (
+        f"After {level} splits (the thesis: negligible from {_NEGLIGIBLE_FROM_LEVEL} on) the median error, and in brackets the worst, is: {phrases}; "
+        f"splitting is below the exact integral in {100 * low:.0f} % of all set-ups and levels."
+    )
+
+
+def _figure(found: list[Accuracy]) -> Panel:
+    """Plots the median and the worst error over the level, with a colour for each region."""
+    traces: list[object] = []
+    for index, region in enumerate(REGIONS):
+        members = [each for each in found if each.region == region]
+        if not members:
+            continue
+        for name, values, dash in (
+            ("median", [each.median for each in members], "solid"),
+            ("worst", [each.worst for each in members], "dot"),
+        ):
+            levels, errors = [each.level for each in members], [100 * value for value in values]
+            hover = "%{x} splits: %{y:.3g} %"
+            traces.append(joined(f"{region}, {name}", levels, errors, series_colour(index), hover, dash=dash))
+    x = axis("how often each triangle is split in four", dtick=1)
+    return Panel("over the set-ups of a region", figure(traces, x, power_axis("error of splitting (%)"), 460))
+
+
 _MEASURED = (
     "Measured quantity: the thesis' electronics sense the driven sensor through a divider, with the plate and without it. This determines the change of the "
     "sensor's reading, which in empty space is delta_self, and not mutual: that is the charge on the plate, which was connected to no meter. All curves of delta output are "
@@ -28,16 +164,6 @@ _OF_EXPERIMENT = {
 }
 
 
-def measured(experiment: str) -> Markup:
-    """Returns which quantity the thesis measured in Experiment II, III or IV."""
-    return page.paragraph(_MEASURED.format(_OF_EXPERIMENT[experiment]))
-
-
-def measured_parts(labelled: curves.Labelled, swept: str) -> list[Markup]:
-    """Returns the ratio of change to mutual, and a figure of both, for curves with their names."""
-    return [page.finding(measured_finding(labelled, swept)), page.figures([_both(labelled, swept)])]
-
-
 def measured_finding(labelled: curves.Labelled, swept: str) -> str:
     """Tells how much of mutual the change is on every curve."""
     ranges = curves.ranges(labelled, lambda curve: curve.change_over_mutual, swept)
@@ -49,16 +175,10 @@ def _both(labelled: curves.Labelled, swept: str) -> Panel:
     for index, (name, curve) in enumerate(labelled):
         for what, dash in (("change", "solid"), ("mutual", "dot")):
             estimates = [getattr(point, what) for point in curve.points]
-            values, bars = (
-                [getattr(estimate, part) / PICOFARAD for estimate in estimates] for part in ("value", "error")
-            )
-            across, colour, hover = (
-                curves.across(curve, swept),
-                series_colour(index),
-                "%{y:.4g} pF<br>%{text}",
-            )
+            colour, hover = series_colour(index), "%{y:.4g} pF<br>%{text}"
             more = {"dash": dash, "text": curve.cases, "customdata": curve.cases}
-            traces.append(joined(f"{what}, {name}", across, values, colour, hover, bars, **more))
+            across = curves.across(curve, swept)
+            traces.append(curves.estimated(f"{what}, {name}", across, estimates, colour, hover, **more))
     y = power_axis("capacitance (pF)")
     return Panel(
         "change of the reading, and mutual, by the reference", figure(traces, curves.axis_of(swept), y, 440)
@@ -85,8 +205,7 @@ def section(results: Results) -> Markup:
     if not results.experiment:
         return Markup("")
     if results.experiment == "I":
-        parts = splitting.parts(splitting.accuracies(results))
-        parts.append(page.paragraph(NOTHING_MEASURED))
+        parts = splitting(accuracies(results))
     elif results.experiment == "V":
         parts = neighbours.parts(neighbours.series(results))
     elif results.experiment == "VI":
@@ -101,7 +220,7 @@ def _over_distance_or_angle(experiment: str, found: list[Curve]) -> list[Markup]
     groups: dict[tuple[float, float], list[Curve]] = {}
     for curve in found:
         groups.setdefault(curve.sensor_size, []).append(curve)
-    parts = [measured(experiment)]
+    parts = [page.paragraph(_MEASURED.format(_OF_EXPERIMENT[experiment]))]
     parts += [] if groups else [page.paragraph("No curve has both answers.")]
     for size, members in groups.items():
         parts += [page.heading(f"Sensor of {curves.size(size)}"), *_of_sensor(experiment, members)]
@@ -123,7 +242,8 @@ def _of_sensor(experiment: str, found: list[Curve]) -> list[Markup]:
     return [
         page.finding(finding(labelled, swept)),
         page.figures([curves.delta_output(labelled, swept), curves.ratios(labelled, swept)]),
-        *measured_parts(labelled, swept),
+        page.finding(measured_finding(labelled, swept)),
+        page.figures([_both(labelled, swept)]),
     ]
 
 

@@ -1,7 +1,11 @@
-"""The published table as a topic: its page and its set-ups, of the table as it is kept with the project."""
+"""The published table as a topic: set-ups above, beside and diagonal to a plate, with bounds and four digits for every value. The table and its checks are CSV
+files, kept with the project; TABLE.md tells how they were made."""
 
 from __future__ import annotations
 
+import csv
+import hashlib
+import io
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,14 +18,126 @@ from analysis.pipeline.set_up_stages import Whole
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, by_family, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
+from analysis.results.set_up import Rectangle
 from analysis.results.store import Document
 from analysis.results.study_results import Failure
 from analysis.results.units import CENTIMETRE
-from analysis.topics.published import files
-from analysis.topics.published.files import MUTUAL, QUANTITIES, Check, Row
 from analysis.topics.topic import Topic
 from geometries.common.measured import measured
-from geometries.studies.study import Case
+from geometries.studies import study
+from geometries.studies.study import EMPTY, Case
+
+
+MUTUAL, SENSOR, TARGET, DELTA_SELF = "mutual", "self_sensor", "self_target", "delta_self"
+QUANTITIES = (MUTUAL, SENSOR, TARGET, DELTA_SELF)
+
+
+@dataclass(frozen=True)
+class Value:
+    """Picofarad: the best value with its stated error, and the bounds."""
+
+    best: float
+    error: float
+    low: float
+    high: float
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the interval, relative to the best value."""
+        return (self.high - self.low) / (2 * self.best)
+
+
+@dataclass(frozen=True, eq=False)
+class Row:
+    """One set-up. `parameters` are those of its family, in metres and degrees; `target` is the plate in the sensor's frame."""
+
+    case: str
+    family: str
+    parameters: dict[str, float]
+    target: Rectangle
+    values: dict[str, Value]
+
+
+def worst_error(found: Iterable[Row]) -> float:
+    """Returns the largest relative stated error of the best values."""
+    return max(value.error / value.best for row in found for value in row.values.values())
+
+
+PLACE = Path(__file__).parent
+"""The folder of the published table."""
+TABLE, CHECKS, PAGE = "reference_table.csv", "checks.csv", "TABLE.md"
+STUDY = "published"
+
+_LENGTHS = ("target_x", "target_y", "gap", "height")
+_ANGLES = ("tilt_degrees", "turn_degrees")
+_VECTORS = ("corner", "edge_u", "edge_v")
+_PARTS = {"": "best", "_error": "error", "_low": "low", "_high": "high"}
+
+
+@dataclass(frozen=True)
+class Check:
+    """A value of the field solver and of the table (pF), each with its error."""
+
+    case: str
+    quantity: str
+    value: float
+    error: float
+    best: float
+    best_error: float
+
+    @property
+    def difference(self) -> float:
+        """The difference relative to the table's value."""
+        return self.value / self.best - 1
+
+    @property
+    def agrees(self) -> bool:
+        return abs(self.value - self.best) <= self.error + self.best_error
+
+
+def from_csv(text: str) -> list[Row]:
+    """Reads the rows of the table."""
+    return [_row(record) for record in csv.DictReader(io.StringIO(text))]
+
+
+def checks_from_csv(text: str) -> list[Check]:
+    return [
+        Check(
+            r["case"], r["quantity"], *(float(r[name]) for name in ("value", "error", "best", "best_error"))
+        )
+        for r in csv.DictReader(io.StringIO(text))
+    ]
+
+
+def load(folder: Path = PLACE) -> tuple[list[Row], list[Check]]:
+    """Returns the table in a folder and its checks."""
+    return (
+        from_csv((folder / TABLE).read_text(encoding="utf-8")),
+        checks_from_csv((folder / CHECKS).read_text(encoding="utf-8")),
+    )
+
+
+def digest() -> str:
+    """Returns a hash of the table and of its checks."""
+    contents = [(PLACE / name).read_bytes() for name in (TABLE, CHECKS)]
+    return hashlib.sha256(b"".join(contents)).hexdigest()
+
+
+def cases() -> list[Case]:
+    """Returns the set-ups in the order of the table."""
+    return [case for case in study.load(study.find(STUDY)).cases() if case.family != EMPTY]
+
+
+def _row(record: dict[str, str]) -> Row:
+    parameters = {name: float(record[f"{name}_m"]) for name in _LENGTHS if record[f"{name}_m"]}
+    parameters |= {name: float(record[name]) for name in _ANGLES if record[name]}
+    vectors = [np.array([float(record[f"{vector}_{axis}_m"]) for axis in "xyz"]) for vector in _VECTORS]
+    values = {
+        quantity: Value(*(float(record[f"{quantity}{suffix}_pF"]) for suffix in _PARTS))
+        for quantity in QUANTITIES
+    }
+    return Row(record["case"], record["family"], parameters, Rectangle(*vectors), values)
+
 
 TITLE = "A reference table of capacitances around a plate"
 Published = tuple[list[Row], list[Check]]
@@ -50,14 +166,14 @@ def section(published: Published, set_ups: str) -> Markup:
             figure(halves, log_axis("mutual (pF)"), widths),
         ),
     ]
-    place = files.PLACE.relative_to(files.PLACE.parent.parent)
+    place = PLACE.relative_to(PLACE.parent.parent)
     return page.section(
         TITLE,
         page.finding(headline(found)),
         page.figures(panels, set_ups=set_ups),
         page.soft(
-            f"A click on a point opens its set-up. {check_finding(checks).replace('`', '')} The table is {place / files.TABLE}, explained in "
-            f"{files.PAGE} beside it."
+            f"A click on a point opens its set-up. {check_finding(checks).replace('`', '')} The table is {place / TABLE}, explained in "
+            f"{PAGE} beside it."
         ),
     )
 
@@ -67,7 +183,7 @@ def headline(found: list[Row]) -> str:
     values = len(found) * len(QUANTITIES)
     return (
         f"{len(found)} set-ups of a plate above, beside and diagonal to a square plate, {values} values: mutual, both own capacitances and "
-        f"delta_self of each, every one enclosed and with a best value whose stated error is at most {files.worst_error(found):.1e}."
+        f"delta_self of each, every one enclosed and with a best value whose stated error is at most {worst_error(found):.1e}."
     )
 
 
@@ -78,7 +194,7 @@ def check_finding(checks: list[Check]) -> str:
     cases = len({check.case for check in checks})
     return (
         f"In every {_CHECKED_EACH}th set-up, {cases} of them, the field solver computed its best values with estimated errors "
-        f"(`{files.CHECKS}`): {agreeing} of {len(checks)} agree within the sum of both errors; the difference is {float(np.median(differences)):.1e} in "
+        f"(`{CHECKS}`): {agreeing} of {len(checks)} agree within the sum of both errors; the difference is {float(np.median(differences)):.1e} in "
         f"the median and {max(differences):.1e} at most."
     )
 
@@ -86,7 +202,7 @@ def check_finding(checks: list[Check]) -> str:
 def set_ups_document(published: Published, back: str, back_title: str, inputs: str, script: str) -> str:
     """Returns the page of the table's set-ups; `back` is the file of the page that leads to it, `inputs` the hash of what it is made from."""
     found, _ = published
-    texts = {case.id: case for case in files.cases()}
+    texts = {case.id: case for case in cases()}
     around = Around(
         "Set-ups of the published table",
         back,
@@ -133,7 +249,7 @@ def _description(row: Row, case: Case) -> str:
 class Kept:
     """The table that is kept with the project, whatever answers there are."""
 
-    name: str = files.STUDY
+    name: str = STUDY
 
     def run(self, folder: Path, _: Iterable[Whole], workers: int | None = None) -> list[Failure]:
         """Returns no failures: there is nothing to compute."""
@@ -141,13 +257,13 @@ class Kept:
 
     def load(self, _: Path, __: Iterable[Whole]) -> dict[str, Document]:
         """Returns the hash of the table."""
-        return {Whole().id: {"digest": files.digest()}}
+        return {Whole().id: {"digest": digest()}}
 
 
 PUBLISHED = Topic[Whole, Published](
     stages=Kept(),
     set_ups=lambda: (Whole(),),
-    entry=lambda _, __: files.load(),
+    entry=lambda _, __: load(),
     sections=lambda found, _, set_ups: [section(found[0], set_ups)],
     finding=lambda found: headline(found[0][0]),
     absent="",

@@ -1,11 +1,13 @@
-"""`python3 -m analysis.topics.trade_off.measure RESULTS TARGET`: every method of the module on every pair of plates of a study.
+"""Run time against error: `python3 -m analysis.topics.trade_off.measure RESULTS TARGET` asks every method of the module on every pair of plates of a study.
 
 All run on one core. Methods take turns at every pose, so that other work on the machine disturbs all alike. A time is that of one
-pose after a move, with the bodies already prepared; the smallest of several, because disturbances only add to it.
+pose after a move, with the bodies already prepared; the smallest of several, because disturbances only add to it. As the stage of a study
+the answer is kept as long as code, set-ups and machine are the same.
 """
 
 from __future__ import annotations
 
+import functools
 import os
 import sys
 from collections.abc import Callable
@@ -13,18 +15,65 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
-from analysis.results import study_results as results
-from analysis.results.store import Document, write_json
-from analysis.results.study_results import CaseResult
+from analysis.pipeline.processes import Processes
+from analysis.pipeline.scheduler import run_all
+from analysis.pipeline.stage import NoAnswer, Stage, outdated, unfinished_file
+from analysis.results import machine, study_results
+from analysis.results.store import Document, read_json, write_json
+from analysis.results.study_results import CaseResult, Failure
 from geometries.common.children import temporary_folder
+from geometries.common.installation import ROOT, from_repository
 from geometries.scene.scene import Link, Scene
 from geometries.scene.writer import canonical
+
+
+ANSWER = "trade_off.json"
+NAME = "run time against error of all methods"
+_MODULE = "analysis.topics.trade_off.measure"
+_SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json", "analysis/topics/trade_off/measure.py")
+_SECONDS = 90.0
+
+
+def run(folder: Path, cases: list[str], wanted: bool) -> list[Failure]:
+    """Measures the cases of a study whose manifest is in the folder, if `wanted` and not done; an outdated answer is removed."""
+    target = folder / ANSWER
+    stages = outdated(
+        [Stage(NAME, "", target, key(cases), _SECONDS, functools.partial(_answer, folder, target))]
+    )
+    return run_all(stages, 1, "measured") if wanted else []
+
+
+def load(folder: Path) -> Document | None:
+    """Returns the answer in a folder of results; None without one."""
+    return read_json(folder / ANSWER)
+
+
+def command(folder: Path) -> str:
+    """Returns the command, from the project's folder, that repeats the measurement."""
+    return f"python3 -m {_MODULE} {from_repository(folder)} again.json"
+
+
+def key(cases: list[str]) -> str:
+    """Returns the key, which depends on the machine because times do; `cases` are the identities of the set-ups."""
+    return keys.measurement_key(
+        f"{_MODULE} {' '.join(cases)}", keys.code_of(_SOURCES, ROOT), machine.identity()
+    )
+
+
+def _answer(folder: Path, target: Path, processes: Processes) -> Document:
+    with unfinished_file(target) as unfinished:
+        finished = processes.run_module(_MODULE, str(folder.resolve()), str(unfinished))
+        answer = read_json(unfinished)
+    if finished.exit_code != 0 or answer is None:
+        raise NoAnswer(finished.reason)
+    return {**machine.origin(), **answer}
+
 
 TRUTH_RTOL = 3e-6
 """Relative accuracy of the truth: about the best that boundary elements reach; where they miss it, the truth's error says so."""
 LEVELS = tuple(range(9))
-RTOLS = ("1e-2", "1e-3", "1e-4", "1e-5")
 RTOLS_OF_REDUCED = ("1e-2", "1e-3", "3e-4")
 _TURNS = 5
 _POSES = 5
@@ -48,27 +97,24 @@ class Method:
     ask: Callable[[Any], tuple[float, float]]
 
 
-def methods(module: Any) -> list[Method]:
-    """Returns every method of the module."""
-    found = [
-        Method("thesis", f"split:{level}", _TURNS, _POSES, _integral(f"split:{level}")) for level in LEVELS
-    ]
-    found.append(Method("model", "exact", _TURNS, _POSES, _integral("exact")))
-    found.append(Method("formula", "formula", _TURNS, _POSES, _integral("formula")))
+def methods() -> list[Method]:
+    """Returns every method."""
+    of_integrals = {f"split:{level}": "thesis" for level in LEVELS} | {"exact": "model", "formula": "formula"}
+    found = [Method(kind, name, _TURNS, _POSES, _integral(name)) for name, kind in of_integrals.items()]
     found += [
         Method("reduced", f"reduced {rtol}", _TURNS, _POSES, _matrix(method="reduced", rtol=float(rtol)))
         for rtol in RTOLS_OF_REDUCED
     ]
     found += [
-        Method("boundary elements", rtol, _TURNS_OF_BOUNDARY_ELEMENTS[rtol], 1, _matrix(rtol=float(rtol)))
-        for rtol in RTOLS
+        Method("boundary elements", rtol, turns, 1, _matrix(rtol=float(rtol)))
+        for rtol, turns in _TURNS_OF_BOUNDARY_ELEMENTS.items()
     ]
     return found
 
 
 def measured(module: Any, cases: list[CaseResult]) -> Document:
     """Returns the truths by case, and for every method its values and its seconds by case."""
-    known = methods(module)
+    known = methods()
     truths: dict[str, Document] = {}
     answers: list[Document] = [
         {"kind": method.kind, "name": method.name, "values": {}, "seconds": {}} for method in known
@@ -110,11 +156,11 @@ def _in_turn(module: Any, path: Path, known: list[Method]) -> list[tuple[float, 
 
 
 def _integral(method: str) -> Callable[[Any], tuple[float, float]]:
-    return lambda scene: _mutual_and_seconds(scene.capacitance(method=method))
+    def ask(scene: Any) -> tuple[float, float]:
+        answer = scene.capacitance(method=method)
+        return float(answer["sensors"][0]["total"]), float(answer["seconds"])
 
-
-def _mutual_and_seconds(answer: Document) -> tuple[float, float]:
-    return float(answer["sensors"][0]["total"]), float(answer["seconds"])
+    return ask
 
 
 def _matrix(**options: Any) -> Callable[[Any], tuple[float, float]]:
@@ -128,7 +174,7 @@ def _matrix(**options: Any) -> Callable[[Any], tuple[float, float]]:
 def main(folder: str, target: str) -> None:
     """Measures the pairs of plates in a folder of results on one core, and writes the answer."""
     os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    cases = [case for case in results.load(Path(folder)).compared() if case.set_up is not None]
+    cases = [case for case in study_results.load(Path(folder)).compared() if case.set_up is not None]
     write_json(Path(target), measured(model_module(), cases))
 
 

@@ -14,8 +14,7 @@ from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import duration, percent
-from analysis.topics.trade_off import stage
-
+from analysis.topics.trade_off import measure
 
 MESH = "field solver, one mesh"
 ANSWER = "field solver, whole answer"
@@ -270,7 +269,7 @@ def _explanation(document: Document, results: Results) -> str:
         f"{truth} Times of the model, the formula, the reduced method and boundary elements: one core, one run, methods taking turns at "
         "every pose, after a move, with prepared bodies; the smallest of several. Those of the field solver are the seconds of each mesh when "
         f"the study was solved, and of the whole answer. {document['processor']} with {document['instruction_sets']}. Again, from the "
-        f"project's folder: {stage.command(results.folder)}"
+        f"project's folder: {measure.command(results.folder)}"
     )
 
 

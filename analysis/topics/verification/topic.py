@@ -16,7 +16,7 @@ from analysis.pipeline.stage import NoAnswer, Stage, outdated, parsed
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from analysis.topics.topic import Topic
-from analysis.topics.verification import records, section
+from analysis.topics.verification import section
 from geometries.common.installation import ROOT
 
 _SOURCES = ("truths.py", "boundary_elements.json", "rooms.json", "set_ups.py", "rows.py")
@@ -106,11 +106,11 @@ def truths(found: list[Entry]) -> Markup:
     """Returns the chapter on known capacitances; one sentence without rows."""
     rows = dict(found)
     missing = [row.id for row in all_rows() if row.id not in rows] if rows else []
-    return section.chapter(records.compared(rows), missing)
+    return section.chapter(section.compared(rows), missing)
 
 
 def _finding(found: list[Entry]) -> str:
-    compared = records.compared(dict(found))
+    compared = section.compared(dict(found))
     return section.finding(compared) if compared else section.ABSENT
 
 

@@ -15,7 +15,7 @@ from analysis.pipeline.stage import NoAnswer
 from analysis.results import store, study_results as results
 from analysis.results.study_results import Results
 from analysis.study import report
-from analysis.topics.cross_check import agreement, section
+from analysis.topics import cross_check
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Sphere
@@ -60,7 +60,7 @@ def test_changes_of_readings_are_compared_where_they_are_not_delta_self(tmp_path
     """The reference says 0.8 ± 0.01 pF before the housing; boundary elements are sure to 0.001."""
     solved = make_results(tmp_path, MACHINES, MACHINE_ANSWERS)
     both = machine_document(1.6, 0.812, error=0.001) | {"lower_bounds": [True] * 3}
-    found = agreement.comparisons(with_boundary(solved, c0=boundary_document(2, 1), c1=both))
+    found = cross_check.comparisons(with_boundary(solved, c0=boundary_document(2, 1), c1=both))
     names = [each.what for each in found if "change" in each.what or "delta" in each.what]
     assert sorted(names) == ["change sensor", "delta_self sensor", "delta_self sensor"]
     (change,) = (each for each in found if each.what == "change sensor")
@@ -70,7 +70,7 @@ def test_changes_of_readings_are_compared_where_they_are_not_delta_self(tmp_path
 
 def test_values_agree_as_long_as_their_error_bars_overlap(tmp_path: Path) -> None:
     # The reference says 2 ± 0.01 and 1 ± 0.01 pF, boundary elements are sure to 0.001.
-    found = agreement.comparisons(
+    found = cross_check.comparisons(
         with_boundary(
             make_results(tmp_path), c0=boundary_document(2.0109, 1), c1=boundary_document(2.0111, 1)
         )
@@ -87,7 +87,7 @@ def test_an_enclosure_is_left_on_the_side_where_it_ends(tmp_path: Path) -> None:
     folder = make_results(tmp_path, answers={0: (enclosed(4.99, 5.5), None), 1: (enclosed(4.5, 5.01), None)})
     low = boundary_document(2, 0.9)  # diagonal entries 4.9 pF
     found = with_boundary(folder, c0=low, c1=low)
-    own = {c.case.id: c for c in agreement.comparisons(found) if c.what == "M[sensor, sensor]"}
+    own = {c.case.id: c for c in cross_check.comparisons(found) if c.what == "M[sensor, sensor]"}
     first, second, *_ = found.compared()
     assert not own[first.id].agrees and own[second.id].agrees
 
@@ -96,16 +96,16 @@ def test_an_own_entry_lies_between_galerkins_bound_and_the_field_solvers(tmp_pat
     folder = make_results(tmp_path, answers={0: (enclosed(4.9, 5.02), None), 1: (enclosed(4.9, 5.02), None)})
     document = boundary_document(2, 1, error=0.01)
     found = with_boundary(folder, c0=document, c1=document | {"lower_bounds": [False, True]})
-    brackets = agreement.brackets(found)
+    brackets = cross_check.brackets(found)
     assert [bracket.conductor for bracket in brackets] == ["sensor", "target", "target"]
     for bracket in brackets:
         assert bracket.lower == pytest.approx((5 - 0.05 * 0.01) * PICO)
         assert bracket.width == pytest.approx(0.0205 / 5.02)
         assert bracket.width_before == pytest.approx(0.12 / 5.02)
-    assert agreement.contradictions(found) == 0
-    assert "3 diagonal entries" in section.bracket_finding(
+    assert cross_check.contradictions(found) == 0
+    assert "3 diagonal entries" in cross_check.bracket_finding(
         brackets
-    ) and "empty" not in section.bracket_finding(brackets)
+    ) and "empty" not in cross_check.bracket_finding(brackets)
 
 
 def test_a_lower_bound_above_the_upper_one_is_a_contradiction_though_error_bars_overlap(
@@ -113,9 +113,9 @@ def test_a_lower_bound_above_the_upper_one_is_a_contradiction_though_error_bars_
 ) -> None:
     folder = make_results(tmp_path, answers={0: (enclosed(4.9, 5.02), None)})
     found = with_boundary(folder, c0=boundary_document(2, 1.03, error=0.05))
-    assert not agreement.disagreements(agreement.comparisons(found))
-    assert agreement.contradictions(found) == 2
-    assert "2 brackets are empty" in section.bracket_finding(agreement.brackets(found))
+    assert not cross_check.disagreements(cross_check.comparisons(found))
+    assert cross_check.contradictions(found) == 2
+    assert "2 brackets are empty" in cross_check.bracket_finding(cross_check.brackets(found))
 
 
 def test_disagreements_are_told_first_in_the_report_and_on_the_page(tmp_path: Path) -> None:
@@ -136,7 +136,7 @@ def test_what_is_refused_is_told_with_its_reason_and_counts_nowhere(tmp_path: Pa
     found = with_boundary(
         make_results(tmp_path), c0=boundary_document(2, 1), c1={"refused": "a <sphere> is round"}
     )
-    text = "".join(section.sections(found))
+    text = "".join(cross_check.sections(found))
     assert "In 1 set-ups both methods answer" in text
     assert "1 set-ups are not comparable" in text and "a &lt;sphere&gt; is round" in text
 

@@ -12,14 +12,14 @@ from analysis.results import study_results as results
 from analysis.results.answers import Estimate
 from analysis.results.set_up import rectangles
 from analysis.topics.experiments.curves import Divider, curves, reference_delta_output, with_flat_start
-from analysis.topics.experiments.splitting import (
+from analysis.topics.experiments.section import (
     AT_CORNER,
     BESIDE_EDGE,
     IN_FRONT,
     SEVERAL,
     accuracies,
-    finding,
     region,
+    splitting_finding,
 )
 from geometries.scene.scene import Scene
 from geometries.studies import families
@@ -69,7 +69,7 @@ def test_errors_by_region_and_level_computed_by_hand(tmp_path: Path) -> None:
 
 def test_the_finding_is_of_the_level_that_the_thesis_recommends(tmp_path: Path) -> None:
     answers = {number: (None, model_document(2, coarse=1)) for number in range(5)}
-    text = finding(accuracies(results.load(make_results(tmp_path, PARALLEL + EDGE, answers))))
+    text = splitting_finding(accuracies(results.load(make_results(tmp_path, PARALLEL + EDGE, answers))))
     assert (
         text.startswith("After 4 splits")
         and "region I 0.001 % (0.001 %), region II 0.001 % (0.001 %)" in text

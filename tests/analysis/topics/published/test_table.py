@@ -10,8 +10,8 @@ import pytest
 
 from analysis.pipeline.model_stage import model_module
 from analysis.results.set_up import rectangles
-from analysis.topics.published import files, topic
-from analysis.topics.published.files import QUANTITIES, Row
+from analysis.topics.published import topic
+from analysis.topics.published.topic import QUANTITIES, Row
 from fem_reference.bodies.conductors import conductors
 from fem_reference.bodies.symmetry import mirror_planes
 from geometries.common.measured import PICOFARAD
@@ -23,12 +23,12 @@ MOST_ERROR = 5e-5
 
 @pytest.fixture(scope="module")
 def published() -> list[Row]:
-    return files.load()[0]
+    return topic.load()[0]
 
 
 @pytest.fixture(scope="module")
 def cases() -> dict[str, Case]:
-    return {case.id: case for case in files.cases()}
+    return {case.id: case for case in topic.cases()}
 
 
 def test_every_set_up_of_the_study_has_a_row_with_its_geometry(
@@ -54,13 +54,13 @@ def test_every_value_is_enclosed_and_good_to_four_digits(published: list[Row]) -
 
 
 def test_the_page_tells_what_is_in_the_files() -> None:
-    found, checks = files.load()
-    text = (files.PLACE / files.PAGE).read_text(encoding="utf-8")
+    found, checks = topic.load()
+    text = (topic.PLACE / topic.PAGE).read_text(encoding="utf-8")
     assert topic.headline(found) in text and topic.check_finding(checks) in text
 
 
 def test_the_field_solvers_own_best_values_agree() -> None:
-    checks = files.load()[1]
+    checks = topic.load()[1]
     assert {check.quantity for check in checks} == set(QUANTITIES)
     assert all(check.agrees for check in checks)
 
@@ -75,10 +75,10 @@ def test_rows_drawn_by_chance_are_found_again(
         solved = model_module().Scene.load(scene).maxwell(rtol=MOST_ERROR)
         matrix, error, change = solved["maxwell"], solved["error"], solved["delta_self"]["sensor"]
         found = {
-            files.MUTUAL: (-matrix[0][1], error[0][1]),
-            files.SENSOR: (matrix[0][0], error[0][0]),
-            files.TARGET: (matrix[1][1], error[1][1]),
-            files.DELTA_SELF: (change["value"], change["error"]),
+            topic.MUTUAL: (-matrix[0][1], error[0][1]),
+            topic.SENSOR: (matrix[0][0], error[0][0]),
+            topic.TARGET: (matrix[1][1], error[1][1]),
+            topic.DELTA_SELF: (change["value"], change["error"]),
         }
         for quantity, (value, uncertain) in found.items():
             told = row.values[quantity]
@@ -87,6 +87,6 @@ def test_rows_drawn_by_chance_are_found_again(
 
 def test_the_study_is_of_set_ups_that_have_a_plane_of_symmetry() -> None:
     """As its file says: what halves the field solver's work is there in every one."""
-    for case in files.cases()[::40]:
+    for case in topic.cases()[::40]:
         problem = conductors(case.scene)
         assert mirror_planes(problem.bodies, problem.owner), case.parameters

@@ -13,7 +13,7 @@ from analysis.report.page import PLOT, SCRIPT
 from analysis.results import store, study_results as results
 from analysis.results.study_results import Results
 from analysis.study import report
-from analysis.topics.trade_off import measure, section, stage
+from analysis.topics.trade_off import measure, section
 from tests.analysis.synthetic import PARALLEL, PICO, make_results, report_text
 
 ONE = PARALLEL.replace("[0.01, 0.02, 0.04]", "0.04")
@@ -128,7 +128,7 @@ def test_the_fastest_method_for_each_accuracy_is_told_in_words(found: Results) -
 def test_run_time_against_error_follows_the_first_plot_of_a_report_once_measured(found: Results) -> None:
     before = report.make(found.folder).path.read_text()
     assert "Run time against error of all methods" not in before
-    store.write_json(found.folder / stage.ANSWER, {"key": "", **document(found, **ERRORS)})
+    store.write_json(found.folder / measure.ANSWER, {"key": "", **document(found, **ERRORS)})
     index = report.make(found.folder).path.read_text()
     one_more = before.count(f'class="{PLOT}"') + 1
     assert index.count(f'class="{PLOT}"') == one_more and f'src="{SCRIPT}"' in index
@@ -136,8 +136,8 @@ def test_run_time_against_error_follows_the_first_plot_of_a_report_once_measured
 
 
 def test_a_measurement_is_kept_until_the_set_ups_change(tmp_path: Path) -> None:
-    store.write_json(tmp_path / stage.ANSWER, {"key": stage.key(["one", "two"])})
-    assert stage.run(tmp_path, ["one", "two"], wanted=True) == []
-    assert stage.load(tmp_path) is not None
-    assert stage.run(tmp_path, ["one"], wanted=False) == []
-    assert stage.load(tmp_path) is None
+    store.write_json(tmp_path / measure.ANSWER, {"key": measure.key(["one", "two"])})
+    assert measure.run(tmp_path, ["one", "two"], wanted=True) == []
+    assert measure.load(tmp_path) is not None
+    assert measure.run(tmp_path, ["one"], wanted=False) == []
+    assert measure.load(tmp_path) is None

@@ -14,9 +14,8 @@ from analysis.pipeline.stage import NoAnswer
 from analysis.results import store
 from analysis.results.study_results import Failure
 from analysis.topics.verification import (
-    records as verification,
     rows as verification_rows,
-    section as verification_section,
+    section as verification,
     topic as verification_stage,
     truths,
 )
@@ -69,11 +68,11 @@ def test_levels_as_near_as_the_truth_is_known_say_nothing_about_the_order() -> N
 
 def test_what_lies_outside_is_named_and_counted() -> None:
     rows = verification.compared({"good": truth_row(INSIDE), "bad": truth_row(OUTSIDE)})
-    text = verification_section.finding(rows)
+    text = verification.finding(rows)
     assert "1 of 2 known quantities of 2 set-ups are within the stated error" in text
     assert "1 of 2 enclosures hold the truth" in text
     assert text.endswith("Outside: bad, C11.")
-    assert "Outside" not in verification_section.finding(rows[:1])
+    assert "Outside" not in verification.finding(rows[:1])
 
 
 def test_of_each_case_the_worst_quantity_is_shown() -> None:
@@ -155,14 +154,14 @@ def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     folder = make_results(tmp_path / "study")
-    assert verification_section.ABSENT in report_text(folder)
+    assert verification.ABSENT in report_text(folder)
     rows = {"cube": truth_row(INSIDE)}
     for name, row in rows.items():
         key = verification_stage.key(name, verification_stage.code())
         target = verification_stage.path_of(VERIFICATION.beside(folder), name)
         store.write_json(target, {"key": key, "row": name, **row})
     text = report_text(folder)
-    assert verification_section.TITLE in text and verification_section.ABSENT not in text
+    assert verification.TITLE in text and verification.ABSENT not in text
     assert "1 of 1 known quantities of 1 set-ups are within the stated error" in text
     assert "facing strips, width/gap 5" in text, "what is not there yet is named"
 

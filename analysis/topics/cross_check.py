@@ -1,17 +1,154 @@
-"""The report's page on the two references side by side: do they agree, and what do both prove together?"""
+"""Boundary elements beside the field solver, which share nothing but the scene file: do they agree in every value that both compute, and what do both prove
+together for the diagonal of the Maxwell matrix?"""
 
 from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import combinations_with_replacement
 
 import numpy as np
 from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, by_family, figure, guide, marks, power_axis, series_colour
-from analysis.results.study_results import Results
+from analysis.results.answers import BoundaryAnswer, Estimate, MatrixAnswer, ReferenceAnswer
+from analysis.results.set_up import is_delta_self
+from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import duration, percent
-from analysis.topics.cross_check import agreement
-from analysis.topics.cross_check.agreement import Bracket, Comparison
 from geometries.common.measured import PICOFARAD, picofarads
+
+
+QUADRATURE_SHARE = 0.05
+"""Largest quadrature error of an entry that is called a lower bound, relative to its stated error (model/BOUNDARY_ELEMENTS.md,
+section 6)."""
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One value of a case; farads. The field solver's is known to lie from `low` to `high`."""
+
+    case: CaseResult
+    what: str
+    reference: float
+    low: float
+    high: float
+    boundary: Estimate
+
+    @property
+    def difference(self) -> float:
+        """The difference relative to the field solver's value."""
+        return (self.boundary.value - self.reference) / abs(self.reference)
+
+    @property
+    def allowed(self) -> float:
+        """The sum of both errors, relative to the field solver's value."""
+        towards = (self.high - self.reference) if self.difference > 0 else (self.reference - self.low)
+        return (towards + self.boundary.error) / abs(self.reference)
+
+    @property
+    def over_errors(self) -> float:
+        """The difference over what both errors allow: above 1 the error bars do not overlap."""
+        return abs(self.difference) / self.allowed if self.allowed > 0 else float("inf")
+
+    @property
+    def agrees(self) -> bool:
+        return self.over_errors <= 1
+
+
+@dataclass(frozen=True)
+class Bracket:
+    """A diagonal entry of the Maxwell matrix between bounds (F): `lower` is Galerkin's, `flux` and `upper` are the field solver's."""
+
+    case: CaseResult
+    conductor: str
+    lower: float
+    flux: float
+    upper: float
+
+    @property
+    def width(self) -> float:
+        """The width from the better lower bound to the upper bound, relative to the latter."""
+        return (self.upper - max(self.lower, self.flux)) / self.upper
+
+    @property
+    def width_before(self) -> float:
+        """The same without boundary elements."""
+        return (self.upper - self.flux) / self.upper
+
+
+def comparisons(results: Results) -> list[Comparison]:
+    """Returns the entries on and above the diagonal, delta_self and the changes of readings of every case that both have solved, the worst
+    first."""
+    found = [each for answered in _by_both(results) for each in _of_case(*answered)]
+    return sorted(found, key=lambda comparison: -comparison.over_errors)
+
+
+def _by_both(results: Results) -> Iterator[tuple[CaseResult, ReferenceAnswer, BoundaryAnswer]]:
+    for case in results.cases.values():
+        if case.reference is not None and case.boundary is not None:
+            yield case, case.reference, case.boundary
+
+
+def disagreements(found: list[Comparison]) -> list[Comparison]:
+    """Returns the comparisons whose error bars do not overlap: one of the two values, or its error, is wrong."""
+    return [comparison for comparison in found if not comparison.agrees]
+
+
+def contradictions(results: Results) -> int:
+    """Counts the values that disagree and the diagonal entries whose lower bound is above the upper one."""
+    empty = sum(bracket.width < 0 for bracket in brackets(results))
+    return len(disagreements(comparisons(results))) + empty
+
+
+def brackets(results: Results) -> list[Bracket]:
+    """Returns the bracket of every diagonal entry that the field solver encloses and boundary elements bound from below."""
+    found = []
+    for case, reference, boundary in _by_both(results):
+        bounded = [
+            name
+            for name, is_bound in zip(boundary.conductors, boundary.lower_bounds, strict=True)
+            if is_bound
+        ]
+        for here, name in enumerate(reference.conductors):
+            if reference.is_proven and name in bounded:
+                own = boundary.self_capacitance(name)
+                flux, upper = float(reference.lower[here, here]), float(reference.upper[here, here])
+                found.append(Bracket(case, name, own.value - QUADRATURE_SHARE * own.error, flux, upper))
+    return found
+
+
+def _of_case(case: CaseResult, reference: ReferenceAnswer, boundary: BoundaryAnswer) -> list[Comparison]:
+    common = [name for name in reference.conductors if name in boundary.conductors]
+    found = []
+    for pair in combinations_with_replacement(common, 2):
+        first, second = map(reference.conductors.index, pair)
+        row, column = map(boundary.conductors.index, pair)
+        found.append(
+            Comparison(
+                case,
+                f"M[{', '.join(pair)}]",
+                float(reference.maxwell[first, second]),
+                float(reference.lower[first, second]),
+                float(reference.upper[first, second]),
+                Estimate(float(boundary.maxwell[row, column]), float(boundary.error[row, column])),
+            )
+        )
+    also = _changes(case, boundary)
+    for what, change in _changes(case, reference).items():
+        if what in also:
+            low, high = change.value - change.error, change.value + change.error
+            found.append(Comparison(case, what, change.value, low, high, also[what]))
+    return found
+
+
+def _changes(case: CaseResult, answer: MatrixAnswer) -> dict[str, Estimate]:
+    own = {f"delta_self {sensor}": change for sensor, change in answer.delta_self.items()}
+    # Elsewhere the changes are delta_self once more.
+    if is_delta_self(case.scene):
+        return own
+    return own | {f"change {name}": reading.change for name, reading in answer.readings.items()}
+
 
 TITLE = "Boundary elements against the field solver"
 _ABSENT = "No case of these results was solved by both methods: run the study's command again."
@@ -31,25 +168,24 @@ _PROOF = (
 
 def sections(results: Results) -> list[Markup]:
     """Returns the agreement, the brackets and what is not comparable; one sentence if nothing is comparable."""
-    found = agreement.comparisons(results)
-    refused = {case.id: case.refused for case in results.cases.values() if case.refused}
+    found = comparisons(results)
     if not found:
-        return [page.section(TITLE, page.paragraph(_ABSENT), *_refused(results, refused))]
+        return [page.section(TITLE, page.paragraph(_ABSENT), *_refused(results))]
     parts = [page.finding(finding(found))]
-    wrong = agreement.disagreements(found)
+    wrong = disagreements(found)
     if wrong:
         parts += [page.heading("Values that disagree"), _table(wrong)]
     parts += [page.figures([_panel(found)]), page.soft(f"{_WHAT} {_reached(results)}")]
     parts.append(page.folded("Show every value", _table(found)))
-    made = [page.section(TITLE, *parts, *_refused(results, refused))]
-    brackets = agreement.brackets(results)
-    return [*made, _brackets(brackets)] if brackets else made
+    made = [page.section(TITLE, *parts, *_refused(results))]
+    proven = brackets(results)
+    return [*made, _brackets(proven)] if proven else made
 
 
 def finding(found: list[Comparison]) -> str:
     """Tells how many values agree, and how far apart the others are."""
     cases = {comparison.case.id for comparison in found}
-    wrong = agreement.disagreements(found)
+    wrong = disagreements(found)
     worst = found[0]
     sentence = (
         f"In {len(cases)} set-ups both methods answer: {len(found) - len(wrong)} of {len(found)} values agree within the sum of their "
@@ -63,10 +199,10 @@ def finding(found: list[Comparison]) -> str:
 
 def in_short(results: Results) -> str:
     """Tells in words how many values agree; empty if nothing is comparable."""
-    found = agreement.comparisons(results)
+    found = comparisons(results)
     if not found:
         return ""
-    agreeing = len(found) - len(agreement.disagreements(found))
+    agreeing = len(found) - len(disagreements(found))
     apart = percent(float(np.median([abs(each.difference) for each in found])))
     return (
         f"Two solvers that share no code, by finite and by boundary elements, agree within the errors that they state in {agreeing:,} of "
@@ -83,7 +219,7 @@ def _reached(results: Results) -> str:
 
 def warning(results: Results, target: str) -> Markup:
     """Returns, for the head of the report, a finding with a link if values disagree; else nothing."""
-    wrong = agreement.contradictions(results)
+    wrong = contradictions(results)
     if not wrong:
         return Markup("")
     link = page.link(target, f"{wrong} values of the two references disagree by more than their errors")
@@ -181,16 +317,20 @@ def _bracket_panel(brackets: list[Bracket]) -> Panel:
     return Panel("relative widths of the intervals that hold M[i, i]", drawn)
 
 
-def _refused(results: Results, refused: dict[str, str]) -> list[Markup]:
+def _refused(results: Results) -> list[Markup]:
     """Returns the cases that boundary elements refuse, by reason."""
-    if not refused:
-        return []
     reasons: dict[str, list[Markup]] = {}
-    for case, reason in refused.items():
-        reasons.setdefault(reason, []).append(page.case_link(case, results.cases[case].name))
-    sentence = f"{len(refused)} set-ups are not comparable: boundary elements refuse them."
-    listed = [
-        page.paragraph(Markup("{}: {}.").format(reason, Markup(", ").join(cases)))
-        for reason, cases in reasons.items()
+    for case in results.cases.values():
+        if case.refused:
+            reasons.setdefault(case.refused, []).append(page.case_link(case.id, case.name))
+    if not reasons:
+        return []
+    count = sum(map(len, reasons.values()))
+    return [
+        page.heading("Not comparable"),
+        page.paragraph(f"{count} set-ups are not comparable: boundary elements refuse them."),
+        *(
+            page.paragraph(Markup("{}: {}.").format(reason, Markup(", ").join(cases)))
+            for reason, cases in reasons.items()
+        ),
     ]
-    return [page.heading("Not comparable"), page.paragraph(sentence), *listed]
