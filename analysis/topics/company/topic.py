@@ -45,6 +45,8 @@ PARTS = {
 CONNECTIONS = tuple(ground for ground in TO_GROUND if ground != GROUNDED)
 """The hand's connections whose changes are divided by that of the grounded hand."""
 TOGETHER = "housing, hand floating"
+Kind = tuple[str, str]
+"""A machine and a connection of the hand."""
 
 
 @dataclass(frozen=True)
@@ -93,23 +95,22 @@ def factors(found: list[Entry]) -> list[Factor]:
     for which there is any pair of set-ups."""
     made = [of_part(found, part, tuple(TO_GROUND)) for part in PARTS]
     made += [of_connection(found, ground, MACHINES) for ground in CONNECTIONS]
-    made.append(Factor(TOGETHER, "neither", _ratios(found, (HOUSING, FLOATING), (NOTHING, GROUNDED))))
+    together = _ratios(found, [((HOUSING, FLOATING), (NOTHING, GROUNDED))])
+    made.append(Factor(TOGETHER, "neither", together))
     return [factor for factor in made if factor.ratios]
 
 
 def of_part(found: list[Entry], part: str, grounds: tuple[str, ...]) -> Factor:
     """Returns what a part of a machine makes of the change, over some connections of the hand; perhaps without any ratio."""
     machine, without = PARTS[part]
-    ratios = (ratio for ground in grounds for ratio in _ratios(found, (machine, ground), (without, ground)))
-    return Factor(part, "without it", tuple(ratios))
+    pairs = [((machine, ground), (without, ground)) for ground in grounds]
+    return Factor(part, "without it", _ratios(found, pairs))
 
 
 def of_connection(found: list[Entry], ground: str, machines: tuple[str, ...]) -> Factor:
     """Returns what the hand's connection makes of the change, over some machines; perhaps without any ratio."""
-    ratios = (
-        ratio for machine in machines for ratio in _ratios(found, (machine, ground), (machine, GROUNDED))
-    )
-    return Factor(_hand(ground), "grounded", tuple(ratios))
+    pairs = [((machine, ground), (machine, GROUNDED)) for machine in machines]
+    return Factor(_hand(ground), "grounded", _ratios(found, pairs))
 
 
 def of_model(found: list[Entry], machine: str, ground: str) -> Factor:
@@ -130,10 +131,14 @@ def _hand(ground: str) -> str:
     return f"hand {ground}" if ground in (GROUNDED, FLOATING) else f"hand through {ground}"
 
 
-def _ratios(found: list[Entry], these: tuple[str, str], those: tuple[str, str]) -> tuple[Ratio, ...]:
+def _ratios(found: list[Entry], pairs: Iterable[tuple[Kind, Kind]]) -> tuple[Ratio, ...]:
     """Divides the changes of a machine and a connection by those of others, arrangement by arrangement."""
-    above, below = _of(found, *these), _of(found, *those)
-    return tuple(_ratio(above[number], below[number]) for number in sorted(above.keys() & below.keys()))
+    return tuple(
+        _ratio(above[number], below[number])
+        for these, those in pairs
+        for above, below in [(_of(found, *these), _of(found, *those))]
+        for number in sorted(above.keys() & below.keys())
+    )
 
 
 def _ratio(entry: Entry, other: Entry) -> Ratio:

@@ -109,15 +109,11 @@ def _random_scenes() -> Iterator[Scene]:
         centre = tuple(_REACH * chance.uniform(least, 1) for least in (-1, -1, 0))
         shape = PlateShape(target)
         pose = Pose((centre[0], centre[1], centre[2]), rotation(chance))
-        scene = _scene(families.empty(sensor), Object("target", shape, pose=pose))
+        scene = replace(families.empty(sensor), objects=(Object("target", shape, pose=pose),))
         described = describe(scene)
         if described is not None and described.gap > _CLOSEST * min(*sensor, *target):
             made += 1
             yield scene
-
-
-def _scene(empty: Scene, target: Object) -> Scene:
-    return Scene(sensors=empty.sensors, objects=(target,))
 
 
 RTOL = 1e-4

@@ -34,12 +34,9 @@ class Divider:
     own: float
     voltage: float
 
-    def output(self, capacitance: Array) -> Array:
-        """Returns V_in·C_c/(C_c + C_own + C), in V, for the capacitances C that nearby objects add (F)."""
-        return np.asarray(self.voltage * self.coupling / (self.coupling + self.own + capacitance))
-
     def delta_output(self, capacitance: Array) -> Array:
-        """Returns the output without objects minus the output with the objects (V), which the thesis plots."""
+        """Returns the output V_in·C_c/(C_c + C_own + C) without objects minus that with them (V), which the thesis plots, for the capacitances C that
+        nearby objects add (F)."""
         base = self.coupling + self.own
         return np.asarray(self.voltage * self.coupling * capacitance / (base * (base + capacitance)))
 
@@ -226,11 +223,6 @@ def ranges(labelled: Labelled, values: Callable[[Curve], NDArray[np.float64]], s
 def place(at: float, swept: str) -> str:
     """Writes a distance in cm or an angle in degrees."""
     return f"{at / CENTIMETRE:.3g} cm" if swept == DISTANCE else f"{at:.3g}°"
-
-
-def plate(curve: Curve) -> str:
-    """Writes the target's size."""
-    return size(curve.target_size)
 
 
 def size(lengths: tuple[float, float]) -> str:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
@@ -135,20 +134,17 @@ def _factor(value: float) -> str:
 
 
 def _felt(found: list[Material], grounded: Material) -> Panel:
-    traces = [_trace(each, index) for index, each in enumerate(found)]
+    traces, hover = [], "%{y:.4g} pF at %{x:.3g} cm"
+    for index, each in enumerate(found):
+        gaps, cases = [point.gap / CENTIMETRE for point in each.points], [point.case for point in each.points]
+        felt = [point.delta_self for point in each.points]
+        traces.append(estimated(each.label, gaps, felt, series_colour(index), hover, customdata=cases))
     known = [point for point in grounded.points if point.model is not None]
     gaps = [point.gap / CENTIMETRE for point in known]
     model = [(point.model or 0.0) / PICOFARAD for point in known]
     traces.append(joined("model", gaps, model, INK, "%{y:.4g} pF", mode="lines", dash="dash"))
     y = power_axis("delta_self (pF)")
     return Panel("delta_self over the gap", figure(traces, log_axis("gap (cm)"), y, 440))
-
-
-def _trace(each: Material, index: int) -> go.Scatter:
-    gaps = [point.gap / CENTIMETRE for point in each.points]
-    cases, hover = [point.case for point in each.points], "%{y:.4g} pF at %{x:.3g} cm"
-    known = [point.delta_self for point in each.points]
-    return estimated(each.label, gaps, known, series_colour(index), hover, customdata=cases)
 
 
 def _ratios(others: list[Material], grounded: Material) -> Panel:

@@ -167,29 +167,20 @@ def _share(point: Point) -> float:
 
 def _felt(series: Series) -> Panel:
     """Returns both sensors' delta_self over the gap with error bars, and the model's values."""
-    both = (
-        ("near sensor", [p.near for p in series.points]),
-        ("neighbour", [p.neighbour for p in series.points]),
-    )
-    traces = [
-        trace
-        for index, (name, felt) in enumerate(both)
-        for trace in _traces(name, series.points, felt, series_colour(index))
-    ]
-    caption = f"sensors {_far(series.separation)} apart"
+    gaps, cases = [point.gap / CENTIMETRE for point in series.points], [point.case for point in series.points]
+    both = {
+        "near sensor": [point.near for point in series.points],
+        "neighbour": [point.neighbour for point in series.points],
+    }
+    traces, hover = [], "%{y:.4g} pF at %{x:.3g} cm"
+    for index, (name, felt) in enumerate(both.items()):
+        colour, more = series_colour(index), {"customdata": cases}
+        known, model = [each.delta_self for each in felt], [each.model / PICOFARAD for each in felt]
+        traces.append(estimated(f"{name}: reference", gaps, known, colour, hover, **more))
+        traces.append(joined(f"{name}: model", gaps, model, colour, hover, **more, mode="lines", dash="dash"))
     y = power_axis("delta_self, model (pF)")
+    caption = f"sensors {_far(series.separation)} apart"
     return Panel(caption, figure(traces, log_axis("gap to the object (cm)"), y, 440))
-
-
-def _traces(name: str, points: tuple[Point, ...], felt: list[Felt], colour: str) -> list[go.Scatter]:
-    x, cases = [point.gap / CENTIMETRE for point in points], [point.case for point in points]
-    known = [each.delta_self for each in felt]
-    model = [each.model / PICOFARAD for each in felt]
-    hover = "%{y:.4g} pF at %{x:.3g} cm"
-    return [
-        estimated(f"{name}: reference", x, known, colour, hover, customdata=cases),
-        joined(f"{name}: model", x, model, colour, hover, customdata=cases, mode="lines", dash="dash"),
-    ]
 
 
 def _coupling(found: list[Series]) -> Panel:

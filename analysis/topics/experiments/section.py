@@ -236,7 +236,7 @@ def _of_sensor(experiment: str, found: list[Curve]) -> list[Markup]:
         labelled = [(f"hinge at {curves.place(curve.hinge_gap, DISTANCE)}", curve) for curve in starting]
     else:
         swept = DISTANCE
-        labelled = [(f"plate of {curves.plate(curve)}", curve) for curve in flat]
+        labelled = [(f"plate of {curves.size(curve.target_size)}", curve) for curve in flat]
     if not labelled:
         return [page.paragraph("None of this experiment's curves has both answers.")]
     return [

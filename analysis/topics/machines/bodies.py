@@ -49,18 +49,18 @@ def person(
     trunk = (0.15 * tall, 0.42 * tall, (x + 0.12 * tall, y - 0.18 * tall, reach + 0.1 * tall), _UPRIGHT)
     legs = (0.11 * tall, 0.62 * tall, (x + 0.12 * tall, y - 0.78 * tall, reach + 0.1 * tall), _UPRIGHT)
     parts = {"forearm": forearm, "upper arm": upper_arm, "trunk": trunk, "legs": legs}
-    bodies = [
-        _part(
-            name,
-            Capsule(_length(radius), _length(segment), _SEGMENTS),
-            Pose(_rounded(centre), turn),
-            conductor,
-        )
-        for name, (radius, segment, centre, turn) in parts.items()
-    ]
     centre = (x + 0.12 * tall, y + 0.27 * tall, reach + 0.1 * tall)
-    head = Sphere(_length(0.11 * tall), _SEGMENTS)
-    return (*bodies, _part("head", head, Pose(_rounded(centre)), conductor))
+    bodies = [
+        Object(
+            name,
+            Capsule(round(radius, DIGITS), round(segment, DIGITS), _SEGMENTS),
+            pose=Pose(_rounded(middle), turn),
+            conductor=conductor,
+        )
+        for name, (radius, segment, middle, turn) in parts.items()
+    ]
+    head = Sphere(round(0.11 * tall, DIGITS), _SEGMENTS)
+    return (*bodies, Object("head", head, pose=Pose(_rounded(centre)), conductor=conductor))
 
 
 def chain(chance: random.Random, joints: int, size: float, top: float) -> tuple[Object, ...]:
@@ -116,17 +116,9 @@ def _raised(body: Object, by: float) -> Object:
     return Object(body.name, body.shape, pose=Pose((x, y, round(z + by, DIGITS)), body.pose.rotation))
 
 
-def _part(name: str, shape: Shape, pose: Pose, conductor: str) -> Object:
-    return Object(name, shape, pose=pose, conductor=conductor)
-
-
 def _rounded(point: tuple[float, ...]) -> Vector3:
     x, y, z = (round(float(value), DIGITS) for value in point)
     return x, y, z
-
-
-def _length(value: float) -> float:
-    return round(value, DIGITS)
 
 
 def _downwards(chance: random.Random) -> Array:

@@ -95,26 +95,13 @@ class Check:
         return abs(self.value - self.best) <= self.error + self.best_error
 
 
-def from_csv(text: str) -> list[Row]:
-    """Reads the rows of the table."""
-    return [_row(record) for record in csv.DictReader(io.StringIO(text))]
-
-
-def checks_from_csv(text: str) -> list[Check]:
-    return [
-        Check(
-            r["case"], r["quantity"], *(float(r[name]) for name in ("value", "error", "best", "best_error"))
-        )
-        for r in csv.DictReader(io.StringIO(text))
-    ]
-
-
-def load(folder: Path = PLACE) -> tuple[list[Row], list[Check]]:
-    """Returns the table in a folder and its checks."""
-    return (
-        from_csv((folder / TABLE).read_text(encoding="utf-8")),
-        checks_from_csv((folder / CHECKS).read_text(encoding="utf-8")),
+def load() -> tuple[list[Row], list[Check]]:
+    """Returns the table and its checks."""
+    rows, checks = (
+        list(csv.DictReader(io.StringIO((PLACE / name).read_text(encoding="utf-8"))))
+        for name in (TABLE, CHECKS)
     )
+    return [_row(record) for record in rows], [_check(record) for record in checks]
 
 
 def digest() -> str:
@@ -126,6 +113,11 @@ def digest() -> str:
 def cases() -> list[Case]:
     """Returns the set-ups in the order of the table."""
     return [case for case in study.load(study.find(STUDY)).cases() if case.family != EMPTY]
+
+
+def _check(record: dict[str, str]) -> Check:
+    numbers = (float(record[name]) for name in ("value", "error", "best", "best_error"))
+    return Check(record["case"], record["quantity"], *numbers)
 
 
 def _row(record: dict[str, str]) -> Row:

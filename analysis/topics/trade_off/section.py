@@ -11,8 +11,9 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
+from analysis.results.answers import Estimate, ReferenceAnswer
 from analysis.results.store import Document
-from analysis.results.study_results import CaseResult, Results
+from analysis.results.study_results import Results
 from analysis.results.units import duration, percent
 from analysis.topics.trade_off import measure
 
@@ -38,17 +39,44 @@ class Point:
 def points(document: Document, results: Results) -> list[Point]:
     """Returns the measured methods, then the field solver's stored meshes and answers."""
     truths = {case: truth["mutual"] for case, truth in document["truths"].items()}
+
+    def point(kind: str, name: str, answers: dict[str, tuple[float, float]]) -> Point:
+        """Makes a point of a method, whose values and seconds are given by case."""
+        errors = {case: float(value / truths[case] - 1) for case, (value, _) in answers.items()}
+        size = np.abs(list(errors.values()))
+        return Point(
+            kind,
+            name,
+            float(np.median([seconds for _, seconds in answers.values()])),
+            float(np.median(size)),
+            float(np.quantile(size, 0.95)),
+            max(errors, key=lambda case: abs(errors[case])),
+        )
+
     found = [
-        _point(
+        point(
             entry["kind"],
             entry["name"],
-            [entry["seconds"][case] for case in truths],
-            {case: entry["values"][case] / truth - 1 for case, truth in truths.items()},
+            {case: (entry["values"][case], entry["seconds"][case]) for case in truths},
         )
         for entry in document["methods"]
     ]
-    solved = [(results.cases[case], truth) for case, truth in truths.items() if _is_solved(results, case)]
-    return [*found, *_meshes(solved), *_answers(solved)]
+    solved = _solved(document, results)
+    for depth in range(max((len(answer.levels) for answer in solved.values()), default=0)):
+        there = {case: answer.levels[depth] for case, answer in solved.items() if len(answer.levels) > depth}
+        if len(there) >= _LEAST_SHARE * len(solved):
+            meshes = {case: (-float(level.maxwell[0, 1]), level.seconds) for case, level in there.items()}
+            found.append(point(MESH, f"{depth + 1}", meshes))
+    if solved:
+        whole = {case: (-float(answer.maxwell[0, 1]), answer.seconds) for case, answer in solved.items()}
+        found.append(point(ANSWER, "answer", whole))
+    return found
+
+
+def _solved(document: Document, results: Results) -> dict[str, ReferenceAnswer]:
+    """Returns the field solver's answers, by case, of the set-ups that have a truth."""
+    cases = (results.cases[case] for case in document["truths"] if case in results.cases)
+    return {case.id: case.reference for case in cases if case.reference is not None}
 
 
 def known_to(document: Document) -> float:
@@ -58,51 +86,12 @@ def known_to(document: Document) -> float:
 
 def agreement(document: Document, results: Results) -> tuple[int, int]:
     """Returns how many truths lie within the field solver's error and their own, and how many it has solved."""
-    agreeing = total = 0
-    for case, truth in document["truths"].items():
-        if _is_solved(results, case):
-            reference = results.cases[case].reference
-            assert reference is not None
-            value = reference.mutual(*reference.conductors)
-            total += 1
-            agreeing += abs(value.value - truth["mutual"]) <= value.error + truth["error"]
-    return agreeing, total
-
-
-def _is_solved(results: Results, case: str) -> bool:
-    return case in results.cases and results.cases[case].reference is not None
-
-
-def _meshes(solved: list[tuple[CaseResult, float]]) -> list[Point]:
-    found = []
-    levels = [(case.id, case.reference.levels, truth) for case, truth in solved if case.reference is not None]
-    for depth in range(max((len(each) for _, each, _ in levels), default=0)):
-        there = [(case, each[depth], truth) for case, each, truth in levels if len(each) > depth]
-        if len(there) >= _LEAST_SHARE * len(levels):
-            errors = {case: -level.maxwell[0, 1] / truth - 1 for case, level, truth in there}
-            found.append(_point(MESH, f"{depth + 1}", [level.seconds for _, level, _ in there], errors))
-    return found
-
-
-def _answers(solved: list[tuple[CaseResult, float]]) -> list[Point]:
-    pairs = [(case.id, case.reference, truth) for case, truth in solved if case.reference is not None]
-    if not pairs:
-        return []
-    errors = {case: -answer.maxwell[0, 1] / truth - 1 for case, answer, truth in pairs}
-    return [_point(ANSWER, "answer", [answer.seconds for _, answer, _ in pairs], errors)]
-
-
-def _point(kind: str, name: str, seconds: list[float], errors: dict[str, float]) -> Point:
-    """Makes a point of a method; `errors` are by case."""
-    size = np.abs(list(errors.values()))
-    return Point(
-        kind,
-        name,
-        float(np.median(seconds)),
-        float(np.median(size)),
-        float(np.quantile(size, 0.95)),
-        max(errors, key=lambda case: abs(errors[case])),
-    )
+    solved = _solved(document, results)
+    agreeing = 0
+    for case, reference in solved.items():
+        value, truth = reference.mutual(*reference.conductors), document["truths"][case]
+        agreeing += value.agrees_with(Estimate(truth["mutual"], truth["error"]))
+    return agreeing, len(solved)
 
 
 TITLE = "Run time against error of all methods"
