@@ -97,6 +97,20 @@ def test_the_command_line_and_the_reports_have_every_topic() -> None:
 
 
 @pytest.mark.parametrize(
+    ("topic", "note"),
+    [
+        (ERRORS, "errors/ERRORS.md"),
+        (COMPANY, "experiments/EXPERIMENTS.md"),
+        (MACHINES, "machines/MACHINES.md"),
+    ],
+)
+def test_notes_tell_how_many_set_ups_there_are(topic: Topic[Any, Any], note: str) -> None:
+    count = len({each.id for each in topic.set_ups()})
+    for document in ("analysis/GUIDE.md", f"analysis/topics/{note}"):
+        assert f"{count} set-ups" in (ROOT / document).read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
     "topic", [topic for topic in TOPICS if topic is not PUBLISHED], ids=lambda topic: topic.name
 )
 def test_without_answers_a_page_says_how_to_get_them(topic: Topic[Any, Any], tmp_path: Path) -> None:
@@ -104,6 +118,8 @@ def test_without_answers_a_page_says_how_to_get_them(topic: Topic[Any, Any], tmp
     text = made.path.read_text(encoding="utf-8")
     assert made.headline == topic.absent and f"analysis {topic.verb}" in topic.absent
     assert topic.absent in text and not figures_of(text)
+    (script,) = re.findall(r'src="(.*?)"', text)
+    assert (tmp_path / script).is_file()
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from pathlib import Path
 
 import pytest
 from markupsafe import Markup
@@ -22,9 +21,8 @@ from analysis.topics.insulators.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.insulators.topic import INSULATORS, Entry
-from analysis.topics.insulators.truths import CHECK, IGNORING, REDUCED, STAGES
-from geometries.scene import reader
+from analysis.topics.insulators.topic import INSULATORS as TOPIC, Entry
+from analysis.topics.insulators.truths import CHECK, IGNORING, REDUCED
 
 
 def some() -> tuple[SetUp, ...]:
@@ -36,34 +34,11 @@ def first(family: str) -> SetUp:
     return next(each for each in some() if each.family == family)
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    place = tmp_path_factory.mktemp("results") / STAGES.name
-    assert STAGES.run(place, some(), 2) == []
-    return place
-
-
-@pytest.fixture(scope="module")
-def found(folder: Path) -> list[Entry]:
-    return INSULATORS.found(STAGES.load(folder, some()))
-
-
 def test_there_are_two_hundred_set_ups_with_covers_films_and_targets() -> None:
     counts = Counter(each.family for each in all_set_ups())
     assert counts == COUNTS and sum(counts.values()) >= 200
     assert counts[COVER] + counts[FILM] == 100 and counts[TARGET] == 50
     assert len({each.identity for each in all_set_ups()}) == sum(counts.values())
-
-
-def test_the_text_of_a_set_up_is_its_scene(tmp_path: Path) -> None:
-    for each in some():
-        file = tmp_path / f"{each.id}.toml"
-        file.write_text(each.text)
-        read = reader.load(file)
-        assert [body.name for body in read.objects] == [body.name for body in each.scene.objects]
-        assert [body.relative_permittivity for body in read.objects] == [
-            body.relative_permittivity for body in each.scene.objects
-        ]
 
 
 def test_every_record_is_of_a_set_up_and_states_its_error() -> None:

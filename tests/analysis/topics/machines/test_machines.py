@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import numpy as np
 import pytest
 
 from analysis.pipeline.model_stage import model_module
-from analysis.results import store
 from analysis.results.answers import Estimate
-from analysis.results.study_results import SCENE
 from analysis.topics.errors.parts import EFFECTS, Truth
 from analysis.topics.field_solver import Comparison
 from analysis.topics.machines import parts, topic, truths
@@ -28,11 +25,9 @@ from analysis.topics.machines.set_ups import (
     SetUp,
     all_set_ups,
 )
-from analysis.topics.machines.topic import MACHINES, Entry
-from analysis.topics.machines.truths import CHECK, EVERY, METHODS, REDUCED, RTOL, STAGES, chosen
-from geometries.common.installation import ROOT
-from geometries.scene import reader
-from geometries.scene.shapes import MeshShape, PlateShape
+from analysis.topics.machines.topic import MACHINES as TOPIC, Entry
+from analysis.topics.machines.truths import CHECK, EVERY, METHODS, REDUCED, RTOL, chosen
+from geometries.scene.shapes import PlateShape
 from geometries.studies.families import GROUNDED
 
 PICO = 1e-12
@@ -48,24 +43,10 @@ def first(family: str, number: int = 1) -> SetUp:
     return next(each for each in all_set_ups() if (each.family, each.number) == (family, number))
 
 
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    place = tmp_path_factory.mktemp("results") / STAGES.name
-    assert STAGES.run(place, some(), 2) == []
-    return place
-
-
-@pytest.fixture(scope="module")
-def found(folder: Path) -> list[Entry]:
-    return MACHINES.found(STAGES.load(folder, some()))
-
-
 def test_each_family_has_as_many_set_ups_and_a_third_of_them_are_sealed() -> None:
     everything = all_set_ups()
     count = len({each.id for each in everything})
     assert count == len(everything) >= 300
-    for document in ("analysis/GUIDE.md", "analysis/topics/machines/MACHINES.md"):
-        assert f"{count} set-ups" in (ROOT / document).read_text()
     for family in FAMILIES:
         own = [each for each in everything if each.family == family]
         assert len(own) * len(FAMILIES) == count
@@ -83,7 +64,7 @@ def test_every_shape_and_connection_occurs() -> None:
     assert to_ground == {0.0, 1e-11, 1e-10, 1e-9}
 
 
-def test_targets_are_above_the_sensors_and_what_these_are_mounted_on_is_below(tmp_path: Path) -> None:
+def test_targets_are_above_the_sensors_and_what_these_are_mounted_on_is_below() -> None:
     for each in all_set_ups():
         heights = {name: triangles[..., 2] for name, triangles in each.scene.conductors().items()}
         gap = min(heights[body.name].min() for body in each.targets)
@@ -95,9 +76,6 @@ def test_targets_are_above_the_sensors_and_what_these_are_mounted_on_is_below(tm
         assert each.is_between_sensors == (each.family == TRANSMIT)
         names = {*each.own, *each.others, *(body.name for body in each.targets)}
         assert names == {body.name for body in each.scene.objects}
-    mesh = next(s for s in all_set_ups() if any(isinstance(b.shape, MeshShape) for b in s.scene.objects))
-    store.write_text(tmp_path / SCENE, mesh.text)
-    assert reader.load(tmp_path / SCENE) == mesh.scene
 
 
 def test_only_what_is_neglected_is_left_out() -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Any
 
@@ -155,18 +154,10 @@ def test_a_report_without_rows_says_how_to_make_them_and_takes_them_up(
 ) -> None:
     folder = make_results(tmp_path / "study")
     assert verification.ABSENT in report_text(folder)
-    rows = {"cube": truth_row(INSIDE)}
-    for name, row in rows.items():
-        key = verification_stage.key(name, verification_stage.code())
-        target = verification_stage.path_of(VERIFICATION.beside(folder), name)
-        store.write_json(target, {"key": key, "row": name, **row})
+    key = verification_stage.key("cube", verification_stage.code())
+    target = verification_stage.path_of(VERIFICATION.beside(folder), "cube")
+    store.write_json(target, {"key": key, "row": "cube", **truth_row(INSIDE)})
     text = report_text(folder)
     assert verification.TITLE in text and verification.ABSENT not in text
     assert "1 of 1 known quantities of 1 set-ups are within the stated error" in text
     assert "facing strips, width/gap 5" in text, "what is not there yet is named"
-
-
-def test_the_page_by_itself_finds_its_script(tmp_path: Path) -> None:
-    made = VERIFICATION.make(tmp_path)
-    (script,) = re.findall(r'src="(.*?)"', made.path.read_text())
-    assert (tmp_path / script).is_file()
