@@ -202,6 +202,7 @@ def test_every_part_of_the_page_leads_somewhere(folder: Path) -> None:
 
 def test_a_report_beside_the_errors_shows_them_and_opens_their_cases(folder: Path) -> None:
     study = make_results(folder.parent / "study")
+    TOPIC.make(folder)
     text = report_text(study)
     assert "Where does the model&#39;s error come from?" in text and ABSENT not in text
     assert "The error over gap and tilt" in text and 'data-cases="../../errors/cases"' in text
