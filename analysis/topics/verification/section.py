@@ -129,14 +129,21 @@ def chapter(found: list[Compared], missing: list[str]) -> Markup:
     """Returns the chapter; one sentence when there is nothing."""
     if not found:
         return page.section(TITLE, page.paragraph(ABSENT))
-    parts = []
-    if missing:
-        words = f"{len(missing)} rows failed or are not solved yet; the numbers above do not include them: {'; '.join(missing)}."
-        parts.append(page.paragraph(words))
-    parts += _truths(found)
-    parts += _orders(found)
-    parts.append(page.soft("Again, from the project's folder: python3 -m analysis verify"))
-    return page.section(TITLE, *parts)
+    words = f"{len(missing)} rows failed or are not solved yet; the numbers below do not include them: {'; '.join(missing)}."
+    return page.section(
+        TITLE,
+        *([page.paragraph(words)] if missing else []),
+        page.finding(finding(found)),
+        page.figures([_stated_against_true(found)]),
+        page.paragraph(
+            "For each set-up, the quantity whose true error is the largest fraction of the stated one."
+        ),
+        page.table_of(worst_of_each_case(found), *_COLUMNS, text_columns=2),
+        page.folded(f"All {len(found)} quantities", page.table_of(found, *_ALL_COLUMNS, text_columns=2)),
+        page.soft(_WHAT),
+        *_orders(found),
+        page.soft("Again, from the project's folder: python3 -m analysis verify"),
+    )
 
 
 def finding(found: list[Compared]) -> str:
@@ -172,27 +179,7 @@ def _spread(values: Iterable[float]) -> str:
     return f"median {np.median(known):.2g}, from {min(known):.2g} to {max(known):.2g}"
 
 
-def _truths(found: list[Compared]) -> list[Markup]:
-    return [
-        page.finding(finding(found)),
-        page.figures(
-            [
-                Panel(
-                    "stated against true error: below the line a stated error would be wrong",
-                    _stated_against_true(found),
-                )
-            ]
-        ),
-        page.paragraph(
-            "For each set-up, the quantity whose true error is the largest fraction of the stated one."
-        ),
-        _table(worst_of_each_case(found)),
-        page.folded(f"All {len(found)} quantities", _full_table(found)),
-        page.soft(_WHAT),
-    ]
-
-
-def _stated_against_true(found: list[Compared]) -> go.Figure:
+def _stated_against_true(found: list[Compared]) -> Panel:
     shown = [max(row.known_off, _SMALLEST) for row in found]
     ends = [min(shown), max(row.stated for row in found)]
     traces = [
@@ -201,7 +188,8 @@ def _stated_against_true(found: list[Compared]) -> go.Figure:
         _marks("half the enclosure's width", [(row, row.half_width) for row in found if row.half_width], 1, "square-open"),
     ]  # fmt: skip
     x, y = power_axis("true relative error of the best value"), power_axis("relative error as stated")
-    return figure(traces, x, y, height=460)
+    caption = "stated against true error: below the line a stated error would be wrong"
+    return Panel(caption, figure(traces, x, y, height=460))
 
 
 def _marks(name: str, rows: list[tuple[Compared, float | None]], index: int, symbol: str) -> go.Scatter:
@@ -230,18 +218,16 @@ _COLUMNS: tuple[tuple[str, Callable[[Compared], str]], ...] = (
 )
 
 
+# With the source of every truth, and the run time of every answer.
+_ALL_COLUMNS = (
+    *_COLUMNS,
+    ("seconds", lambda row: f"{row.seconds:.1f}"),
+    ("truth from", lambda row: row.source),
+)
+
+
 def _known(value: float | None, form: str) -> str:
     return "" if value is None else format(value, form)
-
-
-def _table(rows: list[Compared]) -> Markup:
-    return page.table_of(rows, *_COLUMNS, text_columns=2)
-
-
-def _full_table(rows: list[Compared]) -> Markup:
-    """Returns the table with the source of every truth, and the run time of every answer."""
-    seconds: tuple[str, Callable[[Compared], str]] = ("seconds", lambda row: f"{row.seconds:.1f}")
-    return page.table_of(rows, *_COLUMNS, seconds, ("truth from", lambda row: row.source), text_columns=2)
 
 
 def _orders(found: list[Compared]) -> list[Markup]:
@@ -251,9 +237,7 @@ def _orders(found: list[Compared]) -> list[Markup]:
     return [
         page.heading("Orders of convergence"),
         page.finding(order_finding(shown)),
-        page.figures(
-            [Panel("error of each mesh against the size of its elements at edges", _error_over_size(shown))]
-        ),
+        page.figures([_error_over_size(shown)]),
         page.soft(_ORDER),
     ]
 
@@ -268,7 +252,7 @@ def order_finding(shown: list[Compared]) -> str:
     )
 
 
-def _error_over_size(shown: list[Compared]) -> go.Figure:
+def _error_over_size(shown: list[Compared]) -> Panel:
     traces = []
     for row in shown:
         largest = max(row.edge_sizes)
@@ -289,4 +273,5 @@ def _error_over_size(shown: list[Compared]) -> go.Figure:
     sizes = [1.0, 0.25]
     traces.append(guide("order 1", sizes, [middle * size for size in sizes], width=2))
     x = power_axis("edge size over that of the first mesh", tickvals=[1, 0.5, 0.25, 0.125, 0.0625])
-    return figure(traces, x | {"exponentformat": "none"}, power_axis("relative error of a mesh"), height=420)
+    drawn = figure(traces, x | {"exponentformat": "none"}, power_axis("relative error of a mesh"), height=420)
+    return Panel("error of each mesh against the size of its elements at edges", drawn)

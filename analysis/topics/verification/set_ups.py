@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cache
 from typing import Any
@@ -79,15 +79,6 @@ def pair(first: Body, second: Body, **more: Any) -> SetUp:
     return SetUp((first, second), (first.name, second.name), **more)
 
 
-def alone(body: Body) -> SetUp:
-    return SetUp((body,), (body.name,))
-
-
-def squares(gap: float) -> SetUp:
-    """Returns equal squares of side 1."""
-    return pair(plate("lower", (0, 0, 0), (0.5, 0.5)), plate("upper", (0, 0, gap), (0.5, 0.5)))
-
-
 def own(maxwell: Array) -> float:
     return float(maxwell[0, 0])
 
@@ -104,20 +95,20 @@ def opposite(maxwell: Array) -> float:
 @cache
 def true_cases() -> dict[str, TrueCase]:
     """Returns every case whose truth is known without finite elements, by name."""
-    cases = [
-        *_single_bodies(),
-        *_discs(),
-        *_squares(),
-        *_strips(),
-        *_balls(),
-        *_sphere_and_plane(),
-        *_boundary_elements(),
-        *_rooms(),
-    ]
-    return {case.name: case for case in cases}
+    builders = (
+        _single_bodies,
+        _discs,
+        _squares,
+        _strips,
+        _balls,
+        _sphere_and_plane,
+        _boundary_elements,
+        _rooms,
+    )
+    return {case.name: case for builder in builders for case in builder()}
 
 
-def _single_bodies() -> list[TrueCase]:
+def _single_bodies() -> Iterator[TrueCase]:
     turned = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
     cylinder = truths.body_of_revolution([(0, -1), (1, -1), (1, 1), (0, 1)])
     cone = truths.body_of_revolution([(0, -0.5), (1, -0.5), (0, 0.5)])
@@ -130,80 +121,54 @@ def _single_bodies() -> list[TrueCase]:
         ("cylinder", rings, Cylinder("cylinder", np.zeros(3), turned, 1.0, 2.0), cylinder, 1e-6),
         ("cone", rings, Cone("cone", np.zeros(3), turned, 1.0, 1.0), cone, 1e-6),
     ]  # fmt: skip
-    return [
-        TrueCase(name, source, alone(body), (Quantity("C11", own, UNIT * truth, error),), _kind(body))
-        for name, source, body, truth, error in found
-    ]
+    for name, source, body, truth, error in found:
+        known = Quantity("C11", own, UNIT * truth, error)
+        # The apex of a cone needs so many curved cells that an enclosure takes minutes.
+        kind: ErrorKind = "estimate" if isinstance(body, Cone) else "enclosure"
+        yield TrueCase(name, source, SetUp((body,), (body.name,)), (known,), kind)
 
 
-def _kind(body: Body) -> ErrorKind:
-    """Returns the kind of error to ask for: an enclosure, except of a cone, whose apex needs so many curved cells that it takes minutes."""
-    return "estimate" if isinstance(body, Cone) else "enclosure"
-
-
-def _discs() -> list[TrueCase]:
-    cases = []
+def _discs() -> Iterator[TrueCase]:
     for gap in (0.1, 0.2, 0.5, 1.0, 2.0):
-        discs = (
-            Disc("lower", np.zeros(3), np.eye(3), 1.0),
-            Disc("upper", np.array([0, 0, gap]), np.eye(3), 1.0),
-        )
+        lower = Disc("lower", np.zeros(3), np.eye(3), 1.0)
+        upper = Disc("upper", np.array([0, 0, gap]), np.eye(3), 1.0)
         known = Quantity("two-terminal C", truths.two_terminal, UNIT * truths.love(gap), 1e-9)
-        cases.append(
-            TrueCase(f"coaxial discs, gap/radius {gap:g}", "Love's integral equation", pair(*discs), (known,))
-        )
-    return cases
+        name = f"coaxial discs, gap/radius {gap:g}"
+        yield TrueCase(name, "Love's integral equation", pair(lower, upper), (known,))
 
 
-def _squares() -> list[TrueCase]:
-    return [
-        TrueCase(
-            f"parallel squares, gap/side {gap:g}",
-            "boundary elements",
-            squares(gap),
-            (
-                Quantity(
-                    "two-terminal C",
-                    truths.two_terminal,
-                    epsilon_0 / gap * value,
-                    truths.PARALLEL_SQUARES_ERROR,
-                ),
-            ),
-        )
-        for gap, value in truths.PARALLEL_SQUARES.items()
-    ]
+def _squares() -> Iterator[TrueCase]:
+    for gap, value in truths.PARALLEL_SQUARES.items():
+        truth = epsilon_0 / gap * value
+        known = Quantity("two-terminal C", truths.two_terminal, truth, truths.PARALLEL_SQUARES_ERROR)
+        squares = pair(plate("lower", (0, 0, 0), (0.5, 0.5)), plate("upper", (0, 0, gap), (0.5, 0.5)))
+        yield TrueCase(f"parallel squares, gap/side {gap:g}", "boundary elements", squares, (known,))
 
 
 STRIP_LENGTH = 2.0
 """Length of the shortest strips relative to their width."""
 
 
-def _strips() -> list[TrueCase]:
-    cases = []
+def _strips() -> Iterator[TrueCase]:
     for ratio in (1.0, 5.0):
-        lengths = [
+        first, *longer = (
             pair(
                 plate("lower", (0, 0, 0), (0.5, factor * STRIP_LENGTH / 2)),
                 plate("upper", (0, 0, 1 / ratio), (0.5, factor * STRIP_LENGTH / 2)),
             )
             for factor in (1, 2, 3)
-        ]
-        known = Quantity("C per length", truths.two_terminal, epsilon_0 * truths.strips(ratio), 1e-9)
-        name = f"facing strips, width/gap {ratio:g}"
-        cases.append(
-            TrueCase(
-                name, "elliptic integrals", lengths[0], (known,), "estimate", STRIP_LENGTH, tuple(lengths[1:])
-            )
         )
-    return cases
+        known = (Quantity("C per length", truths.two_terminal, epsilon_0 * truths.strips(ratio), 1e-9),)
+        name, source = f"facing strips, width/gap {ratio:g}", "elliptic integrals"
+        yield TrueCase(name, source, first, known, "estimate", STRIP_LENGTH, tuple(longer))
 
 
-def _balls() -> list[TrueCase]:
-    """Returns balls of 1 and 2 cm, centres 5 cm apart; the second grounded, floating, or dielectric."""
+def _balls() -> Iterator[TrueCase]:
+    """Yields balls of 1 and 2 cm, centres 5 cm apart; the second grounded, floating, or dielectric."""
     bodies = (Sphere("first", np.zeros(3), 0.01), Sphere("second", np.array([0.03, 0.0, 0.04]), 0.02))
     entries = zip(("C11", "C22", "C12"), ((0, 0), (1, 1), (0, 1)), truths.LEKNER)
     known = tuple(Quantity(name, entry(*place), truth, 1e-9) for name, place, truth in entries)
-    cases = [TrueCase("balls of radii 1 and 2, gap 2", "Lekner 2011", pair(*bodies), known)]
+    yield TrueCase("balls of radii 1 and 2, gap 2", "Lekner 2011", pair(*bodies), known)
     answers: list[tuple[str, Callable[[int], float], dict[str, Any]]] = [
         ("floating", truths.floating, {"floating": ["second"]}),
         ("of permittivity 5", truths.dielectric(5.0), {"dielectrics": [Dielectric("second", 5.0, 5.0)]}),
@@ -216,36 +181,31 @@ def _balls() -> list[TrueCase]:
             Quantity("delta_self", None, UNIT * (value - 0.01), 1e-12),
         )
         set_up = SetUp(bodies, ("first",), more=more)
-        cases.append(TrueCase(f"the same, the second {words}", "multipoles", set_up, quantities))
-    return cases
+        yield TrueCase(f"the same, the second {words}", "multipoles", set_up, quantities)
 
 
-def _sphere_and_plane() -> list[TrueCase]:
-    """Returns a sphere and its mirror image at opposite potentials."""
-    cases = []
+def _sphere_and_plane() -> Iterator[TrueCase]:
+    """Yields a sphere and its mirror image at opposite potentials."""
     for gap in (1.0, 0.5, 0.1, 0.01):
         balls = (Sphere("sphere", np.zeros(3), 1.0), Sphere("image", np.array([0, 0, 2 * (1 + gap)]), 1.0))
         known = Quantity("C to the plane", opposite, UNIT * truths.sphere_and_plane(gap), 1e-12)
-        cases.append(TrueCase(f"sphere and plane, gap/radius {gap:g}", "series", pair(*balls), (known,)))
-    return cases
+        yield TrueCase(f"sphere and plane, gap/radius {gap:g}", "series", pair(*balls), (known,))
 
 
-def _boundary_elements() -> list[TrueCase]:
-    cases = []
+def _boundary_elements() -> Iterator[TrueCase]:
     for case in truths.boundary_elements():
-        matrix = 1e-12 * np.array(case["maxwell_pF"])
-        quantities = _entries(matrix, case["relative_error"])
-        cases.append(
-            TrueCase(case["name"].replace("_", " "), "boundary elements", _of_rectangles(case), quantities)
+        bodies = tuple(
+            rectangle(part["conductor"], *(np.array(part[key]) for key in ("corner", "edge_u", "edge_v")))
+            for part in case["rectangles"]
         )
-    return cases
+        names = tuple(case["conductors"])
+        set_up = SetUp(bodies, names, sum(name.startswith("sensor") for name in names))
+        yield TrueCase(case["name"].replace("_", " "), "boundary elements", set_up, _entries(case))
 
 
-def _rooms() -> list[TrueCase]:
+def _rooms() -> Iterator[TrueCase]:
     """Plates in a room, with no plane of symmetry to three, against their mirror images. Estimates are tried in every other one."""
-    cases = []
     for number, case in enumerate(truths.rooms()):
-        matrix = 1e-12 * np.array(case["maxwell_pF"])
         bodies = [
             plate(f"plate {k + 1}", part["centre"], (part["half_widths"][0], part["half_widths"][1]))
             for k, parts in enumerate(case["plates"])
@@ -255,27 +215,17 @@ def _rooms() -> list[TrueCase]:
         low, high = np.array(case["low"], dtype=float), np.array(case["high"], dtype=float)
         a, b, c = map(float, (high - low) / 2)
         room = Cuboid("room", (low + high) / 2, np.eye(3), (a, b, c))
-        names = tuple(f"plate {k + 1}" for k in range(len(matrix)))
+        names = tuple(f"plate {k + 1}" for k in range(len(case["plates"])))
         set_up = SetUp(tuple(bodies), names, more={"room": room}, owner=tuple(owner))
         kind: ErrorKind = "estimate" if number % 2 else "enclosure"
-        quantities = _entries(matrix, case["relative_error"])
-        cases.append(TrueCase(case["name"], "boundary elements of mirror images", set_up, quantities, kind))
-    return cases
+        yield TrueCase(case["name"], "boundary elements of mirror images", set_up, _entries(case), kind)
 
 
-def _entries(matrix: Array, error: float) -> tuple[Quantity, ...]:
-    """Every entry of a symmetric matrix (F), known to this relative error."""
+def _entries(case: dict[str, Any]) -> tuple[Quantity, ...]:
+    """Every entry of a symmetric matrix, known to a relative error."""
+    matrix, error = 1e-12 * np.array(case["maxwell_pF"]), case["relative_error"]
     return tuple(
         Quantity(f"C{i + 1}{j + 1}", entry(i, j), matrix[i, j], error)
         for i in range(len(matrix))
         for j in range(i, len(matrix))
     )
-
-
-def _of_rectangles(case: dict[str, Any]) -> SetUp:
-    bodies = tuple(
-        rectangle(part["conductor"], *(np.array(part[key]) for key in ("corner", "edge_u", "edge_v")))
-        for part in case["rectangles"]
-    )
-    names = tuple(case["conductors"])
-    return SetUp(bodies, names, sum(name.startswith("sensor") for name in names))

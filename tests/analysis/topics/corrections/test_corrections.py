@@ -12,11 +12,10 @@ from analysis.results import store
 from analysis.results.store import Document
 from analysis.results.units import percent
 from analysis.topics.corrections import estimates, set_ups, topic
-from analysis.topics.corrections.estimates import Errors, Evaluation
+from analysis.topics.corrections.estimates import Errors
 from analysis.topics.corrections.topic import CORRECTIONS
 from geometries.common.installation import ROOT
 from geometries.scene import reader
-from geometries.scene.writer import canonical
 from tests.analysis.synthetic import corrections_document
 
 # What is asked of the formula in set-ups it was not fitted to.
@@ -40,11 +39,6 @@ def text() -> str:
     return " ".join(estimates.PAGE.read_text(encoding="utf-8").split())
 
 
-@pytest.fixture(scope="module")
-def evaluated(found: estimates.Estimates) -> tuple[Evaluation, ...]:
-    return estimates.evaluations(found)
-
-
 def test_every_set_up_has_a_truth_and_a_third_is_sealed() -> None:
     chosen = list(set_ups.set_ups(model_module()))
     known = set_ups.load()
@@ -62,44 +56,36 @@ def test_stored_truths_are_what_boundary_elements_say() -> None:
         assert abs(truth.mutual - stored.mutual) <= truth.error + stored.error <= 3e-4 * stored.mutual
 
 
-def test_the_formula_is_within_the_asked_errors_where_it_was_not_fitted(found: estimates.Estimates) -> None:
-    errors = found.errors("formula")
-    sealed, opened = Errors.of(errors[found.sealed]), Errors.of(errors[~found.sealed])
-    assert sealed.rms <= MOST_RMS and sealed.worst <= MOST_WORST
-    assert opened.rms <= MOST_RMS and opened.worst <= MOST_WORST
-
-
-def test_the_formula_is_within_the_asked_rms_in_every_family(found: estimates.Estimates) -> None:
+def test_the_formula_is_within_the_asked_errors_where_it_was_not_fitted_and_in_every_family(
+    found: estimates.Estimates,
+) -> None:
     errors, families = found.errors("formula"), np.array(found.families)
+    for some in (errors[found.sealed], errors[~found.sealed]):
+        assert Errors.of(some).rms <= MOST_RMS and Errors.of(some).worst <= MOST_WORST
     for family in set_ups.COUNTS:
         assert Errors.of(errors[families == family]).rms <= MOST_RMS
 
 
 def test_the_reduced_method_is_within_the_asked_errors_where_it_says_so(
-    found: estimates.Estimates, tmp_path: Path
+    found: estimates.Estimates,
 ) -> None:
     errors, families = found.errors("reduced"), np.array(found.families)
     assert Errors.of(errors).worst <= REDUCED_WORST_NEAR
-    scenes = {set_up.name: set_up.scene for set_up in set_ups.set_ups(model_module())}
-    worse = [scenes[name] for name, error in zip(found.names, errors) if abs(error) > REDUCED_WORST]
+    texts = {set_up.name: set_up.text for set_up in set_ups.set_ups(model_module())}
+    worse = [texts[name] for name, error in zip(found.names, errors) if abs(error) > REDUCED_WORST]
     assert len(worse) <= 0.02 * len(errors)
     for scene in worse:
-        (tmp_path / "scene.toml").write_text(canonical(scene), encoding="utf-8")
-        assert not model_module().Scene.load(tmp_path / "scene.toml").maxwell(method="reduced")["reached"]
+        assert not model_module().Scene.loads(scene).maxwell(method="reduced")["reached"]
     for family in set_ups.COUNTS:
         assert Errors.of(errors[families == family]).rms <= REDUCED_RMS
 
 
-def test_the_table_of_errors_is_the_one_computed(evaluated: tuple[Evaluation, ...], text: str) -> None:
+def test_the_note_has_the_errors_that_are_computed(found: estimates.Estimates, text: str) -> None:
+    evaluated, count = estimates.evaluations(found), len(found.names)
     assert " ".join(estimates.errors_table(evaluated)) in text
     assert estimates.by_family(evaluated) in text
-
-
-def test_the_plain_models_error_and_the_near_misses_are_those_computed(
-    evaluated: tuple[Evaluation, ...], found: estimates.Estimates, text: str
-) -> None:
-    assert f"It is {percent(evaluated[0].all.rms)} off (rms) over the {len(found.names)} set-ups" in text
-    assert f"{estimates.near_misses(found)} of {len(found.names)} set-ups are more than 1 % off" in text
+    assert f"It is {percent(evaluated[0].all.rms)} off (rms) over the {count} set-ups" in text
+    assert f"{estimates.near_misses(found)} of {count} set-ups are more than 1 % off" in text
 
 
 def test_the_constants_are_those_of_the_code(text: str) -> None:

@@ -156,13 +156,6 @@ def test_there_are_hundreds_of_all_families_and_in_random_poses() -> None:
     assert families["random"] >= 100
 
 
-def test_every_map_has_a_set_up_at_each_of_its_points() -> None:
-    for group in MAPS:
-        places = {each.place for each in all_set_ups() if each.group == group}
-        gaps, across = ({place[axis] for place in places if place} for axis in (0, 1))
-        assert len(places) == len(gaps) * len(across) >= 49
-
-
 def test_random_plates_keep_their_distance_and_are_turned_all_ways() -> None:
     tilts = []
     for each in all_set_ups():

@@ -12,8 +12,6 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results.set_up import rectangles
 from analysis.topics.published import topic
 from analysis.topics.published.topic import QUANTITIES, Row
-from fem_reference.bodies.conductors import conductors
-from fem_reference.bodies.symmetry import mirror_planes
 from geometries.common.measured import PICOFARAD
 from geometries.studies.study import Case
 
@@ -83,10 +81,3 @@ def test_rows_drawn_by_chance_are_found_again(
         for quantity, (value, uncertain) in found.items():
             told = row.values[quantity]
             assert abs(value / PICOFARAD - told.best) <= told.error + uncertain / PICOFARAD, row.case
-
-
-def test_the_study_is_of_set_ups_that_have_a_plane_of_symmetry() -> None:
-    """As its file says: what halves the field solver's work is there in every one."""
-    for case in topic.cases()[::40]:
-        problem = conductors(case.scene)
-        assert mirror_planes(problem.bodies, problem.owner), case.parameters
