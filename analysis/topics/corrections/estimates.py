@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -23,17 +23,17 @@ METHODS = (PLAIN, FORMULA, REDUCED)
 
 @dataclass(frozen=True, eq=False)
 class Estimates:
-    """`mutual` in farads: the truth of each set-up (n,), and each method's estimates (n,) by its name."""
+    """Set-ups with their truths, and each method's estimates (n,) of `mutual` (F) by its name."""
 
-    names: tuple[str, ...]
-    families: tuple[str, ...]
-    sealed: NDArray[np.bool_]
-    truth: Array
+    set_ups: tuple[SetUp, ...]
+    truths: tuple[Truth, ...]
     by_method: dict[str, Array]
 
-    def errors(self, method: str) -> Array:
-        """Returns (estimate − truth)/truth."""
-        return np.asarray(self.by_method[method] / self.truth - 1)
+    def errors(self, method: str, chosen: Callable[[SetUp], bool] = lambda _: True) -> Array:
+        """Returns (estimate − truth)/truth of the set-ups that are chosen."""
+        truth = np.array([each.mutual for each in self.truths])
+        kept = [index for index, each in enumerate(self.set_ups) if chosen(each)]
+        return np.asarray((self.by_method[method] / truth - 1)[kept])
 
 
 @dataclass(frozen=True)
@@ -58,30 +58,19 @@ class Errors:
         )
 
 
-def estimate(module: Any, chosen: Sequence[SetUp] | None = None) -> Estimates:
-    """Asks every method for the set-ups, all of them if none are given."""
-    truths = load()
-    asked = list(set_ups(module)) if chosen is None else list(chosen)
+def estimate(module: Any) -> Estimates:
+    """Asks every method for all set-ups."""
+    asked, truths = tuple(set_ups(module)), load()
+    if lacking := [each.name for each in asked if each.name not in truths]:
+        again = "python3 -m analysis measure truths corrections makes them anew"
+        raise KeyError(f"{lacking[0]} has no truth: {again}")
     values: dict[str, list[float]] = {method: [] for method in METHODS}
     for set_up in asked:
         scene = module.Scene.loads(set_up.text)
         for method in METHODS:
             values[method].append(scene.capacitance(**options(method))["sensors"][0]["total"])
-    return Estimates(
-        tuple(set_up.name for set_up in asked),
-        tuple(set_up.family for set_up in asked),
-        np.array([set_up.sealed for set_up in asked]),
-        np.array([_truth(truths, set_up).mutual for set_up in asked]),
-        {method: np.array(numbers) for method, numbers in values.items()},
-    )
-
-
-def _truth(truths: dict[str, Truth], set_up: SetUp) -> Truth:
-    if set_up.name not in truths:
-        raise KeyError(
-            f"{set_up.name} has no truth: python3 -m analysis measure truths corrections makes them anew"
-        )
-    return truths[set_up.name]
+    by_method = {method: np.array(numbers) for method, numbers in values.items()}
+    return Estimates(asked, tuple(truths[each.name] for each in asked), by_method)
 
 
 @dataclass(frozen=True)
@@ -100,12 +89,14 @@ def evaluations(found: Estimates) -> tuple[Evaluation, ...]:
 
 
 def _evaluation(found: Estimates, name: str) -> Evaluation:
-    errors, families = found.errors(name), np.array(found.families)
     return Evaluation(
         name,
-        Errors.of(errors),
-        Errors.of(errors[found.sealed]),
-        {family: Errors.of(errors[families == family]) for family in dict.fromkeys(found.families)},
+        Errors.of(found.errors(name)),
+        Errors.of(found.errors(name, lambda each: each.sealed)),
+        {
+            family: Errors.of(found.errors(name, lambda each: each.family == family))
+            for family in dict.fromkeys(each.family for each in found.set_ups)
+        },
     )
 
 
@@ -140,24 +131,15 @@ def _per_cent(value: float) -> str:
     return percent(value).removesuffix(" %")
 
 
-def figures(module: Any) -> list[str]:
-    """Returns all lines; takes some seconds."""
-    chosen = list(set_ups(module))
-    asked = estimate(module, chosen)
-    found = evaluations(asked)
-    return [
-        *errors_table(found),
-        f"{near_misses(asked)} of {len(chosen)} set-ups are more than 1 % off by reduced",
-        by_family(found),
-    ]
-
-
 def near_misses(found: Estimates) -> int:
     """Counts the set-ups in which the reduced method is off by more than 1 %."""
     return int(np.sum(np.abs(found.errors(REDUCED)) > 0.01))
 
 
 def measure(_: argparse.Namespace) -> int:
-    """Prints all lines."""
-    print("\n".join(figures(model_module())))
+    """Prints all lines; takes some seconds."""
+    found = estimate(model_module())
+    evaluated = evaluations(found)
+    near = f"{near_misses(found)} of {len(found.set_ups)} set-ups are more than 1 % off by reduced"
+    print("\n".join([*errors_table(evaluated), near, by_family(evaluated)]))
     return 0

@@ -26,7 +26,7 @@ from analysis.results.study_results import Failure
 from analysis.results.units import CENTIMETRE, percent, signed_percent, too
 from analysis.topics.corrections import estimates
 from analysis.topics.corrections.estimates import FORMULA, PLAIN, REDUCED, Estimates
-from analysis.topics.corrections.set_ups import FILE, RTOL, SetUp, load, set_ups
+from analysis.topics.corrections.set_ups import FILE, RTOL
 from analysis.topics.topic import Topic
 from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.installation import ROOT, no_benchmark
@@ -36,9 +36,8 @@ from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 
 
-def documents(module: Any, found: Estimates, chosen: list[SetUp]) -> list[Document]:
+def documents(module: Any, found: Estimates) -> list[Document]:
     """Returns every set-up with its scene, its truth and all estimates, as plain data: farads, metres."""
-    truths = load()
     return [
         {
             "name": set_up.name,
@@ -46,12 +45,12 @@ def documents(module: Any, found: Estimates, chosen: list[SetUp]) -> list[Docume
             "sealed": set_up.sealed,
             "distance": _distance(module, set_up.scene),
             "sensor_size": _sensor_size(set_up.scene),
-            "truth": float(found.truth[index]),
-            "error": truths[set_up.name].error,
+            "truth": truth.mutual,
+            "error": truth.error,
             "estimates": {name: float(values[index]) for name, values in found.by_method.items()},
             "scene": set_up.text,
         }
-        for index, set_up in enumerate(chosen)
+        for index, (set_up, truth) in enumerate(zip(found.set_ups, found.truths, strict=True))
     ]
 
 
@@ -285,14 +284,13 @@ def _answer(_: Processes) -> Document:
 
 def evaluated(module: Any) -> Document:
     """Returns the errors of every method as a document; half a minute."""
-    chosen = list(set_ups(module))
-    found = estimates.estimate(module, chosen)
+    found = estimates.estimate(module)
     return {
         "truths": FILE.relative_to(ROOT).as_posix(),
-        "set_ups": len(found.names),
-        "sealed": int(found.sealed.sum()),
+        "set_ups": len(found.set_ups),
+        "sealed": sum(each.sealed for each in found.set_ups),
         "corrections": [asdict(entry) for entry in estimates.evaluations(found)],
-        "cases": documents(module, found, chosen),
+        "cases": documents(module, found),
     }
 
 

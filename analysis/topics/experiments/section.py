@@ -14,7 +14,6 @@ from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.study_results import CaseResult, Results
 from analysis.topics.experiments import curves, materials, neighbours
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve, with_flat_start
-from geometries.common.measured import PICOFARAD
 
 
 IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL = "region I", "region II", "region III", "several regions"

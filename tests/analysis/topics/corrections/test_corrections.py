@@ -39,49 +39,45 @@ def text() -> str:
     return " ".join(estimates.PAGE.read_text(encoding="utf-8").split())
 
 
-def test_every_set_up_has_a_truth_and_a_third_is_sealed() -> None:
-    chosen = list(set_ups.set_ups(model_module()))
-    known = set_ups.load()
-    assert [set_up.name for set_up in chosen] == list(known)
+def test_every_set_up_has_a_truth_and_a_third_is_sealed(found: estimates.Estimates) -> None:
+    chosen = found.set_ups
+    assert [set_up.name for set_up in chosen] == list(set_ups.load())
     assert len(chosen) >= 300
     assert {set_up.family for set_up in chosen} == set(set_ups.COUNTS)
     assert 0.25 < np.mean([set_up.sealed for set_up in chosen]) < 0.4
 
 
-def test_stored_truths_are_what_boundary_elements_say() -> None:
-    chosen = list(set_ups.set_ups(model_module()))[::150]
-    known = set_ups.load()
-    for set_up in chosen:
-        truth, stored = set_ups.solved(model_module(), set_up), known[set_up.name]
+def test_stored_truths_are_what_boundary_elements_say(found: estimates.Estimates) -> None:
+    for set_up, stored in list(zip(found.set_ups, found.truths))[::150]:
+        truth = set_ups.solved(model_module(), set_up)
         assert abs(truth.mutual - stored.mutual) <= truth.error + stored.error <= 3e-4 * stored.mutual
 
 
 def test_the_formula_is_within_the_asked_errors_where_it_was_not_fitted_and_in_every_family(
     found: estimates.Estimates,
 ) -> None:
-    errors, families = found.errors("formula"), np.array(found.families)
-    for some in (errors[found.sealed], errors[~found.sealed]):
-        assert Errors.of(some).rms <= MOST_RMS and Errors.of(some).worst <= MOST_WORST
+    for sealed in (True, False):
+        errors = Errors.of(found.errors("formula", lambda each: each.sealed == sealed))
+        assert errors.rms <= MOST_RMS and errors.worst <= MOST_WORST
     for family in set_ups.COUNTS:
-        assert Errors.of(errors[families == family]).rms <= MOST_RMS
+        assert Errors.of(found.errors("formula", lambda each: each.family == family)).rms <= MOST_RMS
 
 
 def test_the_reduced_method_is_within_the_asked_errors_where_it_says_so(
     found: estimates.Estimates,
 ) -> None:
-    errors, families = found.errors("reduced"), np.array(found.families)
+    errors = found.errors("reduced")
     assert Errors.of(errors).worst <= REDUCED_WORST_NEAR
-    texts = {set_up.name: set_up.text for set_up in set_ups.set_ups(model_module())}
-    worse = [texts[name] for name, error in zip(found.names, errors) if abs(error) > REDUCED_WORST]
+    worse = [each.text for each, error in zip(found.set_ups, errors) if abs(error) > REDUCED_WORST]
     assert len(worse) <= 0.02 * len(errors)
     for scene in worse:
         assert not model_module().Scene.loads(scene).maxwell(method="reduced")["reached"]
     for family in set_ups.COUNTS:
-        assert Errors.of(errors[families == family]).rms <= REDUCED_RMS
+        assert Errors.of(found.errors("reduced", lambda each: each.family == family)).rms <= REDUCED_RMS
 
 
 def test_the_note_has_the_errors_that_are_computed(found: estimates.Estimates, text: str) -> None:
-    evaluated, count = estimates.evaluations(found), len(found.names)
+    evaluated, count = estimates.evaluations(found), len(found.set_ups)
     assert " ".join(estimates.errors_table(evaluated)) in text
     assert estimates.by_family(evaluated) in text
     assert f"It is {percent(evaluated[0].all.rms)} off (rms) over the {count} set-ups" in text
@@ -105,7 +101,7 @@ def test_the_constants_are_those_of_the_code(text: str) -> None:
 @pytest.fixture(scope="module")
 def told(found: estimates.Estimates) -> list[Document]:
     """Every set-up as plain data."""
-    return topic.documents(model_module(), found, list(set_ups.set_ups(model_module())))
+    return topic.documents(model_module(), found)
 
 
 def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
@@ -115,9 +111,9 @@ def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
     named = {
         name for group in re.findall(r'"customdata":\[(.*?)\]', text) for name in json.loads(f"[{group}]")
     }
-    assert named == set(found.names) and f'data-set-ups="{SET_UPS}"' in text
+    assert named == {each.name for each in found.set_ups} and f'data-set-ups="{SET_UPS}"' in text
     sides = {case["name"]: (case["distance"], case["sensor_size"]) for case in told}
-    parallel = next(each for each in set_ups.set_ups(model_module()) if each.family == "parallel")
+    parallel = next(each for each in found.set_ups if each.family == "parallel")
     gap = parallel.scene.pose_of_object("target")[1][2]
     assert sides[parallel.name][0] == pytest.approx(gap)
     worst = max(told, key=lambda case: abs(case["estimates"]["formula"] / case["truth"] - 1))

@@ -14,7 +14,7 @@ from analysis.results import store, study_results as results
 from analysis.results.study_results import Results
 from analysis.study import report
 from analysis.topics.trade_off import measure, section
-from tests.analysis.synthetic import PARALLEL, PICO, make_results, report_text
+from tests.analysis.synthetic import PARALLEL, PICO, make_results
 
 ONE = PARALLEL.replace("[0.01, 0.02, 0.04]", "0.04")
 
