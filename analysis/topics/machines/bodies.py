@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import math
 import random
+from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 
@@ -31,7 +32,7 @@ _UPRIGHT = AxisRotation((1.0, 0.0, 0.0), 90.0)
 
 def hand(chance: random.Random, name: str, gap: float, shift: tuple[float, float]) -> Object:
     """Draws a body of a hand's size, turned at random, whose lowest point is `gap` above z = 0 and whose centre is shifted along x and y."""
-    shape: Shape = chance.choice((_cuboid, _capsule, _ellipsoid, _ball, _plate))(chance)
+    shape = chance.choice(_OF_HANDS)(chance)
     return _above(Object(name, shape, pose=Pose((*shift, 0.0), rotation(chance))), gap)
 
 
@@ -76,7 +77,7 @@ def chain(chance: random.Random, joints: int, size: float, top: float) -> tuple[
     # Each joint is deeper than half of the next link is thick, so that no link reaches the plane of the sensor.
     place = np.array([first.size[0] / 2, 0.0, top - depth])
     for number in range(2, joints + 1):
-        shape = chance.choice((_link_box, _link_cylinder, _link_capsule, _link_mesh))(chance, size)
+        shape = chance.choice(_OF_LINKS)(chance, size)
         points = shape.triangles().reshape(-1, 3)
         along = float(np.ptp(points[:, 2]))
         direction = _downwards(chance)
@@ -136,25 +137,17 @@ def _turning_z_to(direction: Array) -> Rotation:
     return AxisRotation((x, y, z), round(math.degrees(math.acos(float(direction[2]))), 2))
 
 
-def _cuboid(chance: random.Random) -> Shape:
-    return Cuboid((length(chance, (0.05, 0.12)), length(chance, (0.08, 0.2)), length(chance, (0.02, 0.06))))
-
-
-def _capsule(chance: random.Random) -> Shape:
-    return Capsule(length(chance, (0.01, 0.05)), length(chance, (0.05, 0.3)), _SEGMENTS)
-
-
-def _ellipsoid(chance: random.Random) -> Shape:
-    x, y, z = (length(chance, ends) for ends in ((0.03, 0.06), (0.04, 0.1), (0.015, 0.03)))
-    return Ellipsoid((x, y, z), _SEGMENTS)
-
-
-def _ball(chance: random.Random) -> Shape:
-    return Sphere(length(chance, (0.01, 0.1)), _SEGMENTS)
-
-
-def _plate(chance: random.Random) -> Shape:
-    return PlateShape((length(chance, (0.03, 0.2)), length(chance, (0.03, 0.2))))
+_OF_HANDS: tuple[Callable[[random.Random], Shape], ...] = (
+    lambda chance: Cuboid(
+        (length(chance, (0.05, 0.12)), length(chance, (0.08, 0.2)), length(chance, (0.02, 0.06)))
+    ),
+    lambda chance: Capsule(length(chance, (0.01, 0.05)), length(chance, (0.05, 0.3)), _SEGMENTS),
+    lambda chance: Ellipsoid(
+        (length(chance, (0.03, 0.06)), length(chance, (0.04, 0.1)), length(chance, (0.015, 0.03))), _SEGMENTS
+    ),
+    lambda chance: Sphere(length(chance, (0.01, 0.1)), _SEGMENTS),
+    lambda chance: PlateShape((length(chance, (0.03, 0.2)), length(chance, (0.03, 0.2)))),
+)
 
 
 def _link_box(chance: random.Random, size: float) -> Shape:
@@ -162,16 +155,8 @@ def _link_box(chance: random.Random, size: float) -> Shape:
     return Cuboid((thick, thick, between(chance, (1.5 * size, 4 * size))))
 
 
-def _link_cylinder(chance: random.Random, size: float) -> Shape:
-    return Cylinder(
-        between(chance, (0.25 * size, 0.5 * size)), between(chance, (1.5 * size, 4 * size)), _SEGMENTS
-    )
-
-
-def _link_capsule(chance: random.Random, size: float) -> Shape:
-    return Capsule(
-        between(chance, (0.25 * size, 0.5 * size)), between(chance, (1.0 * size, 3 * size)), _SEGMENTS
-    )
+def _radius(chance: random.Random, size: float) -> float:
+    return between(chance, (0.25 * size, 0.5 * size))
 
 
 def _link_mesh(chance: random.Random, size: float) -> Shape:
@@ -184,3 +169,11 @@ def _mesh(number: int) -> tuple[Array, str, str]:
     """Returns the triangles of a link of length 1 along z, the digest of its file and its path."""
     file = _LINKS[number]
     return read_triangles(file), hashlib.sha256(file.read_bytes()).hexdigest(), str(file)
+
+
+_OF_LINKS: tuple[Callable[[random.Random, float], Shape], ...] = (
+    _link_box,
+    lambda chance, size: Cylinder(_radius(chance, size), between(chance, (1.5 * size, 4 * size)), _SEGMENTS),
+    lambda chance, size: Capsule(_radius(chance, size), between(chance, (1.0 * size, 3 * size)), _SEGMENTS),
+    _link_mesh,
+)

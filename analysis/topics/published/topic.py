@@ -18,6 +18,7 @@ from analysis.pipeline.set_up_stages import Whole
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, by_family, figure, log_axis
 from analysis.report.set_ups_page import Around, Shown
+from analysis.results.answers import Estimate
 from analysis.results.set_up import Rectangle
 from analysis.results.store import Document
 from analysis.results.study_results import Failure
@@ -80,19 +81,13 @@ class Check:
 
     case: str
     quantity: str
-    value: float
-    error: float
-    best: float
-    best_error: float
+    value: Estimate
+    best: Estimate
 
     @property
     def difference(self) -> float:
         """The difference relative to the table's value."""
-        return self.value / self.best - 1
-
-    @property
-    def agrees(self) -> bool:
-        return abs(self.value - self.best) <= self.error + self.best_error
+        return self.value.value / self.best.value - 1
 
 
 def load() -> tuple[list[Row], list[Check]]:
@@ -116,8 +111,10 @@ def cases() -> list[Case]:
 
 
 def _check(record: dict[str, str]) -> Check:
-    numbers = (float(record[name]) for name in ("value", "error", "best", "best_error"))
-    return Check(record["case"], record["quantity"], *numbers)
+    value, error, best, best_error = (
+        float(record[name]) for name in ("value", "error", "best", "best_error")
+    )
+    return Check(record["case"], record["quantity"], Estimate(value, error), Estimate(best, best_error))
 
 
 def _row(record: dict[str, str]) -> Row:
@@ -181,7 +178,7 @@ def headline(found: list[Row]) -> str:
 
 def check_finding(checks: list[Check]) -> str:
     """Tells how far the field solver's own best values are from the table's."""
-    agreeing = sum(check.agrees for check in checks)
+    agreeing = sum(check.value.agrees_with(check.best) for check in checks)
     differences = [abs(check.difference) for check in checks]
     cases = len({check.case for check in checks})
     return (

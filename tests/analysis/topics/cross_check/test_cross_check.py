@@ -160,25 +160,22 @@ def stored(scene: Scene, folder: Path, asked: Study = BESIDE) -> dict[str, Any]:
     return boundary_stage.answer(folder / "scene.toml", asked)
 
 
-def test_boundary_elements_answer_plates_and_boxes_grounded_or_floating(tmp_path: Path) -> None:
-    plates = stored(families.parallel((0.1, 0.1), (0.1, 0.1), 0.04), tmp_path / "plates")
-    assert plates["conductors"] == ["sensor", "target"] and plates["reached"] and plates["rtol"] == 1e-3
+def test_what_boundary_elements_answer_and_what_they_refuse_is_kept(tmp_path: Path) -> None:
+    """Plates and boxes are answered, grounded or floating. A polyhedron is not the round body that the field solver meshes."""
+    plates = families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)
+    answer = stored(plates, tmp_path / "plates")
+    assert answer["conductors"] == ["sensor", "target"] and answer["reached"] and answer["rtol"] == 1e-3
     box = stored(families.box((0.1, 0.1), (0.1, 0.1), 0.04, 0.02, material="floating"), tmp_path / "box")
     assert box["conductors"] == ["sensor"] and box["delta_self"]["sensor"]["value"] > 0
-
-
-def test_what_boundary_elements_do_not_know_is_kept_with_the_reason(tmp_path: Path) -> None:
-    plates = families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)
-    sheet = replace(plates, objects=(replace(plates.objects[0], relative_permittivity=3.0),))
-    refused = stored(sheet, tmp_path)
+    (target,) = plates.objects
+    refused = stored(replace(plates, objects=(replace(target, relative_permittivity=3.0),)), tmp_path)
     assert set(refused) == {"rtol", "refused"}
     assert "target" in refused["refused"] and str(tmp_path) not in refused["refused"]
-
-
-def test_round_bodies_are_not_compared_since_their_polyhedra_are_other_bodies(tmp_path: Path) -> None:
-    plates = families.parallel((0.1, 0.1), (0.1, 0.1), 0.04)
-    ball = replace(plates, objects=(replace(plates.objects[0], shape=Sphere(0.02)),))
+    ball = replace(plates, objects=(replace(target, shape=Sphere(0.02)),))
     assert "polyhedron" in stored(ball, tmp_path)["refused"]
+    (tmp_path / "scene.toml").unlink()
+    with pytest.raises(NoAnswer, match="scene.toml"):
+        boundary_stage.answer(tmp_path / "scene.toml", BESIDE)
 
 
 def test_boundary_elements_are_asked_for_a_tenth_of_plates_and_for_the_studys_tolerance_of_others(
@@ -195,8 +192,3 @@ def test_boundary_elements_are_asked_for_a_tenth_of_plates_and_for_the_studys_to
     assert boundary_stage.rtol(alone, plates) == 1e-2
     answer = stored(mesh, tmp_path / "stored")
     assert answer["rtol"] == 1e-2 and answer["reached"]
-
-
-def test_a_scene_that_is_gone_meanwhile_has_no_answer(tmp_path: Path) -> None:
-    with pytest.raises(NoAnswer, match="scene.toml"):
-        boundary_stage.answer(tmp_path / "scene.toml", BESIDE)

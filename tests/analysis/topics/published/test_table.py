@@ -60,7 +60,7 @@ def test_the_page_tells_what_is_in_the_files() -> None:
 def test_the_field_solvers_own_best_values_agree() -> None:
     checks = topic.load()[1]
     assert {check.quantity for check in checks} == set(QUANTITIES)
-    assert all(check.agrees for check in checks)
+    assert all(check.value.agrees_with(check.best) for check in checks)
 
 
 def test_rows_drawn_by_chance_are_found_again(
