@@ -23,6 +23,7 @@ from analysis.results.units import in_words
 from analysis.topics.draw import logarithmic, rotation
 from analysis.topics.errors import parts
 from analysis.topics.errors.parts import Split, Truth
+from analysis.topics.spread import Spread, spread
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import PlateShape
@@ -187,17 +188,15 @@ class Entry:
 @dataclass(frozen=True)
 class Statistics:
     """One part over set-ups, relative to each truth. `largest_in` counts where it is the greatest part, `size_there` is its median
-    size among them (0 without any); `spread` is the median difference between the orders."""
+    size among them (0 without any); `between_orders` is the median difference between the orders."""
 
     name: str
-    median: float
+    spread: Spread
     mean: float
-    rms: float
-    worst: float
     worst_case: SetUp
     largest_in: int
     size_there: float
-    spread: float
+    between_orders: float
 
 
 def once(found: list[Entry]) -> list[Entry]:
@@ -207,37 +206,33 @@ def once(found: list[Entry]) -> list[Entry]:
 
 def statistics(found: list[Entry], quantity: str) -> list[Statistics]:
     """Computes the statistics of each part over at least one set-up."""
-    made = []
-    for name in parts.PARTS[quantity]:
-        values = np.array([entry.parts(quantity)[name] for entry in found])
-        worst = int(np.argmax(np.abs(values)))
-        there = [abs(value) for entry, value in zip(found, values) if entry.largest(quantity) == name]
-        made.append(
-            Statistics(
-                name=name,
-                median=float(np.median(values)),
-                mean=float(np.mean(values)),
-                rms=float(np.sqrt(np.mean(values**2))),
-                worst=float(values[worst]),
-                worst_case=found[worst].set_up,
-                largest_in=len(there),
-                size_there=float(np.median(there)) if there else 0.0,
-                spread=float(np.median([entry.spread(name, quantity) for entry in found])),
-            )
-        )
-    return made
+    return [_of_part(name, found, quantity) for name in parts.PARTS[quantity]]
+
+
+def _of_part(name: str, found: list[Entry], quantity: str) -> Statistics:
+    values = [entry.parts(quantity)[name] for entry in found]
+    there = [abs(value) for entry, value in zip(found, values) if entry.largest(quantity) == name]
+    of_all = spread(values)
+    assert of_all is not None
+    return Statistics(
+        name,
+        of_all,
+        float(np.mean(values)),
+        max(found, key=lambda entry: abs(entry.parts(quantity)[name])).set_up,
+        len(there),
+        float(np.median(there)) if there else 0.0,
+        float(np.median([entry.spread(name, quantity) for entry in found])),
+    )
 
 
 def by_reference(found: list[Entry], results: Results) -> list[tuple[Entry, Entry]]:
     """Pairs the entry of each set-up that a study has solved too with the same entry under the field solver's truth."""
-    pairs = []
-    for entry in once(found):
-        case = results.cases.get(entry.set_up.id)
-        if case is not None and case.reference is not None:
-            pairs.append(
-                (entry, replace(entry, truth=_truth(case.reference), reached=case.reference.reached))
-            )
-    return pairs
+    known = ((entry, results.cases.get(entry.set_up.id)) for entry in once(found))
+    return [
+        (entry, replace(entry, truth=_truth(case.reference), reached=case.reference.reached))
+        for entry, case in known
+        if case is not None and case.reference is not None
+    ]
 
 
 def _truth(answer: ReferenceAnswer) -> Truth:

@@ -262,12 +262,12 @@ def _table(found: list[Entry], quantity: str, cases: str) -> Markup:
     return page.table_of(
         statistics(found, quantity),
         ("part", lambda each: each.name),
-        ("median", lambda each: signed_percent(each.median)),
+        ("median", lambda each: signed_percent(each.spread.median)),
         ("mean", lambda each: signed_percent(each.mean)),
-        ("rms", lambda each: percent(each.rms)),
-        ("worst", lambda each: signed_percent(each.worst)),
+        ("rms", lambda each: percent(each.spread.rms)),
+        ("worst", lambda each: signed_percent(each.spread.worst)),
         ("greatest part in", lambda each: f"{each.largest_in} of {len(found)}"),
-        ("between orders", lambda each: percent(each.spread) if each.name in EFFECTS else ""),
+        ("between orders", lambda each: percent(each.between_orders) if each.name in EFFECTS else ""),
         ("worst case", lambda each: page.case_link(each.worst_case.id, each.worst_case.name, cases)),
     )
 

@@ -26,19 +26,12 @@ _HINGE = "hinge_gap"
 _SWEPT = {"parallel": DISTANCE, "inclined": ANGLE}
 
 
-@dataclass(frozen=True)
-class Divider:
-    """`coupling` is the upper capacitor and `own` the sensor's capacitance without objects (F); `voltage` is the input (V)."""
-
-    coupling: float
-    own: float
-    voltage: float
-
-    def delta_output(self, capacitance: Array) -> Array:
-        """Returns the output V_in·C_c/(C_c + C_own + C) without objects minus that with them (V), which the thesis plots, for the capacitances C that
-        nearby objects add (F)."""
-        base = self.coupling + self.own
-        return np.asarray(self.voltage * self.coupling * capacitance / (base * (base + capacitance)))
+def delta_output(capacitance: Array, own: float, coupling: float, voltage: float) -> Array:
+    """Returns the divider's output V_in·C_c/(C_c + C_own + C) without objects minus that with them (V), which the thesis plots, for the
+    capacitances C that nearby objects add. `coupling` is the upper capacitor and `own` the sensor's capacitance without objects (F); `voltage`
+    is the input (V)."""
+    base = coupling + own
+    return np.asarray(voltage * coupling * capacitance / (base * (base + capacitance)))
 
 
 def reference_delta_output(own: Estimate, delta_self: Estimate, coupling: float, voltage: float) -> Estimate:
@@ -46,12 +39,11 @@ def reference_delta_output(own: Estimate, delta_self: Estimate, coupling: float,
 
     The absolute contributions of the two errors are added, to first order.
     """
-    divider = Divider(coupling, own.value, voltage)
     base = coupling + own.value
     near = base + delta_self.value
     by_change = voltage * coupling / near**2
     by_own = voltage * coupling * abs(1 / near**2 - 1 / base**2)
-    value = float(divider.delta_output(np.array([delta_self.value]))[0])
+    value = voltage * coupling * delta_self.value / (base * near)
     return Estimate(value, by_change * delta_self.error + by_own * own.error)
 
 
@@ -99,7 +91,7 @@ class Curve:
     @property
     def untuned(self) -> Array:
         """The model's delta output (V) as the thesis computes it: ε = 1, the scene's coupling capacitance, no own capacitance."""
-        return Divider(self.coupling, 0.0, self.voltage).delta_output(self.model)
+        return delta_output(self.model, 0.0, self.coupling, self.voltage)
 
     @property
     def change_over_mutual(self) -> Array:
@@ -231,7 +223,7 @@ def size(lengths: tuple[float, float]) -> str:
     return f"{x / CENTIMETRE:.3g} cm × {y / CENTIMETRE:.3g} cm"
 
 
-def delta_output(labelled: Labelled, swept: str) -> Panel:
+def delta_outputs(labelled: Labelled, swept: str) -> Panel:
     """Returns the reference as points with error bars and the model as lines, as the thesis plots them."""
     traces: list[object] = []
     for index, (name, curve) in enumerate(labelled):

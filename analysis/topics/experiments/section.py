@@ -240,7 +240,7 @@ def _of_sensor(experiment: str, found: list[Curve]) -> list[Markup]:
         return [page.paragraph("None of this experiment's curves has both answers.")]
     return [
         page.finding(finding(labelled, swept)),
-        page.figures([curves.delta_output(labelled, swept), curves.ratios(labelled, swept)]),
+        page.figures([curves.delta_outputs(labelled, swept), curves.ratios(labelled, swept)]),
         page.finding(measured_finding(labelled, swept)),
         page.figures([_both(labelled, swept)]),
     ]

@@ -15,7 +15,7 @@ from analysis.results.answers import Estimate
 from analysis.results.set_up import rectangles
 from analysis.study import plan
 from analysis.topics.experiments import neighbours
-from analysis.topics.experiments.curves import Divider, curves, reference_delta_output, with_flat_start
+from analysis.topics.experiments.curves import curves, delta_output, reference_delta_output, with_flat_start
 from analysis.topics.experiments.materials import materials, ratios
 from analysis.topics.experiments.section import (
     AT_CORNER,
@@ -96,11 +96,9 @@ INCLINED = scenes.sweep("inclined", hinge_gap=0.01, tilt_degrees=[30, 60])
 
 
 def test_delta_output_is_the_output_without_objects_less_that_with_them() -> None:
-    alone = Divider(coupling=5 * PICO, own=0, voltage=2.5)
-    assert alone.delta_output(np.array([0.0, 5 * PICO])) == pytest.approx([0, 2.5 - 1.25])
-    beside = Divider(coupling=5 * PICO, own=5 * PICO, voltage=2.5)
+    assert delta_output(np.array([0.0, 5 * PICO]), 0, 5 * PICO, 2.5) == pytest.approx([0, 2.5 - 1.25])
     change = np.array([10 * PICO, 30 * PICO])
-    assert beside.delta_output(change) == pytest.approx([1.25 - 0.625, 1.25 - 0.3125])
+    assert delta_output(change, 5 * PICO, 5 * PICO, 2.5) == pytest.approx([1.25 - 0.625, 1.25 - 0.3125])
 
 
 def test_what_the_reference_may_be_off_moves_the_delta_output_by_its_error_bar() -> None:
@@ -108,8 +106,8 @@ def test_what_the_reference_may_be_off_moves_the_delta_output_by_its_error_bar()
     found = reference_delta_output(own, change, 5 * PICO, 2.5)
 
     def moved(by_own: float, by_change: float) -> float:
-        divider = Divider(5 * PICO, own.value + by_own * own.error, 2.5)
-        return float(divider.delta_output(np.array([change.value + by_change * change.error]))[0])
+        changed = np.array(change.value + by_change * change.error)
+        return float(delta_output(changed, own.value + by_own * own.error, 5 * PICO, 2.5))
 
     corners = [abs(moved(s, t) - found.value) for s in (-1, 1) for t in (-1, 1)]
     assert max(corners) == pytest.approx(found.error, rel=1e-3)
@@ -125,7 +123,7 @@ def test_a_curve_for_each_plate_in_the_order_of_the_study_and_of_the_distance(tm
     first = found[0]
     assert (first.coupling, first.voltage, first.own.value) == pytest.approx((5e-12, 2.5, 4e-12))
     assert first.model == pytest.approx([1.8e-12] * 2)
-    assert first.reference == pytest.approx(Divider(5e-12, 4e-12, 2.5).delta_output(np.full(2, 1e-12)))
+    assert first.reference == pytest.approx(delta_output(np.full(2, 1e-12), 4e-12, 5e-12, 2.5))
 
 
 FLOATING = reference_document(2, 1, conductors=["sensor"])
@@ -317,8 +315,8 @@ def findings(text: str) -> list[str]:
 
 def times(factor: float) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """The model's delta output over that of a reference so many times the model's capacitance, with the sensor's own 4 pF."""
-    reference = Divider(5 * PICO, 4 * PICO, 2.5).delta_output(factor * MODEL * PICO)
-    return np.asarray(Divider(5 * PICO, 0, 2.5).delta_output(MODEL * PICO) / reference)
+    reference = delta_output(factor * MODEL * PICO, 4 * PICO, 5 * PICO, 2.5)
+    return np.asarray(delta_output(MODEL * PICO, 0, 5 * PICO, 2.5) / reference)
 
 
 def test_the_model_as_it_comes_is_shown_beside_the_reference(tmp_path: Path) -> None:
