@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 import random
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from time import perf_counter
@@ -23,7 +23,7 @@ from analysis.results.store import Document
 from analysis.topics import field_solver
 from analysis.topics.draw import DIGITS, length
 from analysis.topics.field_solver import QUANTITIES, FieldCheck
-from geometries.scene.poses import Pose, Vector3
+from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Scene, Sensor
 from geometries.scene.shapes import Cuboid
 from geometries.studies import machines
@@ -51,24 +51,6 @@ _TABLE, _PERSON = (1.0, 0.8, 0.03), (0.25, 0.4, 1.2)
 
 
 @dataclass(frozen=True)
-class Arrangement:
-    """A square sensor of `side`, and a hand of `size` at the distance `gap` before it, `shift` to the side. In company a table
-    stands `behind` the hand, or a person `beside` sensor and hand: their distances."""
-
-    side: float
-    size: Vector3
-    gap: float
-    shift: tuple[float, float]
-    behind: float
-    beside: float
-
-    @property
-    def hand(self) -> Vector3:
-        """The hand's centre; the sensor is centred at the origin, in the plane z = 0."""
-        return (*self.shift, self.gap + self.size[2] / 2)
-
-
-@dataclass(frozen=True)
 class SetUp(OfScene):
     """An arrangement, named by its number, in the company of a machine; `ground` names the hand's connection."""
 
@@ -83,49 +65,45 @@ class SetUp(OfScene):
 
 @cache
 def all_set_ups() -> tuple[SetUp, ...]:
-    """Returns every arrangement in the company of every machine, with every connection of the hand to the ground."""
+    """Returns every arrangement in the company of every machine, with every connection of the hand to the ground. A set-up has one reading: the
+    sensor's, driven together with the guard if there is one."""
     return tuple(
-        SetUp(scene(arrangement, machine, ground), number, machine, ground)
-        for number, arrangement in enumerate(_arrangements(), start=1)
-        for machine in MACHINES
-        for ground in TO_GROUND
+        SetUp(machines.before(Scene(sensors=sensors, objects=(target,)), around), number, machine, ground)
+        for number, (sensors, hand, company) in enumerate(_arrangements(), start=1)
+        for machine, around in company.items()
+        for ground, target in _connected(hand).items()
     )
 
 
-def scene(arrangement: Arrangement, machine: str, ground: str) -> Scene:
-    """Returns the scene of a set-up, with one reading: the sensor's, driven together with the guard if there is one."""
-    sensors = empty((arrangement.side, arrangement.side)).sensors
-    potential = GROUNDED if ground == GROUNDED else FLOATING
-    to_ground = 0.0 if ground == GROUNDED else TO_GROUND[ground]
-    shape = Cuboid(arrangement.size)
-    hand = Object(HAND, shape, pose=Pose(arrangement.hand), potential=potential, to_ground=to_ground)
-    company = _company(arrangement, machine, sensors)
-    return machines.before(Scene(sensors=sensors, objects=(hand,)), company)
+def _connected(hand: Object) -> dict[str, Object]:
+    """Returns the grounded hand with every connection."""
+    return {
+        ground: hand if ground == GROUNDED else replace(hand, potential=FLOATING, to_ground=capacitance)
+        for ground, capacitance in TO_GROUND.items()
+    }
 
 
-def _company(arrangement: Arrangement, machine: str, sensors: tuple[Sensor, ...]) -> tuple[Object, ...]:
-    side, hand, size = arrangement.side, arrangement.hand, arrangement.size
-    if machine == TABLE:
-        near = arrangement.gap + size[2] + arrangement.behind
-        return (machines.table(_TABLE, hand[0], hand[1], near),)
-    if machine == PERSON:
-        beside = max(side / 2, hand[0] + size[0] / 2) + arrangement.beside + _PERSON[0] / 2
-        return (Object("person", Cuboid(_PERSON), pose=Pose((beside, 0.0, hand[2]))),)
-    if machine == NOTHING:
-        return ()
-    housing = machines.housing(sensors)
-    return (housing, machines.guard(sensors)) if machine == GUARD else (housing,)
-
-
-def _arrangements() -> Iterator[Arrangement]:
-    """Draws the arrangements. Python promises that the generator's numbers stay the same."""
+def _arrangements() -> Iterator[tuple[tuple[Sensor, ...], Object, dict[str, tuple[Object, ...]]]]:
+    """Draws a square sensor, centred at the origin in the plane z = 0, a hand before it and to the side, and the bodies of every machine: a table stands
+    behind the hand, a person beside sensor and hand. Python promises that the generator's numbers stay the same.
+    """
     chance = random.Random(_SEED)
     for _ in range(ARRANGEMENTS):
         side = length(chance, _SIDES)
         width, depth, height = (length(chance, ends) for ends in _HANDS)
-        aside, along = (round(_SHIFT * side * chance.uniform(-1, 1), DIGITS) for _ in range(2))
+        x, y = (round(_SHIFT * side * chance.uniform(-1, 1), DIGITS) for _ in range(2))
         gap, behind, beside = (length(chance, ends) for ends in (_GAPS, _BEHIND, _BESIDE))
-        yield Arrangement(side, (width, depth, height), gap, (aside, along), behind, beside)
+        z = gap + height / 2
+        sensors = empty((side, side)).sensors
+        housing = machines.housing(sensors)
+        aside = max(side / 2, x + width / 2) + beside + _PERSON[0] / 2
+        yield sensors, Object(HAND, Cuboid((width, depth, height)), pose=Pose((x, y, z))), {
+            NOTHING: (),
+            HOUSING: (housing,),
+            GUARD: (housing, machines.guard(sensors)),
+            TABLE: (machines.table(_TABLE, x, y, gap + height + behind),),
+            PERSON: (Object("person", Cuboid(_PERSON), pose=Pose((aside, 0.0, z))),),
+        }
 
 
 RTOL = 1e-3
