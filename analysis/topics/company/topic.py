@@ -115,16 +115,17 @@ def of_connection(found: list[Entry], ground: str, machines: tuple[str, ...]) ->
 
 def of_model(found: list[Entry], machine: str, ground: str) -> Factor:
     """Returns the model's change, that of the grounded hand, over the true one; perhaps without any ratio."""
-    by_model = {
-        (entry.set_up.number, entry.set_up.machine): entry.model for entry in found if entry.model is not None
+    model = {
+        entry.set_up.number: entry.model
+        for entry in found
+        if entry.model is not None and entry.set_up.machine == machine
     }
-    ratios = []
-    for entry in _of(found, machine, ground).values():
-        model = by_model.get((entry.set_up.number, machine))
-        if model is not None:
-            true = entry.change
-            ratios.append(Ratio(entry.set_up.id, model / true.value, true.error / true.value))
-    return Factor(f"{machine}, {_hand(ground)}", "truth", tuple(ratios))
+    ratios = tuple(
+        Ratio(each.set_up.id, model[number] / each.change.value, each.change.error / each.change.value)
+        for number, each in _of(found, machine, ground).items()
+        if number in model
+    )
+    return Factor(f"{machine}, {_hand(ground)}", "truth", ratios)
 
 
 def _hand(ground: str) -> str:

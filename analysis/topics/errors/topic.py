@@ -295,18 +295,15 @@ def make(folder: Path, found: list[Entry]) -> None:
 def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
     made = entry.set_up
     yield page.navigation(page.link(f"../../{STAGES.name}.html", f"‹ {TITLE}"))
-    head = []
     described = describe(made.scene)
-    if described is not None:
-        head.append(page.paragraph(f"{described.words}."))
+    head = [] if described is None else [page.paragraph(f"{described.words}.")]
     for quantity in PARTS:
         true = entry.true(quantity)
-        head.append(
-            page.finding(
-                f"{quantity}: {picofarads(true.value, true.error)} pF by boundary elements; the model is "
-                f"{too(entry.error(quantity))}, mostly by {entry.largest(quantity)}."
-            )
+        told = (
+            f"{quantity}: {picofarads(true.value, true.error)} pF by boundary elements; the model is "
+            f"{too(entry.error(quantity))}, mostly by {entry.largest(quantity)}."
         )
+        head.append(page.finding(told))
     yield page.header(made.name, *head)
     yield page.figures([plots_in_space.in_space(made.scene)])
     yield page.section("The parts of the error", *of_one(entry))

@@ -173,12 +173,11 @@ def parts_finding(found: list[Entry]) -> str:
 
 
 def _rows(found: list[Entry]) -> list[list[str]]:
-    rows = []
-    for family in FAMILIES:
-        own = [entry for entry in found if entry.set_up.family == family]
-        if own:
-            rows.append([family, str(len(own)), *(range_of(statistics(own, method)) for method in METHODS)])
-    return rows
+    return [
+        [family, str(len(own)), *(range_of(statistics(own, method)) for method in METHODS)]
+        for family in FAMILIES
+        if (own := [entry for entry in found if entry.set_up.family == family])
+    ]
 
 
 def _sealed(found: list[Entry]) -> Markup:

@@ -211,13 +211,12 @@ def _points(found: list[Row], x: Callable[[Row], float], y: Callable[[Row], floa
 def _shown(row: Row, case: Case) -> Shown:
     mutual = row.values[MUTUAL]
     finding = f"mutual: {measured(mutual.best, mutual.error)} pF, proven to lie in [{mutual.low:.7g}, {mutual.high:.7g}]."
-    numbers = []
-    for quantity in QUANTITIES:
-        value = row.values[quantity]
-        numbers.append((quantity, measured(value.best, value.error), f"{value.low:.7g}", f"{value.high:.7g}"))
-    return Shown(
-        row.case, row.family, _description(row, case), (finding,), tuple(numbers), case.scene, case.text
+    numbers = tuple(
+        (quantity, measured(value.best, value.error), f"{value.low:.7g}", f"{value.high:.7g}")
+        for quantity, value in row.values.items()
     )
+    description = _description(row, case)
+    return Shown(row.case, row.family, description, (finding,), numbers, case.scene, case.text)
 
 
 def _description(row: Row, case: Case) -> str:
