@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include "fringe/gjk.hpp"
 #include "fringe/plate_integral.hpp"
 
 /// Helpers with which the tests build triangles and random inputs.
@@ -16,6 +17,29 @@ namespace fringe::test {
 inline std::vector<Triangle> parallelogram(const Eigen::Vector3d& corner, const Eigen::Vector3d& u,
                                            const Eigen::Vector3d& v) {
   return {{corner, corner + u, corner + u + v}, {corner, corner + u + v, corner + v}};
+}
+
+/// Returns the triangles in another place.
+inline std::vector<Triangle> moved(std::vector<Triangle> triangles, const Eigen::Isometry3d& motion) {
+  for (Triangle& triangle : triangles)
+    for (Eigen::Vector3d& corner : triangle)
+      corner = motion * corner;
+  return triangles;
+}
+
+/// Returns the motion by an amount along the axis 0, 1, 2, or about the axis 3, 4, 5 through the point.
+inline Eigen::Isometry3d motion_along(int coordinate, double amount, const Eigen::Vector3d& point) {
+  const Eigen::Vector3d axis = Eigen::Vector3d::Unit(coordinate % 3);
+  if (coordinate < 3)
+    return Eigen::Isometry3d(Eigen::Translation3d(amount * axis));
+  return Eigen::Translation3d(point) * Eigen::AngleAxisd(amount, axis) * Eigen::Translation3d(-point);
+}
+
+inline double distance_between(const Triangle& triangle, const Rectangle& plate) {
+  const auto& [corner, u, v] = plate;
+  return gjk_distance(triangle,
+                      std::array<Eigen::Vector3d, 4>{corner, corner + u, corner + v, corner + u + v})
+      .distance;
 }
 
 inline double total_integral(const std::vector<Triangle>& triangles, const Rectangle& plate,

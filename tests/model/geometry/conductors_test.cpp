@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "fringe/pose.hpp"
 #include "fringe/reading.hpp"
+#include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
@@ -12,46 +12,32 @@ using Eigen::Vector3d;
 
 Scene scene() {
   Scene scene;
-  scene.links.push_back({"table", std::nullopt, pose_from_axis({0, 0, 1}, 0, {0, 0, 10})});
-  Object object{"target", 0, Plate{2, 2}, pose_from_axis({0, 0, 1}, 0, {5, 0, 0}), Grounded{}, true};
-  scene.objects.push_back(object);
-  Sensor sensor;
-  sensor.name = "front";
-  sensor.link = 0;
-  sensor.plates = {{{0, 0, 1}, {1, 0, 0}, {0, 2, 0}}};
-  scene.sensors.push_back(sensor);
+  scene.links = {{"table", std::nullopt, test::at(0, 0, 10)}};
+  scene.objects = {test::object("target", Plate{2, 2}, test::at(5, 0, 0))};
+  scene.sensors = {test::sensor("front", {{{0, 0, 1}, {1, 0, 0}, {0, 2, 0}}})};
+  scene.objects[0].link = scene.sensors[0].link = 0;
   return scene;
 }
 
-TEST(Conductors, ListTheSensorsFirst) {
+TEST(Conductors, AreSensorsAndThenObjectsAsTrianglesInTheWorld) {
   const std::vector<Conductor> surfaces = conductors(scene());
   ASSERT_EQ(surfaces.size(), 2U);
   EXPECT_EQ(surfaces[0].name, "front");
+  EXPECT_EQ(surfaces[0].triangles, (std::vector<Triangle>{{Vector3d{0, 0, 11}, {1, 0, 11}, {1, 2, 11}},
+                                                          {Vector3d{0, 0, 11}, {1, 2, 11}, {0, 2, 11}}}));
   EXPECT_EQ(surfaces[1].name, "target");
-}
-
-TEST(Conductors, TakeASensorsPlateForTwoTrianglesInTheWorld) {
-  const Conductor sensor = conductors(scene())[0];
-  ASSERT_EQ(sensor.triangles.size(), 2U);
-  EXPECT_EQ(sensor.triangles[0], (Triangle{Vector3d{0, 0, 11}, {1, 0, 11}, {1, 2, 11}}));
-  EXPECT_EQ(sensor.triangles[1], (Triangle{Vector3d{0, 0, 11}, {1, 2, 11}, {0, 2, 11}}));
-}
-
-TEST(Conductors, PlaceAnObjectByItsOwnPoseAndThenItsLinks) {
-  const Conductor object = conductors(scene())[1];
-  EXPECT_EQ(object.triangles[0][0], Vector3d(4, -1, 10));
-}
-
-Object object(const char* name, ElectricalRole role) {
-  return {name, std::nullopt, Cuboid{1, 1, 1}, Eigen::Isometry3d::Identity(), role};
+  // By its own pose, and then its link's.
+  EXPECT_EQ(surfaces[1].triangles[0][0], Vector3d(4, -1, 10));
 }
 
 Scene machine() {
   Scene scene;
-  scene.sensors.resize(2);
-  scene.sensors[0].name = "front";
-  scene.sensors[1].name = "back";
-  scene.objects = {object("hand", Floating{}), object("guard", Electrode{}), object("glass", Dielectric{5})};
+  scene.sensors = {test::sensor("front", {}), test::sensor("back", {})};
+  const Cuboid cube{1, 1, 1};
+  const Eigen::Isometry3d here = Eigen::Isometry3d::Identity();
+  scene.objects = {test::object("hand", cube, here, Floating{}),
+                   test::object("guard", cube, here, Electrode{}),
+                   test::object("glass", cube, here, Dielectric{5})};
   return scene;
 }
 
@@ -81,12 +67,9 @@ TEST(Readings, HaveAThresholdOfFiveTimesTheNoiseUnlessItIsGiven) {
   EXPECT_EQ(readings(scene)[1].threshold, 3.0);
 }
 
-TEST(Targets, AreAllObjectsButElectrodesIfNoneIsMarked) {
-  EXPECT_EQ(targets(machine()), (std::vector<bool>{true, false, true}));
-}
-
-TEST(Targets, AreThoseThatAreMarkedIfAnyIs) {
+TEST(Targets, AreThoseThatAreMarkedElseAllObjectsButElectrodes) {
   Scene scene = machine();
+  EXPECT_EQ(targets(scene), (std::vector<bool>{true, false, true}));
   scene.objects[2].target = true;
   EXPECT_EQ(targets(scene), (std::vector<bool>{false, false, true}));
 }

@@ -1,6 +1,4 @@
-#include "fringe/triangulation.hpp"
-#include "geometry/surface_mesh.hpp"
-
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -10,6 +8,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "fringe/shape.hpp"
+#include "fringe/triangulation.hpp"
+#include "geometry.hpp"
+#include "geometry/person.hpp"
+#include "geometry/surface_mesh.hpp"
+#include "geometry/winding_number.hpp"
+
+/// The triangles of shapes, what they enclose, and which of them are neighbours.
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
@@ -36,73 +42,60 @@ void expect_outward(const std::vector<Triangle>& triangles, const Vector3d& insi
 }
 
 TEST(Triangulation, OfAPlateIsTwoTrianglesThatFaceUp) {
-  const std::vector<Triangle> triangles = triangulate(Plate{4, 2});
-  ASSERT_EQ(triangles.size(), 2U);
-  EXPECT_EQ(triangles[0], (Triangle{Vector3d{-2, -1, 0}, {2, -1, 0}, {2, 1, 0}}));
-  EXPECT_EQ(triangles[1], (Triangle{Vector3d{-2, -1, 0}, {2, 1, 0}, {-2, 1, 0}}));
-  EXPECT_DOUBLE_EQ(area(triangles), 8);
+  EXPECT_THAT(triangulate(Plate{4, 2}), ElementsAre(Triangle{Vector3d{-2, -1, 0}, {2, -1, 0}, {2, 1, 0}},
+                                                    Triangle{Vector3d{-2, -1, 0}, {2, 1, 0}, {-2, 1, 0}}));
+}
+
+/// Checks how many triangles bound a body, and that it is closed.
+void expect_body(const std::vector<Triangle>& triangles, std::size_t count, double volume, double surface) {
+  EXPECT_EQ(triangles.size(), count);
+  EXPECT_NEAR(signed_volume(triangles), volume, 1e-13);
+  EXPECT_NEAR(area(triangles), surface, 1e-13);
+  EXPECT_TRUE(is_closed(triangles));
 }
 
 TEST(Triangulation, OfACuboidHasItsAreaAndVolume) {
   const std::vector<Triangle> triangles = triangulate(Cuboid{2, 3, 5});
-  EXPECT_EQ(triangles.size(), 12U);
+  expect_body(triangles, 12, 2 * 3 * 5, 2 * (2 * 3 + 3 * 5 + 5 * 2));
+  expect_outward(triangles, {0, 0, 0});
   EXPECT_EQ(triangles[0], (Triangle{Vector3d{-1, -1.5, -2.5}, {-1, 1.5, -2.5}, {1, 1.5, -2.5}}))
       << "-z first";
   EXPECT_EQ(triangles[11], (Triangle{Vector3d{1, -1.5, -2.5}, {1, 1.5, 2.5}, {1, -1.5, 2.5}})) << "+x last";
-  EXPECT_DOUBLE_EQ(area(triangles), 2 * (2 * 3 + 3 * 5 + 5 * 2));
-  EXPECT_DOUBLE_EQ(signed_volume(triangles), 2 * 3 * 5);
-  EXPECT_TRUE(is_closed(triangles));
-  expect_outward(triangles, {0, 0, 0});
 }
 
-TEST(Triangulation, OfACylinderIsAnInscribedPrism) {
+TEST(Triangulation, OfACylinderIsAnInscribedPrismOfAConeAPyramid) {
   const double r = 0.3, h = 2;
-  for (const int n : {3, 8, 48}) {
-    const std::vector<Triangle> triangles = triangulate(Cylinder{r, h, n});
-    EXPECT_EQ(triangles.size(), 4U * n);
-    EXPECT_NEAR(area(triangles), 2 * polygon_area(r, n) + n * side(r, n) * h, 1e-13);
-    EXPECT_NEAR(signed_volume(triangles), polygon_area(r, n) * h, 1e-13);
-    EXPECT_TRUE(is_closed(triangles));
-    expect_outward(triangles, {0, 0, 0});
+  for (const std::size_t n : {3, 8, 48}) {
+    const int segments = static_cast<int>(n);
+    const double base = polygon_area(r, segments), edge = side(r, segments);
+    const std::vector<Triangle> prism = triangulate(Cylinder{r, h, segments}),
+                                pyramid = triangulate(Cone{r, h, segments});
+    expect_body(prism, 4 * n, base * h, 2 * base + segments * edge * h);
+    expect_outward(prism, {0, 0, 0});
+    const double slant = std::hypot(h, r * std::cos(pi / segments));
+    expect_body(pyramid, 2 * n, base * h / 3, base + segments * edge * slant / 2);
+    expect_outward(pyramid, {0, 0, 0});
+    EXPECT_EQ(pyramid[0][2], Vector3d(0, 0, h / 2)) << "the base is below";
   }
 }
 
-TEST(Triangulation, OfAConeIsAnInscribedPyramidWithItsBaseBelow) {
-  const double r = 0.3, h = 2;
-  for (const int n : {3, 8, 48}) {
-    const std::vector<Triangle> triangles = triangulate(Cone{r, h, n});
-    EXPECT_EQ(triangles.size(), 2U * n);
-    EXPECT_EQ(triangles[0][2], Vector3d(0, 0, h / 2));
-    EXPECT_NEAR(signed_volume(triangles), polygon_area(r, n) * h / 3, 1e-13);
-    EXPECT_TRUE(is_closed(triangles));
-    expect_outward(triangles, {0, 0, 0});
-  }
-}
-
-TEST(Triangulation, OfAnArcIsARingSectorWithEnds) {
-  const double inner = 0.5, outer = 0.8, h = 0.2, degrees = 120, angle = degrees * pi / 180;
+TEST(Triangulation, OfAnArcIsARingSectorWithEndsOrAClosedRing) {
+  const double inner = 0.5, outer = 0.8, h = 0.2;
   const int n = 10;
-  const std::vector<Triangle> triangles = triangulate(Arc{inner, outer, h, degrees, n});
-  EXPECT_EQ(triangles.size(), 8U * n + 4);
-  const double base = polygon_area(outer, n, angle) - polygon_area(inner, n, angle);
-  EXPECT_NEAR(signed_volume(triangles), base * h, 1e-14);
-  EXPECT_NEAR(area(triangles),
-              2 * base + n * (side(outer, n, angle) + side(inner, n, angle)) * h + 2 * (outer - inner) * h,
-              1e-14);
-  EXPECT_TRUE(is_closed(triangles));
+  const auto base = [&](double angle) {
+    return polygon_area(outer, n, angle) - polygon_area(inner, n, angle);
+  };
+  const auto walls = [&](double angle) { return n * (side(outer, n, angle) + side(inner, n, angle)) * h; };
+  const double angle = 2 * pi / 3, whole = 2 * pi;
+  const std::vector<Triangle> sector = triangulate(Arc{inner, outer, h, 120, n});
+  expect_body(sector, 8 * n + 4, base(angle) * h, 2 * base(angle) + walls(angle) + 2 * (outer - inner) * h);
   // The arc is symmetric about the xz plane, from −60° to +60°.
-  const Eigen::AlignedBox3d box = axis_aligned_box(triangles);
+  const Eigen::AlignedBox3d box = axis_aligned_box(sector);
   EXPECT_NEAR(box.max().y(), outer * std::sin(angle / 2), 1e-15);
   EXPECT_NEAR(box.min().y(), -box.max().y(), 1e-15);
   EXPECT_GT(box.min().x(), 0);
-}
-
-TEST(Triangulation, OfAFullArcIsAClosedRing) {
-  const int n = 12;
-  const std::vector<Triangle> triangles = triangulate(Arc{0.5, 0.8, 0.2, 360, n});
-  EXPECT_EQ(triangles.size(), 8U * n);
-  EXPECT_NEAR(signed_volume(triangles), (polygon_area(0.8, n) - polygon_area(0.5, n)) * 0.2, 1e-14);
-  EXPECT_TRUE(is_closed(triangles));
+  expect_body(triangulate(Arc{inner, outer, h, 360, n}), 8 * n, base(whole) * h,
+              2 * base(whole) + walls(whole));
 }
 
 TEST(Triangulation, OfASphereIsInscribedAndConvergesToIt) {
@@ -239,6 +232,56 @@ TEST(SurfaceMesh, TakesFacesWithoutAreaAndCornersThatAreNoNumbers) {
       std::vector<Triangle>{{origin, Vector3d(nan, 0, 0), east}, {east, Vector3d(nan, 0, 0), origin}});
   EXPECT_EQ(mesh.vertices().size(), 3U);
   EXPECT_FALSE(SurfaceMesh({}).is_closed());
+}
+
+TEST(WindingNumber, TellsTheInsideOfABoxAndOfAnArc) {
+  test::Random random(1);
+  const std::vector<Triangle> box = triangulate(Cuboid{1, 2, 3}), arc = triangulate(Arc{0.5, 1, 1, 90, 16});
+  for (int i = 0; i < 500; ++i) {
+    const Vector3d point = random.in_box({-1, -1.5, -2}, {1, 1.5, 2});
+    EXPECT_EQ(is_in_polyhedron(box, point),
+              std::abs(point.x()) < 0.5 && std::abs(point.y()) < 1 && std::abs(point.z()) < 1.5);
+    // The arc is not convex: its hollow is outside. Between a chord and its arc no one is asked.
+    const double radius = point.head<2>().norm(), angle = std::atan2(point.y(), point.x());
+    const double shrink = std::cos(EIGEN_PI / 64);
+    const bool is_in_sector = std::abs(point.z()) < 0.5 && std::abs(angle) < EIGEN_PI / 4;
+    if (is_in_sector && radius > 0.5 && radius < shrink) {
+      EXPECT_TRUE(is_in_polyhedron(arc, point)) << point.transpose();
+    }
+    if (!is_in_sector || radius > 1 || radius < 0.5 * shrink) {
+      EXPECT_FALSE(is_in_polyhedron(arc, point)) << point.transpose();
+    }
+  }
+}
+
+TEST(WindingNumber, IsKnownOnCornersAndEdgesOfAShellInsideAnother) {
+  std::vector<Triangle> shells = triangulate(Cuboid{1, 2, 3});
+  const std::vector<Triangle> inner = triangulate(Cuboid{0.25, 0.25, 0.25});
+  shells.insert(shells.end(), inner.begin(), inner.end());
+  for (const Vector3d& point : {Vector3d(0.125, 0.125, 0.125), Vector3d(0.125, 0.125, 0.0625)})
+    EXPECT_TRUE(is_in_polyhedron(shells, point)) << point.transpose();
+}
+
+TEST(WindingNumber, PersonsAreClosedAndGrowWithTheirHeight) {
+  for (const PersonAge age : {PersonAge::adult, PersonAge::child, PersonAge::infant})
+    for (const Posture posture : {Posture::standing, Posture::lying, Posture::arm_stretched}) {
+      const std::vector<Triangle> person = triangles_of_person(1.7, age, posture),
+                                  half = triangles_of_person(0.85, age, posture);
+      const double volume = signed_volume(person);
+      EXPECT_GT(volume, 0);
+      EXPECT_TRUE(is_closed(person));
+      EXPECT_NEAR(signed_volume(half), volume / 8, 1e-9 * volume);
+      const Eigen::AlignedBox3d box = axis_aligned_box(person);
+      EXPECT_NEAR(box.center()[posture == Posture::lying ? 0 : 2], 0, 1e-9);
+      EXPECT_NEAR(box.sizes().maxCoeff(), 1.7, 1e-9);
+      // The trunk is above the middle of the body.
+      const Vector3d chest = posture == Posture::lying ? Vector3d(-0.3, 0, 0) : Vector3d(0, 0, 0.3);
+      const Vector3d beside = Vector3d(0, 1.7, 0);
+      if (posture != Posture::arm_stretched) {
+        EXPECT_TRUE(is_in_polyhedron(person, chest));
+      }
+      EXPECT_FALSE(is_in_polyhedron(person, beside));
+    }
 }
 
 }  // namespace
