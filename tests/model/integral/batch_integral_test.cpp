@@ -30,40 +30,21 @@ const Rectangle beside{{0.2, -0.05, 0.02}, {0.1, 0, 0}, {0, 0, 0.1}};
 
 /// Returns a closed surface in front of the plates.
 std::vector<Triangle> ellipsoid(int segments) {
-  std::vector<Triangle> triangles = triangulate(Sphere{1, segments});
-  for (Triangle& triangle : triangles)
-    for (Vector3d& vertex : triangle)
-      vertex = Vector3d(0.02, 0.01, 0.12) + Vector3d(0.15, 0.1, 0.06).cwiseProduct(vertex);
-  return triangles;
+  return test::moved(triangulate(Ellipsoid{0.15, 0.1, 0.06, segments}),
+                     Isometry3d(Eigen::Translation3d(0.02, 0.01, 0.12)));
 }
 
-double sum(const std::vector<double>& values) {
-  double total = 0;
-  for (const double value : values)
-    total += value;
-  return total;
-}
-
-TEST(BatchIntegral, TotalsAreTheSumsForEveryPlate) {
-  const TriangleBatch surface(ellipsoid(60));
+TEST(BatchIntegral, TotalsAreTheSumsForEveryPlateWithinTheirBounds) {
+  const std::vector<Triangle> triangles = ellipsoid(60);
+  const TriangleBatch surface(triangles);
   const std::vector<Rectangle> plates{plate, beside};
-  const std::vector<BoundedIntegral> totals = total_integrals(surface, plates);
-  ASSERT_EQ(totals.size(), 2);
-  for (std::size_t i = 0; i < plates.size(); ++i) {
-    EXPECT_NEAR(totals[i].value, sum(plate_integrals(surface, plates[i])), 1e-13 * totals[i].value);
-    EXPECT_EQ(totals[i].bound, 0);
-  }
-}
-
-TEST(BatchIntegral, BoundCoversTheError) {
-  const TriangleBatch surface(ellipsoid(60));
-  const std::vector<Rectangle> plates{plate, beside};
-  const std::vector<BoundedIntegral> exact = total_integrals(surface, plates);
-  for (const double tolerance : {1e-3, 1e-6, 1e-9}) {
+  for (const double tolerance : {0.0, 1e-3, 1e-6, 1e-9}) {
     const std::vector<BoundedIntegral> totals = total_integrals(surface, plates, tolerance);
+    ASSERT_EQ(totals.size(), 2);
     for (std::size_t i = 0; i < plates.size(); ++i) {
+      const double exact = test::total_integral(triangles, plates[i]);
       EXPECT_LE(totals[i].bound, 1.01 * tolerance * totals[i].value);
-      EXPECT_NEAR(totals[i].value, exact[i].value, totals[i].bound + 1e-14 * exact[i].value);
+      EXPECT_NEAR(totals[i].value, exact, totals[i].bound + 1e-13 * exact);
     }
   }
 }
@@ -96,13 +77,6 @@ TEST(BatchIntegral, OfNoTrianglesIsZero) {
   const TriangleBatch nothing({});
   EXPECT_TRUE(plate_integrals(nothing, plate).empty());
   EXPECT_EQ(total_integrals(nothing, std::vector{plate}).at(0).value, 0);
-}
-
-TEST(BatchIntegral, ContactIsInfinite) {
-  const TriangleBatch surface(std::vector<Triangle>{{Vector3d(0, 0, -0.1), {0.01, 0, 0.1}, {0, 0.01, 0.1}},
-                                                    {Vector3d(0, 0, 0.1), {0.01, 0, 0.1}, {0, 0.01, 0.1}}});
-  EXPECT_EQ(total_integrals(surface, std::vector{plate}).at(0).value,
-            std::numeric_limits<double>::infinity());
 }
 
 TEST(BatchIntegral, ContactIsInfiniteWhereADenormalNumberMakesIt) {
@@ -150,15 +124,8 @@ TEST(BatchIntegral, RefusesWhatIsWrongByName) {
 const std::vector<Rectangle> plates{{{-0.5, -0.4, 0}, {1, 0, 0}, {0, 0.8, 0}},
                                     {{2, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
 
-std::vector<Triangle> moved(const std::vector<Triangle>& triangles, const Isometry3d& pose) {
-  std::vector<Triangle> result;
-  for (const Triangle& triangle : triangles)
-    result.push_back({pose * triangle[0], pose * triangle[1], pose * triangle[2]});
-  return result;
-}
-
 const std::vector<Triangle> ball =
-    moved(triangulate(Sphere{0.3, 10}), Isometry3d(Eigen::Translation3d(0.2, 0.1, 0.8)));
+    test::moved(triangulate(Sphere{0.3, 10}), Isometry3d(Eigen::Translation3d(0.2, 0.1, 0.8)));
 
 TEST(SurfaceIntegral, IsTheSumOverTrianglesAndPlatesAndLiesInItsEnclosure) {
   const Surface surface = make_surface(ball);
@@ -177,7 +144,7 @@ TEST(SurfaceIntegral, IsTheSumOverTrianglesAndPlatesAndLiesInItsEnclosure) {
 
 TEST(SurfaceIntegral, MeasuresTheSurface) {
   const Surface surface =
-      make_surface(moved(triangulate(Cuboid{1, 2, 3}), Isometry3d(Eigen::Translation3d(4, 5, 6))));
+      make_surface(test::moved(triangulate(Cuboid{1, 2, 3}), Isometry3d(Eigen::Translation3d(4, 5, 6))));
   EXPECT_NEAR(surface.area, 22, 1e-13);
   EXPECT_LT((surface.centroid - Vector3d(4, 5, 6)).norm(), 1e-13);
   EXPECT_NEAR(surface.radius, std::sqrt(14) / 2, 1e-13);
@@ -205,14 +172,11 @@ TEST(SurfaceIntegral, HasTheDerivativesOfARigidMotion) {
   const Wrench wrench = surface_wrench(make_surface(ball), plates, {});
   constexpr double step = 1e-4;
   for (int coordinate = 0; coordinate < 6; ++coordinate) {
-    const Vector3d axis = Vector3d::Unit(coordinate % 3);
-    double difference = 0;
-    for (const double sign : {1.0, -1.0}) {
-      const Isometry3d motion = coordinate < 3 ? Isometry3d(Eigen::Translation3d(sign * step * axis))
-                                               : Isometry3d(Eigen::AngleAxisd(sign * step, axis));
-      difference +=
-          sign * surface_integral(make_surface(moved(ball, motion)), plates, {}, 0).value / (2 * step);
-    }
+    const auto integral = [&](double amount) {
+      const Isometry3d motion = test::motion_along(coordinate, amount, Vector3d::Zero());
+      return surface_integral(make_surface(test::moved(ball, motion)), plates, {}, 0).value;
+    };
+    const double difference = (integral(step) - integral(-step)) / (2 * step);
     EXPECT_NEAR(coordinate < 3 ? wrench.force[coordinate] : wrench.torque[coordinate - 3], difference, 1e-6);
   }
 }

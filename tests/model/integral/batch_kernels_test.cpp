@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -13,10 +15,11 @@
 #include "integral/batch/kernels.hpp"
 #include "integral/batch/near_forms.hpp"
 #include "integral/exact_integral.hpp"
+#include "integral/tree/kernels.hpp"
 #include "numeric/triangle_rules.hpp"
 
-/// Compares the batch kernels of every instruction set that the machine can run with the code for single
-/// triangles.
+/// Compares the kernels of every instruction set that the machine can run: those of batches with the code for
+/// single triangles, those of surface trees with plain loops.
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
@@ -64,26 +67,15 @@ std::vector<Triangle> around_the_plate(double size_over_distance, std::size_t co
   return triangles;
 }
 
-TEST_P(BatchKernelsTest, AgreeWithTheSingleTriangleAtFullPrecision) {
-  for (const double size_over_distance : {0.01, 0.05, 0.2, 0.6}) {
-    const std::vector<Triangle> triangles = around_the_plate(size_over_distance, 2000);
-    const std::vector<double> values = integrals(triangles);
-    for (std::size_t i = 0; i < triangles.size(); ++i)
-      EXPECT_NEAR(values[i], exact(triangles[i]), 4e-15 * values[i])
-          << size_over_distance << ", triangle " << i;
-  }
-}
-
-TEST_P(BatchKernelsTest, KeepTheirErrorBelowTheTolerance) {
-  for (const double tolerance : {1e-12, 1e-9, 1e-6, 1e-3}) {
-    for (const double size_over_distance : {0.01, 0.1, 0.6}) {
+TEST_P(BatchKernelsTest, AgreeWithTheSingleTriangleWithinTheTolerance) {
+  for (const double tolerance : {0.0, 1e-12, 1e-9, 1e-6, 1e-3})
+    for (const double size_over_distance : {0.01, 0.05, 0.2, 0.6}) {
       const std::vector<Triangle> triangles = around_the_plate(size_over_distance, 1000);
       const std::vector<double> values = integrals(triangles, tolerance);
       for (std::size_t i = 0; i < triangles.size(); ++i)
         EXPECT_NEAR(values[i], exact(triangles[i]), (tolerance + 4e-15) * values[i])
             << tolerance << ", " << size_over_distance << ", triangle " << i;
     }
-  }
 }
 
 TEST_P(BatchKernelsTest, MeasureLargeTrianglesOverAllBorders) {
@@ -188,6 +180,82 @@ TEST_P(BatchKernelsTest, SoftInverseDistances) {
 }
 
 INSTANTIATE_TEST_SUITE_P(InstructionSets, BatchKernelsTest, testing::ValuesIn(available_instruction_sets()),
+                         test::name_of_set);
+
+std::vector<double> numbers(std::size_t count, unsigned seed) {
+  Random random(seed);
+  std::vector<double> result(count);
+  std::generate(result.begin(), result.end(), [&] { return random.uniform(-1, 1); });
+  return result;
+}
+
+/// Surface trees have the same kernels, bit for bit, with every instruction set.
+class TreeKernelsTest : public testing::TestWithParam<InstructionSet> {
+ protected:
+  const TreeKernels& kernels_ = kernels<TreeKernels>(GetParam());
+};
+
+constexpr std::size_t size = 5 * array_padding;
+
+TEST_P(TreeKernelsTest, MultiplyAndSum) {
+  const std::vector<double> a = numbers(size, 1), b = numbers(size, 2);
+  std::vector<double> product(size);
+  kernels_.multiply(a.data(), b.data(), size, product.data());
+  std::array<double, array_padding> partial{};
+  for (std::size_t i = 0; i < size; ++i) {
+    EXPECT_EQ(product[i], a[i] * b[i]);
+    partial[i % array_padding] += a[i];
+  }
+  double sum = 0;
+  for (const double part : partial)
+    sum += part;
+  EXPECT_EQ(kernels_.sum(a.data(), size), sum);
+}
+
+TEST_P(TreeKernelsTest, EliminateAndNameTheNextPivot) {
+  constexpr std::size_t count = 4, pivot_row = 3, next_row = 6;
+  const std::vector<std::size_t> listed{2, 0, 3};
+  std::vector<double> columns = numbers(count * size, 3), expected = columns;
+  const double* const pivot = expected.data() + size;
+  for (const std::size_t k : listed) {
+    double* const column = expected.data() + k * size;
+    const double share = column[pivot_row] * (1 / pivot[pivot_row]);
+    for (std::size_t i = 0; i < size; ++i)
+      column[i] -= share * pivot[i];
+    column[pivot_row] = share;
+  }
+  const std::size_t found = kernels_.eliminate({columns.data(), size}, listed.data(), listed.size(),
+                                               columns.data() + size, pivot_row, next_row);
+  EXPECT_EQ(columns, expected);
+  for (const std::size_t k : listed)
+    EXPECT_LE(std::abs(columns[k * size + next_row]), std::abs(columns[listed[found] * size + next_row]));
+}
+
+TEST_P(TreeKernelsTest, FindTheLongestStep) {
+  std::vector<double> coefficients = numbers(size, 4), weights = numbers(size, 5);
+  for (double& weight : weights)
+    weight = std::abs(weight);
+  constexpr double slack = 1e-3, smallest = 1e-2;
+  double expected = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < size; ++i)
+    if (-coefficients[i] > smallest)
+      expected = std::min(expected, (weights[i] + slack) / (-coefficients[i] - smallest));
+  EXPECT_EQ(kernels_.longest_step(coefficients.data(), weights.data(), slack, smallest, size), expected);
+}
+
+TEST_P(TreeKernelsTest, MeasureHeightsOfAnyNumberOfPoints) {
+  const std::vector<double> x = numbers(size, 6), y = numbers(size, 7), z = numbers(size, 8);
+  const Plane plane{{0.3, -0.5, 0.7}, 0.2};
+  for (const std::size_t count : {std::size_t{1}, std::size_t{9}, size}) {
+    std::vector<double> heights(count);
+    kernels_.measure_heights(plane, x.data(), y.data(), z.data(), count, heights.data());
+    for (std::size_t i = 0; i < count; ++i)
+      EXPECT_EQ(heights[i],
+                plane.normal[0] * x[i] + plane.normal[1] * y[i] + plane.normal[2] * z[i] - plane.height);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(InstructionSets, TreeKernelsTest, testing::ValuesIn(available_instruction_sets()),
                          test::name_of_set);
 
 /// Computes the mean of λ₁^a·λ₂^b over a triangle.

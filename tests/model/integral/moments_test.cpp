@@ -24,14 +24,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-double area_of(const Triangle& triangle) {
-  return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).norm() / 2;
-}
-
 std::vector<WeightedPoint> points_on(const std::vector<Triangle>& surface) {
   std::vector<WeightedPoint> points;
   for (const Triangle& triangle : surface)
-    append_rule(triangle, area_of(triangle), points);
+    append_rule(triangle, twice_area(triangle) / 2, points);
   return points;
 }
 
@@ -127,12 +123,7 @@ TEST(Partition, HasEveryTriangleOfPositiveAreaInOneLeaf) {
       ++leaves[node.triangles.first + k];
   }
   EXPECT_TRUE(std::all_of(leaves.begin(), leaves.end(), [](int times) { return times == 1; }));
-  double area = 0, expected = 0;
-  for (const Triangle& triangle : found.triangles)
-    area += area_of(triangle);
-  for (const Triangle& triangle : triangles)
-    expected += area_of(triangle);
-  EXPECT_NEAR(area, expected, 1e-12);
+  EXPECT_NEAR(area(found.triangles), area(triangles), 1e-12);
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

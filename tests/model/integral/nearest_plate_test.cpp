@@ -1,6 +1,5 @@
-#include "integral/nearest_plate.hpp"
-
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -8,9 +7,11 @@
 
 #include "fringe/capacitance.hpp"
 #include "geometry.hpp"
-#include "geometry/triangle_slices.hpp"
+#include "integral/facing.hpp"
 #include "integral/nearest_nodes.hpp"
+#include "integral/nearest_plate.hpp"
 
+/// Which plate is nearest to which part of a triangle, and which triangles face a plate.
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
@@ -56,50 +57,6 @@ Rectangle any_plate(Random& random) {
   const Eigen::Isometry3d pose = random.rigid_motion();
   return {pose.translation(), random.uniform(0.1, 1) * pose.linear().col(0),
           random.uniform(0.1, 1) * pose.linear().col(1)};
-}
-
-double area_of(const Slice& slice) {
-  return area(std::vector<Triangle>(slice.begin(), slice.end()));
-}
-
-TEST(Slices, CoverTheTriangleAndKeepToTheirSides) {
-  Random random(1);
-  for (int i = 0; i < draws(300); ++i) {
-    const Triangle triangle = random.triangle_in_box({-1, -1, -1}, {1, 1, 1});
-    const Vector3d direction = random.in_box({-1, -1, -1}, {1, 1, 1});
-    const Vector3d values(direction.dot(triangle[0]), direction.dot(triangle[1]), direction.dot(triangle[2]));
-    const double low = random.uniform(-0.5, 0.5), high = low + random.uniform(0, 0.5);
-    const Slices parts = slices(triangle, values, low, high);
-    EXPECT_NEAR(area_of(parts.below) + area_of(parts.between) + area_of(parts.above),
-                twice_area(triangle) / 2, 1e-15);
-    for (const Triangle& part : parts.below)
-      for (const Vector3d& vertex : part)
-        EXPECT_LE(direction.dot(vertex), low + 1e-15);
-    for (const Triangle& part : parts.between)
-      for (const Vector3d& vertex : part) {
-        EXPECT_GE(direction.dot(vertex), low - 1e-15);
-        EXPECT_LE(direction.dot(vertex), high + 1e-15);
-      }
-    for (const Triangle& part : parts.above)
-      for (const Vector3d& vertex : part)
-        EXPECT_GE(direction.dot(vertex), high - 1e-15);
-  }
-}
-
-TEST(Slices, OfATriangleInABorderAreOne) {
-  const Triangle triangle{Vector3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
-  EXPECT_EQ(slices(triangle, {2, 2, 2}, 2, 3).below.size, 1U);
-  EXPECT_EQ(slices(triangle, {3, 3, 3}, 2, 3).above.size, 1U);
-  EXPECT_EQ(slices(triangle, {2, 2, 3}, 2, 3).between.size, 1U);
-  EXPECT_EQ(slices(triangle, {2, 2, 3}, 2, 3).below.size + slices(triangle, {2, 2, 3}, 2, 3).above.size, 0U);
-}
-
-TEST(Halves, AreEqualAndTurnTheSameWay) {
-  const Triangle triangle{Vector3d{0, 0, 0}, {4, 0, 0}, {1, 1, 0}};
-  for (const Triangle& half : halves(triangle)) {
-    EXPECT_EQ(twice_area(half), 2);
-    EXPECT_EQ((half[1] - half[0]).cross(half[2] - half[0]).z(), 2);
-  }
 }
 
 TEST(NearestPlates, OfOnePlateIsThatPlate) {
@@ -223,7 +180,7 @@ TEST(NearestPlates, IsWhatFineNodesFind) {
 
 TEST(NearestPlates, StaysWithinItsBoundAndTheBoundWithinTheTolerance) {
   Random random(6);
-  for (int i = 0; i < draws(200); ++i) {
+  for (int i = 0; i < draws(40); ++i) {
     const auto [plates, triangle] = any_case(random, 2 + i % 5);
     const Division accurate = divide({triangle}, plates, 1e-13);
     EXPECT_LE(accurate.bound, 1e-13 * accurate.integral);
@@ -235,31 +192,6 @@ TEST(NearestPlates, StaysWithinItsBoundAndTheBoundWithinTheTolerance) {
       EXPECT_LE(accurate.integral, division.integral + division.bound + slack);
       EXPECT_LE(division.parts, accurate.parts);
     }
-  }
-}
-
-TEST(NearestPlates, LiesBetweenTheLargestOfThePlatesAndTheirSum) {
-  Random random(7);
-  for (int i = 0; i < draws(200); ++i) {
-    const auto [plates, triangle] = any_case(random, 2);
-    const double first = plate_integral(triangle, plates[0]), second = plate_integral(triangle, plates[1]);
-    const double found = divide({triangle}, plates, 1e-12).integral;
-    EXPECT_GE(found, std::max(first, second) * (1 - 1e-12));
-    EXPECT_LE(found, first + second);
-  }
-}
-
-TEST(NearestPlates, DoesNotChangeWhenEverythingMoves) {
-  Random random(8);
-  for (int i = 0; i < draws(100); ++i) {
-    auto [plates, triangle] = any_case(random, 3);
-    const double expected = divide({triangle}, plates, 1e-12).integral;
-    const Eigen::Isometry3d motion = random.rigid_motion();
-    for (Vector3d& vertex : triangle)
-      vertex = motion * vertex;
-    for (Rectangle& plate : plates)
-      plate = {motion * plate.corner, motion.linear() * plate.edge_u, motion.linear() * plate.edge_v};
-    EXPECT_NEAR(divide({triangle}, plates, 1e-12).integral, expected, 1e-11 * expected);
   }
 }
 
@@ -275,6 +207,100 @@ TEST(NearestNodes, OfOnePlateAreTheMethods) {
       const double gauss = plate_integral(triangle, plate, Gauss{n + 1});
       EXPECT_NEAR(nearest_node_sum(triangle, frames, Gauss{n + 1}), gauss, 1e-13 * gauss);
     }
+  }
+}
+
+/// A triangle whose vertices appear anticlockwise from +z.
+const Triangle upward{Vector3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+const Triangle downward{Vector3d{0, 0, 0}, {0, 1, 0}, {1, 0, 0}};
+
+Rectangle plate_at_height(double height) {
+  return {{5, 5, height}, {1, 0, 0}, {0, 1, 0}};
+}
+
+TEST(SideOfPlane, IsExactForTheSmallestStepFromThePlane) {
+  // p lies in the plane x + y + z = 3·2^50 with integer coordinates; the other points are one unit in the
+  // last place off it.
+  const double k = std::ldexp(1.0, 50);
+  const Vector3d a(3 * k, 0, 0), b(0, 3 * k, 0), c(0, 0, 3 * k), p(k, k, k);
+  EXPECT_EQ(side_of_plane(a, b, c, p), 0);
+  for (int i = 0; i < 3; ++i) {
+    Vector3d above = p, below = p;
+    above[i] = std::nextafter(k, 2 * k);
+    below[i] = std::nextafter(k, 0);
+    EXPECT_EQ(side_of_plane(a, b, c, above), 1);
+    EXPECT_EQ(side_of_plane(a, b, c, below), -1);
+  }
+}
+
+TEST(SideOfPlane, IsExactFarFromTheOriginAndForAnySize) {
+  constexpr double tiny = std::numeric_limits<double>::denorm_min(), huge = 1e300;
+  for (const double size : {tiny, 1e-160, 1.0, 1e160, huge}) {
+    const Vector3d a(0, 0, 0), b(size, 0, 0), c(0, size, 0);
+    EXPECT_EQ(side_of_plane(a, b, c, {size, size, tiny}), 1) << size;
+    EXPECT_EQ(side_of_plane(a, b, c, {size, size, -tiny}), -1) << size;
+    EXPECT_EQ(side_of_plane(a, b, c, {size, -size, 0}), 0) << size;
+  }
+}
+
+TEST(SideOfPlane, ChangesItsSignWithEveryExchangeOfTwoPoints) {
+  // The points lie in a plane up to rounding. The side on which they lie is arbitrary, but must be the same
+  // for every order of the points.
+  Random random(1);
+  const Vector3d u(0.3, 0.1, 0.7), v(-0.2, 0.9, 0.4);
+  int off_plane = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const auto point = [&] {
+      const double s = random.uniform(-1, 1), t = random.uniform(-1, 1);
+      return Vector3d(Vector3d(100, 200, 300) + s * u + t * v);
+    };
+    const Vector3d a = point(), b = point(), c = point(), p = point();
+    const int side = side_of_plane(a, b, c, p);
+    off_plane += side != 0;
+    EXPECT_EQ(side_of_plane(b, c, a, p), side);
+    EXPECT_EQ(side_of_plane(b, a, c, p), -side);
+    EXPECT_EQ(side_of_plane(p, b, c, a), -side);
+    EXPECT_EQ(side_of_plane(a, p, c, b), -side);
+  }
+  EXPECT_GT(off_plane, 500);
+}
+
+TEST(Sight, IsOutwardWhenSomeOfThePlateLiesInFront) {
+  EXPECT_EQ(sight(upward, plate_at_height(1)), Sight::outward);
+  EXPECT_EQ(sight(downward, plate_at_height(1)), Sight::none);
+  EXPECT_EQ(sight(upward, plate_at_height(-1)), Sight::none);
+  EXPECT_EQ(sight(downward, plate_at_height(-1)), Sight::outward);
+  // From both sides where the plate crosses the plane; the plates differ in the corner that lies in front.
+  for (const Rectangle& plate :
+       {Rectangle{{2, 0, 1}, {1, 0, -2}, {0, 1, 0}}, Rectangle{{2, 0, -1}, {1, 0, 2}, {0, 1, 0}},
+        Rectangle{{2, 0, -1}, {0, 1, 0}, {1, 0, 2}}, Rectangle{{2, 0, -3}, {2, 0, 2}, {-2, 0, 2}}}) {
+    EXPECT_EQ(sight(upward, plate), Sight::outward);
+    EXPECT_EQ(sight(downward, plate), Sight::outward);
+  }
+}
+
+TEST(Sight, OfAPlateInThePlaneOrATriangleWithoutAreaGrazes) {
+  EXPECT_EQ(sight(upward, plate_at_height(0)), Sight::grazing);
+  EXPECT_EQ(sight(downward, plate_at_height(0)), Sight::grazing);
+  EXPECT_EQ(sight(upward, {{0, 0, 0}, {1, 0, 0}, {0, 0, -1}}), Sight::grazing);
+  EXPECT_EQ(sight({Vector3d{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, plate_at_height(1)), Sight::grazing);
+}
+
+TEST(Sight, OfAConvexBodyHasOneSideOnly) {
+  // A point outside a tetrahedron sees at least one face and at most three; a point inside sees none.
+  Random random(2);
+  for (int i = 0; i < 200; ++i) {
+    const Vector3d a(1, 1, 1), b(-1, -1, 1), c(-1, 1, -1), d(1, -1, -1);
+    const std::vector<Triangle> faces{{a, c, b}, {a, b, d}, {a, d, c}, {b, c, d}};
+    const Vector3d far = random.in_box({2, -3, -3}, {4, 3, 3}),
+                   inside = random.in_box({-0.2, -0.2, -0.2}, {0.2, 0.2, 0.2});
+    int seeing = 0;
+    for (const Triangle& face : faces) {
+      seeing += sight(face, {far, {1e-6, 0, 0}, {0, 1e-6, 0}}) == Sight::outward;
+      EXPECT_EQ(sight(face, {inside, {1e-6, 0, 0}, {0, 1e-6, 0}}), Sight::none);
+    }
+    EXPECT_GE(seeing, 1);
+    EXPECT_LE(seeing, 3);
   }
 }
 

@@ -8,6 +8,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/plate_integral.hpp"
+#include "fringe/pose.hpp"
 #include "geometry.hpp"
 #include "instruction_sets.hpp"
 #include "integral/derivative/plate_wrench.hpp"
@@ -17,27 +18,11 @@ namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
+using test::motion_along;
 using test::Random;
 using Derivatives = Eigen::Matrix<double, 6, 1>;
 
 const Rectangle plate{{0, 0, 0}, {1, 0, 0}, {0, 0.8, 0}};
-
-Triangle moved(const Triangle& triangle, const Eigen::Isometry3d& motion) {
-  return {motion * triangle[0], motion * triangle[1], motion * triangle[2]};
-}
-
-/// Returns the motion by `amount` along the axis 0, 1, 2, or about the axis 3, 4, 5 through the point.
-Eigen::Isometry3d motion_along(int coordinate, double amount, const Vector3d& point) {
-  Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-  if (coordinate < 3) {
-    motion.translation()[coordinate] = amount;
-    return motion;
-  }
-  motion.translate(point);
-  motion.rotate(Eigen::AngleAxisd(amount, Vector3d::Unit(coordinate - 3)));
-  motion.translate(-point);
-  return motion;
-}
 
 /// Differentiates the integral by central differences with two steps, which cancels errors of second order.
 /// Rotations are about the point.
@@ -45,8 +30,8 @@ Derivatives differences(const Triangle& triangle, const Rectangle& over, double 
   Derivatives result;
   for (int k = 0; k < 6; ++k) {
     const auto central = [&](double by) {
-      return (plate_integral(moved(triangle, motion_along(k, by, point)), over) -
-              plate_integral(moved(triangle, motion_along(k, -by, point)), over)) /
+      return (plate_integral(transformed(triangle, motion_along(k, by, point)), over) -
+              plate_integral(transformed(triangle, motion_along(k, -by, point)), over)) /
              (2 * by);
     };
     result[k] = (4 * central(step) - central(2 * step)) / 3;
@@ -62,25 +47,11 @@ Derivatives derivatives_about(const Triangle& triangle, const Rectangle& over, c
   return result;
 }
 
-/// Returns the shortest distance of some points of the triangle from the plate: of the order of its distance.
-double gap(const Triangle& triangle) {
-  double least = std::numeric_limits<double>::infinity();
-  constexpr int rows = 12;
-  for (int i = 0; i <= rows; ++i)
-    for (int j = 0; i + j <= rows; ++j) {
-      const Vector3d point =
-          triangle[0] + i * (triangle[1] - triangle[0]) / rows + j * (triangle[2] - triangle[0]) / rows;
-      const Vector3d nearest(std::clamp(point.x(), 0.0, 1.0), std::clamp(point.y(), 0.0, 0.8), 0);
-      least = std::min(least, (point - nearest).norm());
-    }
-  return least;
-}
-
 /// Returns the largest difference from central differences, relative to the largest derivative of its kind:
 /// along axes, or about axes through the first vertex.
 double largest_error(const Triangle& triangle) {
   const double size = std::max((triangle[1] - triangle[0]).norm(), (triangle[2] - triangle[0]).norm());
-  const double step = 1e-3 * std::min(gap(triangle), 0.3);
+  const double step = 1e-3 * std::min(test::distance_between(triangle, plate), 0.3);
   const Derivatives found = derivatives_about(triangle, plate, triangle[0]);
   const Vector3d along = differences(triangle, plate, step, triangle[0]).head<3>();
   const Vector3d about = differences(triangle, plate, std::min(step / size, 1e-2), triangle[0]).tail<3>();
@@ -97,7 +68,7 @@ TEST(PlateIntegralDerivatives, AgreeWithCentralDifferencesInTenThousandPoses) {
     const Triangle shape = random.triangle_in_box({-size, -size, -size}, {size, size, size});
     Eigen::Isometry3d motion = random.rigid_motion();
     motion.translation() = random.in_box({-0.5, -0.5, height}, {1.5, 1.3, 2 * height});
-    Triangle triangle = moved(shape, motion);
+    Triangle triangle = transformed(shape, motion);
     // The lowest vertex lies at the height drawn, so that no triangle crosses the plate.
     const double lowest = std::min({triangle[0].z(), triangle[1].z(), triangle[2].z()});
     for (Vector3d& vertex : triangle)
@@ -135,10 +106,9 @@ TEST(PlateIntegralDerivatives, TurnWithEverything) {
   for (int i = 0; i < 100; ++i) {
     const Triangle triangle = random.triangle_in_box({-1, -1, 0.1}, {2, 1.8, 1});
     const Eigen::Isometry3d motion = random.rigid_motion();
-    const Rectangle turned{motion * plate.corner, motion.linear() * plate.edge_u,
-                           motion.linear() * plate.edge_v};
     const Derivatives before = derivatives_about(triangle, plate, triangle[0]);
-    const Derivatives after = derivatives_about(moved(triangle, motion), turned, motion * triangle[0]);
+    const Derivatives after =
+        derivatives_about(transformed(triangle, motion), transformed(plate, motion), motion * triangle[0]);
     EXPECT_TRUE((motion.linear() * before.head<3>()).isApprox(after.head<3>(), 1e-9));
     EXPECT_TRUE((motion.linear() * before.tail<3>()).isApprox(after.tail<3>(), 1e-9));
   }
