@@ -1,5 +1,3 @@
-#include "sensing/cone_query.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -12,12 +10,16 @@
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "geometry.hpp"
+#include "sensing/cone_bounds.hpp"
 #include "sensing/cone_line.hpp"
+#include "sensing/cone_query.hpp"
+#include "sensing/cone_shape.hpp"
 #include "sensing/nearest_on_triangle.hpp"
 #include "sensing/triangle_tree.hpp"
 
 /// Lines, triangles and many triangles in a cone: both of the thesis' methods against the definition.
-/// Checks that the tree's answers are bit-identical to those of a search over all triangles.
+/// Checks that the tree's answers are bit-identical to those of a search over all triangles, and that what
+/// the cone's shape skips is not seen.
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
@@ -74,54 +76,6 @@ TEST(ConeQuery, LinesCrossTheSurfaceWhereTheAngleToTheAxisIsTheHalfAngle) {
   }
 }
 
-/// The nearest point of a fine grid on a triangle in a cone about an axis with its apex at the origin.
-std::optional<double> nearest_of_grid(const Triangle& triangle, const Vector3d& axis, double half_angle) {
-  std::optional<double> nearest;
-  constexpr int steps = 60;
-  for (int i = 0; i <= steps; ++i)
-    for (int j = 0; i + j <= steps; ++j) {
-      const Vector3d point = (i * triangle[0] + j * triangle[1] + (steps - i - j) * triangle[2]) / steps;
-      if (angle_between(point, axis) < half_angle)
-        nearest = std::min(nearest.value_or(1e9), point.norm());
-    }
-  return nearest;
-}
-
-TEST(ConeQuery, NoPointOfATriangleInTheConeIsNearerThanTheOneFound) {
-  test::Random random(2);
-  int seen = 0;
-  for (int i = 0; i < 100; ++i) {
-    const Triangle triangle = random.triangle_in_box({-1, -1, -1}, {1, 1, 1});
-    const Vector3d axis = random.in_box({-1, -1, -1}, {1, 1, 1});
-    const double half_angle = random.uniform(0.2, 1.5);
-    const PreciseCone cone = precise_cone(axis, 2 * half_angle);
-    const std::optional<NearestPoint> found =
-                                          nearest_on_triangle(triangle, Vector3d::Zero(), FieldOfView(cone)),
-                                      other =
-                                          nearest_on_triangle(triangle, Vector3d::Zero(), ConeEquation(cone));
-    const std::optional<double> grid = nearest_of_grid(triangle, axis, half_angle);
-    ASSERT_EQ(found.has_value(), other.has_value());
-    if (grid) {
-      ASSERT_TRUE(found);
-      EXPECT_LE(found->distance, *grid + 1e-12);
-    }
-    if (!found)
-      continue;
-    ++seen;
-    EXPECT_NEAR(found->distance, other->distance, 1e-12);
-    EXPECT_NEAR(found->point.norm(), found->distance, 1e-12);
-    EXPECT_LE(angle_between(found->point, axis), half_angle + 1e-9);
-    // The point lies on the triangle: its three areas make up the triangle's.
-    double areas = 0;
-    for (int k = 0; k < 3; ++k)
-      areas += (triangle[static_cast<std::size_t>(k)] - found->point)
-                   .cross(triangle[static_cast<std::size_t>((k + 1) % 3)] - found->point)
-                   .norm();
-    EXPECT_NEAR(areas, (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).norm(), 1e-7);
-  }
-  EXPECT_GT(seen, 20);
-}
-
 TEST(ConeQuery, AnswersTheSameInAnyOrderAndByATree) {
   test::Random random(3);
   std::vector<Triangle> triangles;
@@ -137,6 +91,12 @@ TEST(ConeQuery, AnswersTheSameInAnyOrderAndByATree) {
     backwards.offer(triangles[k], 4, k);
   TriangleTree(triangles).search(by_tree, Eigen::Isometry3d::Identity(), 4);
   ASSERT_TRUE(forwards.best());
+  double nearest = cone.range;
+  const FieldOfView view(precise_cone(cone.direction, cone.full_angle));
+  for (const Triangle& triangle : triangles)
+    if (const auto found = nearest_on_triangle(triangle, cone.apex, view))
+      nearest = std::min(nearest, found->distance);
+  EXPECT_EQ(forwards.best()->point.distance, nearest);
   for (const ConeQuery* query : {&backwards, &by_tree}) {
     ASSERT_TRUE(query->best());
     EXPECT_EQ(query->best()->point.distance, forwards.best()->point.distance);
@@ -203,11 +163,9 @@ TEST(SensedSurface, AgreesWithALookAtEveryTriangle) {
       const int seen = compare(cloud(random, count, size), random, 40, Eigen::Isometry3d::Identity());
       EXPECT_GE(seen, count >= 100 ? 20 : 0);
     }
-}
-
-TEST(SensedSurface, AgreesOnAClosedMeshWhoseTrianglesShareVertices) {
-  Random random(2);
+  // A closed mesh, whose triangles share vertices.
   EXPECT_GE(compare(triangulate(Sphere{1, 40}), random, 200, Eigen::Isometry3d::Identity()), 50);
+  EXPECT_FALSE(SensedSurface({}).closest({Vector3d::Zero(), {0, 0, 1}, 1, 1}));
 }
 
 TEST(SensedSurface, AgreesWhenPosed) {
@@ -240,8 +198,82 @@ TEST(SensedSurface, AgreesOnTheApexOfDistanceZero) {
   }
 }
 
-TEST(SensedSurface, MayBeEmpty) {
-  EXPECT_FALSE(SensedSurface({}).closest({Vector3d::Zero(), {0, 0, 1}, 1, 1}));
+using Eigen::AlignedBox3d;
+using Eigen::Isometry3d;
+
+constexpr int cases = 20000;
+
+struct Case {
+  SensingCone cone;
+  AlignedBox3d box;
+  Isometry3d pose;
+};
+
+Case any_case(Random& random) {
+  const Isometry3d pose = random.rigid_motion();
+  const Vector3d low = random.in_box({-1, -1, -1}, {0.5, 0.5, 0.5});
+  const AlignedBox3d box(low, low + random.in_box({0, 0, 0}, {1, 1, 1}));
+  const SensingCone cone{pose * random.in_box({-2, -2, -2}, {2, 2, 2}),
+                         random.in_box({-1, -1, -1}, {1, 1, 1}), random.uniform(0.05, std::numbers::pi),
+                         random.uniform(0.1, 3)};
+  return {cone, box, pose};
+}
+
+std::optional<VisiblePoint> seen(const Case& one) {
+  std::vector<Triangle> triangles;
+  const Vector3d sizes = one.box.sizes();
+  const Isometry3d place = one.pose * Eigen::Translation3d(one.box.center());
+  for (const Triangle& triangle : triangulate(Cuboid{sizes.x(), sizes.y(), sizes.z()}))
+    triangles.push_back(transformed(triangle, place));
+  return cone_closest(triangles, one.cone);
+}
+
+bool misses(const Case& one) {
+  return ConeShape(one.cone, one.cone.range).misses(one.box, one.pose);
+}
+
+/// Also tests boxes that are only just seen: the range ends at the box, or the box touches the cone's lateral
+/// surface in a point.
+TEST(ConeShape, NeverMissesABoxThatIsSeen) {
+  Random random(1);
+  int visible = 0;
+  for (int i = 0; i < cases; ++i) {
+    Case one = any_case(random);
+    const auto point = seen(one);
+    if (!point)
+      continue;
+    ++visible;
+    ASSERT_FALSE(misses(one)) << i;
+    if (point->distance == 0)
+      continue;
+    one.cone.range = point->distance;
+    ASSERT_FALSE(misses(one)) << i;
+    const Vector3d sight = (point->point - one.cone.apex).normalized();
+    const double angle = std::acos(std::min(1.0, sight.dot(one.cone.direction.normalized())));
+    if (angle > 1e-3) {
+      one.cone.full_angle = std::min(2 * angle * (1 + 1e-14), std::numbers::pi);
+      ASSERT_TRUE(!seen(one) || !misses(one)) << i;
+    }
+  }
+  EXPECT_GT(visible, cases / 20);
+}
+
+/// Checks that the cone shape skips at least a third of the unseen boxes that the planes and the distance do
+/// not skip. The others lie beyond the spherical cap but within the flat end.
+TEST(ConeShape, SparesMoreThanThePlanesDo) {
+  Random random(3);
+  int unseen = 0, by_planes = 0, by_either = 0;
+  for (int i = 0; i < cases; ++i) {
+    const Case one = any_case(random);
+    if (seen(one))
+      continue;
+    ++unseen;
+    const ConeBounds bounds(one.cone, one.pose);
+    const bool planes = bounds.least_distance(one.box) > one.cone.range || bounds.misses(one.box);
+    by_planes += planes ? 1 : 0;
+    by_either += planes || misses(one) ? 1 : 0;
+  }
+  EXPECT_GT(3 * (by_either - by_planes), unseen - by_planes);
 }
 
 }  // namespace

@@ -8,24 +8,21 @@
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "geometry.hpp"
+#include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
-
-Eigen::Isometry3d shifted(const Vector3d& translation) {
-  return pose_from_axis({0, 0, 1}, 0, translation);
-}
+using test::at;
 
 /// Returns a scene with an arm whose sensor looks along x at a cube 1 m away, past a sphere beside its cone.
 Scene arm_and_cube() {
   Scene scene;
-  scene.links = {{"arm", std::nullopt, shifted({0, 0, 0.5})}};
+  scene.links = {{"arm", std::nullopt, at(0, 0, 0.5)}};
   scene.distance_sensors = {{"eye", 0, {0.1, 0, 0}, {3, 0, 0}, 40, 2}};
-  scene.objects.push_back({"ball", std::nullopt, Sphere{0.1, 12}, shifted({0.3, 0.5, 0.5})});
-  scene.objects.push_back(
-      {"cube", std::nullopt, Cuboid{0.2, 0.2, 0.2}, shifted({1.2, 0, 0.5}), Floating{}, false});
+  scene.objects.push_back({"ball", std::nullopt, Sphere{0.1, 12}, at(0.3, 0.5, 0.5)});
+  scene.objects.push_back({"cube", std::nullopt, Cuboid{0.2, 0.2, 0.2}, at(1.2, 0, 0.5), Floating{}, false});
   return scene;
 }
 
@@ -89,7 +86,7 @@ TEST(SceneSensing, FollowsTheLinks) {
 TEST(SceneSensing, LooksAsFarToTheSideAsHalfASphere) {
   Scene scene = arm_and_cube();
   scene.distance_sensors[0].full_angle_degrees = 180;
-  scene.objects = {{"post", std::nullopt, Cuboid{0.2, 0.2, 0.2}, shifted({0.0, 1.1, 0.5})}};
+  scene.objects = {{"post", std::nullopt, Cuboid{0.2, 0.2, 0.2}, at(0.0, 1.1, 0.5)}};
   const auto closest = sense(scene)[0].closest;
   ASSERT_TRUE(closest);
   // The side of the post that just reaches into the half sphere at its boundary plane.
@@ -99,11 +96,11 @@ TEST(SceneSensing, LooksAsFarToTheSideAsHalfASphere) {
 TEST(SceneSensing, SaysWhatIsWrong) {
   SceneSensing sensing(arm_and_cube());
   EXPECT_THROW(sensing.set_pose("leg", Eigen::Isometry3d::Identity()), InputError);
-  sensing.set_pose("arm", shifted({1e308, 0, 0}));
+  sensing.set_pose("arm", at(1e308, 0, 0));
   EXPECT_FALSE(sensing.sense()[0].closest);
   Scene scene = arm_and_cube();
   scene.distance_sensors[0].apex.x() = 1e308;
-  scene.links[0].pose = shifted({1e308, 0, 0});
+  scene.links[0].pose = at(1e308, 0, 0);
   EXPECT_THROW(sense(scene), InputError);
 }
 
