@@ -46,23 +46,6 @@ TEST(Polygons, WithVerticesInTheMiddleOfSidesHaveNoTriangleWithoutArea) {
   EXPECT_DOUBLE_EQ(area(triangles), 4);
 }
 
-TEST(Polygons, OfManyVerticesKeepTheirArea) {
-  Vertices star;
-  double doubled = 0;
-  constexpr int n = 400;
-  for (int k = 0; k < n; ++k) {
-    const double angle = 2 * std::acos(-1) * k / n, radius = k % 2 == 0 ? 1 : 0.3;
-    star.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
-  }
-  for (int k = 0; k < n; ++k) {
-    const Vector2d &a = star[static_cast<std::size_t>(k)], &b = star[static_cast<std::size_t>((k + 1) % n)];
-    doubled += a.x() * b.y() - a.y() * b.x();
-  }
-  const std::vector<Triangle> triangles = triangles_of_polygon(star);
-  EXPECT_EQ(triangles.size(), n - 2U);
-  EXPECT_NEAR(area(triangles), doubled / 2, 1e-13);
-}
-
 // What is wrong of which polygon, both readers say in the same words in
 // tests/end_to_end/test_scene_readers_agree.py.
 TEST(Polygons, ThatAreNotSimpleAreRefused) {

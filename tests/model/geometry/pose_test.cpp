@@ -78,15 +78,8 @@ TEST(SetPose, MovesTheLinkAndWhatHangsOnIt) {
   const std::vector<Eigen::Isometry3d> poses = world_poses(scene.links);
   expect_near(poses[0] * Vector3d(1, 0, 0), {-1, 1, 5});
   expect_near(poses[2] * Vector3d(1, 0, 0), {1, 0, 0});
-}
-
-TEST(SetPose, RefusesAnUnknownLink) {
-  Scene scene;
-  scene.links = arm();
   EXPECT_THROW(set_pose(scene, "leg", Eigen::Isometry3d::Identity()), InputError);
 }
-
-using testing::HasSubstr;
 
 /// A link with a joint at (0, 0, 1), turned by a quarter about x.
 Link link_with(Joint joint) {
@@ -127,19 +120,14 @@ TEST(Joint, FollowsThroughOthers) {
   EXPECT_TRUE(moved[2].pose.isApprox(pose_at(*at_rest[2].joint, -0.7), 1e-15));
 }
 
-std::string error_of(std::string_view joint, double position) {
-  try {
-    joint_poses(links(), joint, position);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "no error";
-}
-
 TEST(Joint, IsRefusedWithTheChoices) {
-  EXPECT_THAT(error_of("hip", 0), HasSubstr("there is no joint \"hip\"; there are: lift"));
-  EXPECT_THAT(error_of("tip", 0), HasSubstr("joint \"tip\" follows \"turn\""));
-  EXPECT_THAT(error_of("lift", std::numeric_limits<double>::infinity()), HasSubstr("must be finite"));
+  const auto expect_refused = [](std::string_view joint, double position, const std::string& reason) {
+    EXPECT_THAT([&] { joint_poses(links(), joint, position); },
+                testing::ThrowsMessage<InputError>(testing::HasSubstr(reason)));
+  };
+  expect_refused("hip", 0, "there is no joint \"hip\"; there are: lift");
+  expect_refused("tip", 0, "joint \"tip\" follows \"turn\"");
+  expect_refused("lift", std::numeric_limits<double>::infinity(), "must be finite");
 }
 
 TEST(Joint, CannotFollowItselfOrNothing) {

@@ -175,47 +175,7 @@ TEST(TriangleSlices, HalvesAreEqualAndNoLongerThanTheTriangle) {
   }
 }
 
-/// Returns the shares of the area of a convex piece.
-double share(const Piece& piece) {
-  double sum = 0;
-  for (std::size_t k = 2; k < piece.size; ++k)
-    sum += share_of_area(piece.vertices[0], piece.vertices[k - 1], piece.vertices[k]);
-  return sum;
-}
-
-bool is_within(Strip strip, double coordinate, double length) {
-  constexpr double rounding = 1e-12;
-  return strip == Strip::below    ? coordinate < rounding
-         : strip == Strip::within ? coordinate > -rounding && coordinate < length + rounding
-                                  : coordinate > length - rounding;
-}
-
-TEST(Clipping, PiecesMakeUpTheTriangleAndLieInTheirCells) {
-  test::Random random(1);
-  const PlateFrame plate = plate_frame({{1, 2, 3}, {0, 0.7, 0}, {0, 0, -1.2}});
-  for (int i = 0; i < 300; ++i) {
-    const Triangle triangle = random.triangle_in_box({-1, 1, 0.5}, {2, 4, 4});
-    const LocalTriangle local = to_local(plate, triangle);
-    double sum = 0;
-    for (const Strip u : strips)
-      for (const Strip v : strips) {
-        const Piece piece =
-            clip_to_strip(clip_to_strip(whole(local), 0, u, plate.length_u), 1, v, plate.length_v);
-        sum += share(piece);
-        for (std::size_t k = 0; k < piece.size; ++k) {
-          const auto& [position, barycentric] = piece.vertices[k];
-          EXPECT_TRUE(is_within(u, position.x(), plate.length_u));
-          EXPECT_TRUE(is_within(v, position.y(), plate.length_v));
-          EXPECT_NEAR(from_plate(plate, {u, v}, position).norm(), distance(plate, position), 1e-12);
-          const Vector3d again =
-              barycentric[0] * local[0] + barycentric[1] * local[1] + barycentric[2] * local[2];
-          EXPECT_LT((again - position).norm(), 1e-12);
-        }
-      }
-    EXPECT_NEAR(sum, 1, 1e-12);
-  }
-}
-
+// Pieces in the cells are tested where they are integrated: Pieces, and plate_integral_stress.
 TEST(Clipping, APlatesFrameKeepsDistancesAndPutsThePlateIntoItsCorner) {
   test::Random random(2);
   const Rectangle plate{{1, 2, 3}, {0.3, 0.4, 0}, {-0.8, 0.6, 0}};

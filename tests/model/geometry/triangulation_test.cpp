@@ -174,11 +174,6 @@ TEST(Triangulation, OfADiscIsARegularPolygonThatFacesUp) {
     EXPECT_GT((b - a).cross(c - a).z(), 0);
 }
 
-TEST(Triangulation, OfAMeshIsTheMesh) {
-  const Triangle triangle{Vector3d{1, 2, 3}, {4, 5, 6}, {7, 8, 10}};
-  EXPECT_EQ(triangulate(Mesh{"x.stl", 1, {triangle}}), std::vector<Triangle>{triangle});
-}
-
 const Vector3d origin(0, 0, 0), east(1, 0, 0), north(0, 1, 0), north_east(1, 1, 0);
 
 TEST(SurfaceMesh, MergesCornersWithEqualCoordinates) {

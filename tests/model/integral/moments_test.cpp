@@ -15,10 +15,9 @@
 #include "integral/tree/monomials.hpp"
 #include "integral/tree/partition.hpp"
 #include "integral/tree/weighted_point.hpp"
-#include "numeric/gauss_rule.hpp"
 
 /// Moments of surfaces and the few points that stand for them in the tree, against quadrature in closed form;
-/// integrals of 1/distance along segments, against quadrature, closed forms and what scales.
+/// integrals of 1/distance along segments, against closed forms and what scales.
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
@@ -133,25 +132,6 @@ double moment(const Vector3d& a, const Vector3d& b) {
 }
 double mean(const Vector3d& a, const Vector3d& b) {
   return mean_inverse_distance(a, b, a.norm(), b.norm());
-}
-
-TEST(EdgeMoment, IsTheIntegralByQuadrature) {
-  test::Random random(1);
-  const GaussRule rule = gauss_rule(20);
-  for (int i = 0; i < 200; ++i) {
-    // No closer to the origin than a fifth of its length.
-    const Vector3d a = random.in_box({-1, -1, 0.5}, {1, 1, 1}), b = random.in_box({-1, -1, 0.5}, {1, 1, 1});
-    double of_moment = 0, of_mean = 0;
-    constexpr int parts = 8;
-    for (int part = 0; part < parts; ++part)
-      for (const auto& [position, weight] : rule) {
-        const double s = (part + position) / parts, inverse = weight / parts / (a + s * (b - a)).norm();
-        of_moment += s * inverse;
-        of_mean += inverse;
-      }
-    EXPECT_NEAR(moment(a, b), of_moment, 1e-14 * of_moment);
-    EXPECT_NEAR(mean(a, b), of_mean, 1e-14 * of_mean);
-  }
 }
 
 // ∫ds/|A + s(B − A)| = ∫(1 − s) + ∫s, however close the segment is to the origin, and whatever its length.

@@ -59,21 +59,6 @@ Rectangle any_plate(Random& random) {
           random.uniform(0.1, 1) * pose.linear().col(1)};
 }
 
-TEST(NearestPlates, OfOnePlateIsThatPlate) {
-  Random random(2);
-  std::vector<Triangle> triangles;
-  triangles.reserve(100);
-  for (int i = 0; i < draws(100); ++i)
-    triangles.push_back(random.triangle_in_box({-1, -1, 0.1}, {2, 2, 1}));
-  const std::vector<Rectangle> plates = tiles(1, 1, Eigen::Isometry3d::Identity());
-  NearestPlates division(plates);
-  for (const Triangle& triangle : triangles)
-    division.add(triangle, std::vector<std::size_t>{0});
-  division.refine(0);
-  EXPECT_EQ(division.shares().at(0), triangles);
-  EXPECT_EQ(division.bound(), 0);
-}
-
 TEST(NearestPlates, OfTilesIsThePlateTheyMakeUp) {
   // A rectangle and the tiles that compose it have the same distance from every point.
   Random random(3);
@@ -91,12 +76,16 @@ TEST(NearestPlates, OfTilesIsThePlateTheyMakeUp) {
   }
 }
 
-TEST(NearestPlates, OfTheSamePlateTwiceIsThatPlate) {
+TEST(NearestPlates, OfOnePlateOnceOrSeveralTimesIsThatPlate) {
   Random random(4);
   for (int i = 0; i < draws(100); ++i) {
     const Rectangle plate = any_plate(random);
     const Triangle triangle = random.triangle_in_box({3, 3, 3}, {4, 4, 4});
     const double expected = plate_integral(triangle, plate);
+    const Division once = divide({triangle}, {plate}, 0);
+    EXPECT_EQ(once.integral, plate_integrals(std::vector{triangle}, plate)[0]);
+    EXPECT_EQ(once.bound, 0);
+    EXPECT_EQ(once.parts, 1U);
     EXPECT_NEAR(divide({triangle}, {plate, plate, plate}, 1e-12).integral, expected, 1e-13 * expected);
   }
 }

@@ -86,6 +86,7 @@ Rectangle any_plate(Random& random) {
 void expect_covered(const TreeIntegral& integral, double truth, double tolerance) {
   if (std::isinf(truth)) {
     EXPECT_EQ(integral.value, infinity);
+    EXPECT_EQ(integral.bound, 0);
     return;
   }
   EXPECT_LE(std::abs(integral.value - truth), integral.bound + rounding * truth);
@@ -108,6 +109,7 @@ std::vector<Triangle> counting(const std::vector<Triangle>& triangles, const Rec
 
 TEST(SurfaceTree, BoundCoversTheErrorAndKeepsTheToleranceByEveryRule) {
   constexpr int poses = 25;
+  int touching = 0;
   Random random(2);
   for (const auto& [name, triangles] : meshes()) {
     SCOPED_TRACE(name);
@@ -115,6 +117,7 @@ TEST(SurfaceTree, BoundCoversTheErrorAndKeepsTheToleranceByEveryRule) {
     for (int i = 0; i < poses; ++i) {
       const Rectangle plate = any_plate(random);
       const bool touches = std::isinf(test::total_integral(triangles, plate));
+      touching += touches ? 1 : 0;
       for (const FaceRule rule : {FaceRule::all, FaceRule::facing}) {
         if (touches && rule == FaceRule::facing)
           continue;
@@ -130,6 +133,7 @@ TEST(SurfaceTree, BoundCoversTheErrorAndKeepsTheToleranceByEveryRule) {
       }
     }
   }
+  EXPECT_GT(touching, 5);
 }
 
 TEST(SurfaceTree, BoundCoversTheErrorNextToThePlate) {
@@ -146,18 +150,6 @@ TEST(SurfaceTree, BoundCoversTheErrorNextToThePlate) {
         expect_covered(tree.integrate(plate, tolerance), truth, tolerance);
       }
     }
-  }
-}
-
-TEST(SurfaceTree, IsInfiniteOnContact) {
-  const std::vector<Triangle> triangles = triangulate(Sphere{0.5, 64});
-  const SurfaceTree tree(triangles);
-  const Rectangle cutting{{-0.3, -0.3, 0.45}, {0.6, 0, 0}, {0, 0.6, 0}};
-  for (const double tolerance : {0.0, 1e-6, 1e-1}) {
-    const TreeIntegral integral = tree.integrate(cutting, tolerance);
-    EXPECT_EQ(integral.value, infinity);
-    EXPECT_EQ(integral.bound, 0);
-    expect_every_triangle_counted(integral.counts, triangles.size());
   }
 }
 

@@ -26,12 +26,9 @@ using testing::ElementsAre;
 class MeshFile : public test::TemporaryFolder {
  protected:
   void expect_refused(const std::string& name, const std::string& content, const std::string& reason) const {
-    try {
-      read_mesh_file(write(name, content));
-      FAIL() << name << " is accepted";
-    } catch (const InputError& error) {
-      EXPECT_THAT(error.what(), testing::HasSubstr(reason));
-    }
+    EXPECT_THAT([&] { read_mesh_file(write(name, content)); },
+                testing::ThrowsMessage<InputError>(testing::HasSubstr(reason)))
+        << name;
   }
 };
 

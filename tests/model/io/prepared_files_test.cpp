@@ -71,24 +71,18 @@ TEST_F(PreparedFilesTest, DamagedTruncatedAndForeignFilesCountAsNone) {
 TEST_F(PreparedFilesTest, AFolderThatCannotBeIsRefusedByName) {
   fs::create_directories(kept_in.parent_path());
   write(kept_in, "a file");
-  try {
-    const PreparedFiles files(kept_in);
-    FAIL() << "a file was taken for a folder";
-  } catch (const InputError& error) {
-    EXPECT_THAT(error.what(), testing::HasSubstr("of a test is no folder that can be written"));
-  }
+  EXPECT_THAT(
+      [&] { const PreparedFiles files(kept_in); },
+      testing::ThrowsMessage<InputError>(testing::HasSubstr("of a test is no folder that can be written")));
   EXPECT_EQ(content(kept_in), "a file");
 }
 
 TEST_F(PreparedFilesTest, AFileThatCannotBeWrittenIsNamed) {
   const PreparedFiles files(kept_in);
   fs::create_directories(files.file("machine", "input") / "in its place");
-  try {
-    files.keep("machine", "input", data);
-    FAIL() << "a folder was replaced";
-  } catch (const std::runtime_error& error) {
-    EXPECT_EQ(error.what(), files.file("machine", "input").string() + ": cannot be written");
-  }
+  EXPECT_THAT([&] { files.keep("machine", "input", data); },
+              testing::ThrowsMessage<std::runtime_error>(
+                  testing::StrEq(files.file("machine", "input").string() + ": cannot be written")));
   EXPECT_EQ(std::distance(fs::directory_iterator(kept_in), {}), 1);
 }
 
