@@ -10,7 +10,6 @@
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "fringe/thesis.hpp"
-#include "linear_programme.hpp"
 #include "shape_pairs.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
@@ -23,8 +22,6 @@ using test::Random;
 using test::ShapePair;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr int pairs_per_class = draws(500);
-
 const Points tetrahedron{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
 bool intersect(const Points& a, const Points& b) {
@@ -33,39 +30,27 @@ bool intersect(const Points& a, const Points& b) {
   return answer.intersects;
 }
 
-class GjkIntersectsOnClass : public testing::TestWithParam<test::PairClass> {};
-
-TEST_P(GjkIntersectsOnClass, AgreesWithLinearProgrammingAndProvesIt) {
-  Random random(1);
-  int intersecting = 0;
-  for (int i = 0; i < pairs_per_class; ++i) {
-    const auto [a, b] = GetParam().make(random);
-    const GjkAnswer answer = gjk_intersects(a, b);
-    ASSERT_EQ(answer.intersects, test::hulls_intersect(a, b)) << "pair " << i;
-    ASSERT_TRUE(proves(answer, a, b)) << "pair " << i;
-    ASSERT_EQ(gjk_intersects(b, a).intersects, answer.intersects) << "pair " << i;
-    intersecting += answer.intersects;
-  }
-  // A class with only one kind of answer would show little.
-  EXPECT_GT(intersecting, GetParam().name == "mixed_magnitudes" ? 0 : pairs_per_class / 20);
-  EXPECT_LT(intersecting, GetParam().name == "nested" ? pairs_per_class + 1 : pairs_per_class * 19 / 20);
-}
-
-TEST_P(GjkIntersectsOnClass, AnswersTheSameInAnyUnitOfLength) {
+// What the answers are, in smaller and larger units too, collision_stress compares with linear programming.
+TEST(GjkIntersects, AnswersTheSameInTheSmallestAndTheLargestUnitsOfLength) {
   Random random(2);
-  for (int i = 0; i < pairs_per_class; ++i) {
-    const ShapePair pair = GetParam().make(random);
-    const bool expected = gjk_intersects(pair.a, pair.b).intersects;
-    for (const int exponent : {-500, -150, -20, 20, 150, 500}) {
-      const auto [a, b] = test::placed(pair, std::ldexp(1.0, exponent), Vector3d::Zero());
-      ASSERT_EQ(intersect(a, b), expected) << "pair " << i << ", 2^" << exponent;
+  for (const test::PairClass& pair_class : test::pair_classes()) {
+    SCOPED_TRACE(pair_class.name);
+    constexpr int pairs = draws(100);
+    int intersecting = 0;
+    for (int i = 0; i < pairs; ++i) {
+      const ShapePair pair = pair_class.make(random);
+      const bool expected = intersect(pair.a, pair.b);
+      for (const int exponent : {-500, 500}) {
+        const auto [a, b] = test::placed(pair, std::ldexp(1.0, exponent), Vector3d::Zero());
+        ASSERT_EQ(intersect(a, b), expected) << "pair " << i << ", 2^" << exponent;
+      }
+      intersecting += expected;
     }
+    // A class with only one kind of answer would show little.
+    EXPECT_GT(intersecting, pair_class.name == "mixed_magnitudes" ? 0 : pairs / 20);
+    EXPECT_LT(intersecting, pair_class.name == "nested" ? pairs + 1 : pairs * 19 / 20);
   }
 }
-
-INSTANTIATE_TEST_SUITE_P(Pairs, GjkIntersectsOnClass,
-                         testing::ValuesIn(test::pair_classes().begin(), test::pair_classes().end()),
-                         [](const auto& instance) { return instance.param.name; });
 
 TEST(GjkIntersects, CountsTouchingAtAVertexAnEdgeAndAFace) {
   for (const Vector3d& step : {Vector3d(1, 0, 0), Vector3d(0.5, 0.5, 0), Vector3d(0.25, 0.25, 0.5)}) {
@@ -173,37 +158,29 @@ TEST(GjkCertificate, IsRefusedIfItProvesNothing) {
   EXPECT_FALSE(proves(apart, tetrahedron, {}));
 }
 
-TEST(GjkIntersects, RefusesWrongInputWithAReason) {
-  const auto message = [](const Points& a, const Points& b) -> std::string {
-    try {
-      gjk_intersects(a, b);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "none";
+TEST(GjkIntersects, RefusesWrongInputWithAReasonAsTheDistanceDoes) {
+  const auto expect_refused = [](const Points& a, const Points& b, const std::string& reason) {
+    const auto refusal = testing::ThrowsMessage<InputError>(testing::StrEq(reason));
+    EXPECT_THAT([&] { gjk_intersects(a, b); }, refusal);
+    EXPECT_THAT([&] { gjk_distance(a, b); }, refusal);
   };
-  EXPECT_EQ(message({}, tetrahedron), "A has no vertices");
-  EXPECT_EQ(message(tetrahedron, {}), "B has no vertices");
-  EXPECT_EQ(message(tetrahedron, {{0, 0, 0}, {0, infinity, 0}}), "vertex 1 of B is not finite");
-  EXPECT_EQ(message({{0, NAN, 0}}, tetrahedron), "vertex 0 of A is not finite");
+  expect_refused({}, tetrahedron, "A has no vertices");
+  expect_refused(tetrahedron, {}, "B has no vertices");
+  expect_refused(tetrahedron, {{0, 0, 0}, {0, infinity, 0}}, "vertex 1 of B is not finite");
+  expect_refused({{0, NAN, 0}}, tetrahedron, "vertex 0 of A is not finite");
 }
 
-Points moved(const Eigen::Vector3d& step) {
-  Points points = tetrahedron;
-  for (Eigen::Vector3d& point : points)
-    point += step;
-  return points;
+Points moved(const Vector3d& step) {
+  return test::placed({tetrahedron, {}}, 1, step).a;
 }
 
-TEST(ThesisGjk, DecidesOrdinaryPairs) {
+TEST(ThesisGjk, DecidesOrdinaryPairsAndCallsTouchingHullsDisjoint) {
   EXPECT_EQ(thesis_gjk_intersects(tetrahedron, moved({0.1, 0.1, 0.1})), true);
   EXPECT_EQ(thesis_gjk_intersects(tetrahedron, moved({2, 0, 0})), false);
-}
-
-TEST(ThesisGjk, CallsTouchingHullsDisjoint) {
   const Points touching = moved({1, 0, 0});
-  EXPECT_TRUE(gjk_intersects(tetrahedron, touching).intersects);
+  EXPECT_TRUE(intersect(tetrahedron, touching));
   EXPECT_EQ(thesis_gjk_intersects(tetrahedron, touching), false);
+  EXPECT_THROW(thesis_gjk_intersects({}, tetrahedron), InputError);
 }
 
 TEST(ThesisGjk, ReturnsNothingIfItDoesNotEnd) {
@@ -220,10 +197,6 @@ TEST(ThesisGjk, ReturnsNothingIfItDoesNotEnd) {
       EXPECT_EQ(thesis_gjk_intersects(pair.a, pair.b, 10000), std::nullopt);
     }
   EXPECT_GT(endless, 0);
-}
-
-TEST(ThesisGjk, RefusesAnEmptySetOfVertices) {
-  EXPECT_THROW(thesis_gjk_intersects({}, tetrahedron), InputError);
 }
 
 }  // namespace

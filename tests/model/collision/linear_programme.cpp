@@ -1,4 +1,4 @@
-#include "linear_programme.hpp"
+#include "shape_pairs.hpp"
 
 #include <algorithm>
 #include <array>

@@ -7,6 +7,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/triangulation.hpp"
+#include "geometry.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
@@ -15,11 +16,8 @@ using Eigen::Vector3d;
 
 const Cuboid cube{2, 2, 2};
 
-std::vector<Triangle> moved(std::vector<Triangle> triangles, const Vector3d& shift) {
-  for (Triangle& triangle : triangles)
-    for (Vector3d& vertex : triangle)
-      vertex += shift;
-  return triangles;
+std::vector<Triangle> moved(const std::vector<Triangle>& triangles, double x, double y, double z) {
+  return test::moved(triangles, Eigen::Isometry3d(Eigen::Translation3d(x, y, z)));
 }
 
 void append(std::vector<Triangle>& triangles, const std::vector<Triangle>& more) {
@@ -34,18 +32,15 @@ TEST(MeshDefects, ACubeIsOneShellWithoutDefects) {
             0U);
 }
 
-TEST(MeshDefects, AMissingTriangleLeavesThreeOpenEdges) {
-  std::vector<Triangle> triangles = triangulate(cube);
-  triangles.pop_back();
-  EXPECT_EQ(mesh_defects(triangles).open_edges, 3U);
-}
-
-TEST(MeshDefects, AFlippedTriangleHasThreeFlippedEdges) {
-  std::vector<Triangle> triangles = triangulate(cube);
-  std::swap(triangles[5][0], triangles[5][1]);
-  const MeshDefects found = mesh_defects(triangles);
-  EXPECT_EQ(found.flipped_edges, 3U);
-  EXPECT_EQ(found.open_edges, 0U);
+TEST(MeshDefects, AMissingAFlippedOrAThirdTriangleIsSeenAtItsEdges) {
+  std::vector<Triangle> missing = triangulate(cube), flipped = missing, branching = missing;
+  missing.pop_back();
+  EXPECT_EQ(mesh_defects(missing).open_edges, 3U);
+  std::swap(flipped[5][0], flipped[5][1]);
+  EXPECT_EQ(mesh_defects(flipped).flipped_edges, 3U);
+  EXPECT_EQ(mesh_defects(flipped).open_edges, 0U);
+  branching.push_back({branching[0][0], branching[0][1], Vector3d(5, 6, 7)});
+  EXPECT_EQ(mesh_defects(branching).branching_edges, 1U);
 }
 
 TEST(MeshDefects, DuplicatesAndFlatTrianglesHideNoOtherDefectAndAddNone) {
@@ -59,12 +54,6 @@ TEST(MeshDefects, DuplicatesAndFlatTrianglesHideNoOtherDefectAndAddNone) {
   EXPECT_EQ(found.open_edges + found.branching_edges + found.flipped_edges, 0U);
 }
 
-TEST(MeshDefects, AThirdTriangleAtAnEdgeIsABranch) {
-  std::vector<Triangle> triangles = triangulate(cube);
-  triangles.push_back({triangles[0][0], triangles[0][1], Vector3d(5, 6, 7)});
-  EXPECT_EQ(mesh_defects(triangles).branching_edges, 1U);
-}
-
 TEST(MeshDefects, AVertexInsideAnOpenEdgeIsATJunction) {
   const Vector3d middle(0.5, 0, 0);
   const MeshDefects found = mesh_defects(std::vector<Triangle>{{Vector3d(0, 0, 0), {1, 0, 0}, {0, 1, 0}},
@@ -75,11 +64,11 @@ TEST(MeshDefects, AVertexInsideAnOpenEdgeIsATJunction) {
 
 TEST(MeshDefects, ShellsThatCrossAreCountedWithThePairsOfTrianglesThatCross) {
   std::vector<Triangle> triangles = triangulate(cube);
-  append(triangles, moved(triangles, {10, 0, 0}));
+  append(triangles, moved(triangles, 10, 0, 0));
   EXPECT_EQ(mesh_defects(triangles).shells, 2U);
   EXPECT_EQ(mesh_defects(triangles).crossings, 0U);
   // One corner of the third cube is inside the first one: three faces of each cross, which are six triangles.
-  append(triangles, moved(triangulate(cube), {1.1, 1.2, 1.3}));
+  append(triangles, moved(triangulate(cube), 1.1, 1.2, 1.3));
   const MeshDefects found = mesh_defects(triangles);
   EXPECT_EQ(found.shells, 3U);
   EXPECT_GE(found.crossings, 6U);

@@ -14,6 +14,7 @@
 #include "fringe/pose.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/triangulation.hpp"
+#include "scenes.hpp"
 #include "shape_pairs.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
@@ -21,18 +22,15 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
+using test::at;
 using test::Random;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-Isometry3d moved_by(double x, double y, double z) {
-  return Isometry3d(Eigen::Translation3d(x, y, z));
-}
-
 const Shape cube = Cuboid{1, 1, 1};
 
 Object object(const std::string& name, const Shape& shape, const Isometry3d& pose = Isometry3d::Identity()) {
-  return {.name = name, .link = std::nullopt, .shape = shape, .pose = pose};
+  return test::object(name, shape, pose);
 }
 
 PairStatus status_of(const Shape& a, const Shape& b, const Isometry3d& pose_b) {
@@ -42,32 +40,26 @@ PairStatus status_of(const Shape& a, const Shape& b, const Isometry3d& pose_b) {
 }
 
 TEST(Collide, DistinguishesClearBoundsAndCollision) {
-  EXPECT_EQ(status_of(cube, cube, moved_by(2, 0, 0)), PairStatus::clear);
-  EXPECT_EQ(status_of(cube, cube, moved_by(0.9, 0, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(cube, cube, at(2, 0, 0)), PairStatus::clear);
+  EXPECT_EQ(status_of(cube, cube, at(0.9, 0, 0)), PairStatus::collision);
   // The balls' boxes overlap at their corners, the balls do not.
-  EXPECT_EQ(status_of(Sphere{1, 12}, Sphere{1, 12}, moved_by(1.9, 1.9, 0)), PairStatus::bounds);
+  EXPECT_EQ(status_of(Sphere{1, 12}, Sphere{1, 12}, at(1.9, 1.9, 0)), PairStatus::bounds);
 }
 
 TEST(Collide, CountsTouchingAsCollision) {
-  EXPECT_EQ(status_of(cube, cube, moved_by(1, 0.25, 0)), PairStatus::collision);
-  EXPECT_EQ(status_of(cube, cube, moved_by(std::nextafter(1.0, 2.0), 0.25, 0)), PairStatus::bounds);
-  EXPECT_EQ(status_of(cube, Plate{1, 1}, moved_by(0, 0, 0.5)), PairStatus::collision);
+  EXPECT_EQ(status_of(cube, cube, at(1, 0.25, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(cube, cube, at(std::nextafter(1.0, 2.0), 0.25, 0)), PairStatus::bounds);
+  EXPECT_EQ(status_of(cube, Plate{1, 1}, at(0, 0, 0.5)), PairStatus::collision);
 }
 
 TEST(Collide, TreatsRoundShapesAsTrulyRound) {
   // A prism of six segments reaches 0.87 of the radius midway between its corners; the cylinder itself
   // reaches the whole radius.
   const Isometry3d half_a_segment = pose_from_axis({0, 0, 1}, 30, {1.98, 0, 0});
-  EXPECT_EQ(status_of(Cylinder{1, 1, 6}, Cylinder{1, 1, 6}, half_a_segment), PairStatus::collision);
-}
-
-TEST(Collide, TreatsDiscsCapsulesEllipsoidsAndRoundEdgesAsTrulyRound) {
-  const Isometry3d half_a_segment = pose_from_axis({0, 0, 1}, 30, {1.98, 0, 0});
-  EXPECT_EQ(status_of(Disc{1, 6}, Disc{1, 6}, half_a_segment), PairStatus::collision);
-  EXPECT_EQ(status_of(Capsule{1, 1, 4}, Capsule{1, 1, 4}, half_a_segment), PairStatus::collision);
-  EXPECT_EQ(status_of(Ellipsoid{1, 1, 2, 6}, Ellipsoid{1, 1, 2, 6}, half_a_segment), PairStatus::collision);
-  EXPECT_EQ(status_of(Ellipsoid{1, 1, 2, 6}, Ellipsoid{1, 1, 2, 6}, moved_by(1.5, 0, 2.7)),
-            PairStatus::bounds);
+  for (const Shape& shape :
+       {Shape(Cylinder{1, 1, 6}), Shape(Disc{1, 6}), Shape(Capsule{1, 1, 4}), Shape(Ellipsoid{1, 1, 2, 6})})
+    EXPECT_EQ(status_of(shape, shape, half_a_segment), PairStatus::collision) << shape.index();
+  EXPECT_EQ(status_of(Ellipsoid{1, 1, 2, 6}, Ellipsoid{1, 1, 2, 6}, at(1.5, 0, 2.7)), PairStatus::bounds);
   // Beyond the corner at 45 degrees the rounding takes away 1.414 - 1 of its radius.
   const Shape rounded = RoundedCuboid{2, 2, 1, 0.5, 4}, thin = Cuboid{0.01, 4, 0.2};
   const auto beside_corner = [](double gap) {
@@ -80,25 +72,20 @@ TEST(Collide, TreatsDiscsCapsulesEllipsoidsAndRoundEdgesAsTrulyRound) {
 
 TEST(Collide, FindsNoCollisionInTheHollowOfAPolygon) {
   const Shape l_shape = Polygon{{{0, 0}, {2, 0}, {2, 2}, {1, 2}, {1, 1}, {0, 1}}};
-  EXPECT_EQ(status_of(l_shape, Sphere{0.4, 12}, moved_by(0.5, 1.5, 0)), PairStatus::bounds);
-  EXPECT_EQ(status_of(l_shape, Sphere{0.6, 12}, moved_by(0.5, 1.5, 0)), PairStatus::collision);
-  EXPECT_EQ(status_of(l_shape, Sphere{0.4, 12}, moved_by(1.5, 1.5, 0.3)), PairStatus::collision);
+  EXPECT_EQ(status_of(l_shape, Sphere{0.4, 12}, at(0.5, 1.5, 0)), PairStatus::bounds);
+  EXPECT_EQ(status_of(l_shape, Sphere{0.6, 12}, at(0.5, 1.5, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(l_shape, Sphere{0.4, 12}, at(1.5, 1.5, 0.3)), PairStatus::collision);
 }
 
-TEST(Collide, FindsNoCollisionInTheHollowOfAConcaveShape) {
-  const Shape arc = Arc{1, 1.2, 1, 270, 27};
-  EXPECT_EQ(status_of(arc, Sphere{0.9, 12}, Isometry3d::Identity()), PairStatus::bounds);
-  EXPECT_EQ(status_of(arc, Sphere{0.9, 12}, moved_by(0.15, 0, 0)), PairStatus::collision);
-  // The sphere lies in the gap of the arc.
-  EXPECT_EQ(status_of(arc, Sphere{0.6, 12}, moved_by(-1, 0, 0)), PairStatus::bounds);
-}
-
-TEST(Collide, TestsTheTrianglesOfAMesh) {
-  const Shape mesh = Mesh{"", 1, triangulate(Arc{1, 1.2, 1, 270, 27})};
-  EXPECT_EQ(status_of(mesh, Sphere{0.9, 12}, Isometry3d::Identity()), PairStatus::bounds);
-  EXPECT_EQ(status_of(mesh, Sphere{0.9, 12}, moved_by(0.15, 0, 0)), PairStatus::collision);
-  EXPECT_EQ(status_of(mesh, mesh, moved_by(0, 0, 1.01)), PairStatus::clear);
-  EXPECT_EQ(status_of(mesh, mesh, moved_by(0, 0, 0.99)), PairStatus::collision);
+TEST(Collide, FindsNoCollisionInTheHollowOfAConcaveShapeOrMesh) {
+  const Shape arc = Arc{1, 1.2, 1, 270, 27}, mesh = Mesh{"", 1, triangulate(arc)};
+  for (const Shape& shape : {arc, mesh}) {
+    EXPECT_EQ(status_of(shape, Sphere{0.9, 12}, Isometry3d::Identity()), PairStatus::bounds);
+    EXPECT_EQ(status_of(shape, Sphere{0.9, 12}, at(0.15, 0, 0)), PairStatus::collision);
+    EXPECT_EQ(status_of(shape, Sphere{0.6, 12}, at(-1, 0, 0)), PairStatus::bounds) << "in the gap of the arc";
+  }
+  EXPECT_EQ(status_of(mesh, mesh, at(0, 0, 1.01)), PairStatus::clear);
+  EXPECT_EQ(status_of(mesh, mesh, at(0, 0, 0.99)), PairStatus::collision);
 }
 
 TEST(Collide, FindsObjectsInsideAClosedMesh) {
@@ -107,9 +94,9 @@ TEST(Collide, FindsObjectsInsideAClosedMesh) {
   triangles.pop_back();
   const Shape open = Mesh{"", 1, triangles};
   const Shape small = Mesh{"", 1, triangulate(Sphere{0.1, 8})};
-  EXPECT_EQ(status_of(closed, Sphere{0.1, 8}, moved_by(0.2, 0, 0)), PairStatus::collision);
-  EXPECT_EQ(status_of(small, closed, moved_by(0.2, 0, 0)), PairStatus::collision);
-  EXPECT_EQ(status_of(open, Sphere{0.1, 8}, moved_by(0.2, 0, 0)), PairStatus::bounds);
+  EXPECT_EQ(status_of(closed, Sphere{0.1, 8}, at(0.2, 0, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(small, closed, at(0.2, 0, 0)), PairStatus::collision);
+  EXPECT_EQ(status_of(open, Sphere{0.1, 8}, at(0.2, 0, 0)), PairStatus::bounds);
 }
 
 /// Returns a scene with one cube on each of two links and one in the world, all in the same place.
@@ -183,14 +170,14 @@ const Shape without_pieces = Arc{1.2, 1, 1, 90, 3};
 
 TEST(CollisionDetector, DividesAnObjectIntoPiecesOnlyWhenABoxMeetsItsOwn) {
   Scene scene;
-  scene.links = {{"arm", std::nullopt, moved_by(9, 0, 0)}};
+  scene.links = {{"arm", std::nullopt, at(9, 0, 0)}};
   scene.objects = {object("a", cube), object("b", without_pieces)};
   scene.objects[0].link = 0;
   CollisionDetector detector(scene);
   EXPECT_THAT(detector.collide().marked, IsEmpty());
-  detector.set_pose("arm", moved_by(1, 0, 0));
+  detector.set_pose("arm", at(1, 0, 0));
   EXPECT_THROW(detector.collide(), InputError);
-  detector.set_pose("arm", moved_by(9, 0, 0));
+  detector.set_pose("arm", at(9, 0, 0));
   EXPECT_THAT(detector.collide().marked, IsEmpty()) << "and what was refused is forgotten";
 }
 
@@ -215,13 +202,13 @@ TEST(CollisionDetector, TestsOnlyPairsThatHaveMoved) {
   CollisionDetector detector(scene);
   EXPECT_EQ(detector.collide().tests.narrow, 3U);
   EXPECT_EQ(detector.collide().tests.broad, 0U);
-  detector.set_pose("left", moved_by(0.5, 0, 0));
+  detector.set_pose("left", at(0.5, 0, 0));
   EXPECT_EQ(detector.collide().tests.narrow, 2U);
   EXPECT_THAT(detector.collide().marked, SizeIs(3));
-  detector.set_pose("left", moved_by(5, 0, 0));
+  detector.set_pose("left", at(5, 0, 0));
   EXPECT_EQ(detector.collide().tests.narrow, 0U);
   EXPECT_THAT(detector.collide().marked, SizeIs(1));
-  EXPECT_THROW(detector.set_pose("middle", moved_by(0, 0, 0)), InputError);
+  EXPECT_THROW(detector.set_pose("middle", at(0, 0, 0)), InputError);
 }
 
 /// Returns a shape without round surfaces, for which testing all pairs of triangles decides whether shapes

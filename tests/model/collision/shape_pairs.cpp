@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 
+#include "collision/convex_pair.hpp"
+#include "collision/gjk_iteration.hpp"
+#include "collision/minkowski_difference.hpp"
+
 namespace fringe::test {
 namespace {
 
@@ -33,33 +37,17 @@ void move(Points& points, const Vector3d& offset) {
 }
 
 Points cuboid(Random& random) {
-  const Vector3d half = random.in_box({0.1, 0.1, 0.1}, {1, 1, 1});
-  Points corners;
-  for (const double x : {-half.x(), half.x()})
-    for (const double y : {-half.y(), half.y()})
-      for (const double z : {-half.z(), half.z()})
-        corners.emplace_back(x, y, z);
-  return corners;
-}
-
-Points turned(const Points& points, const Eigen::Isometry3d& motion) {
-  Points result;
-  for (const Vector3d& point : points)
-    result.push_back(motion * point);
-  return result;
+  return corners_of_box(random.in_box({0.1, 0.1, 0.1}, {1, 1, 1}));
 }
 
 /// Returns two shapes whose extreme vertices along a direction face each other at the distance of the gap.
 ShapePair apart_by_gap(Random& random) {
   ShapePair pair{any_shape(random, 12), any_shape(random, 12)};
   const Vector3d axis = direction(random);
-  const auto highest =
-      std::max_element(pair.a.begin(), pair.a.end(),
-                       [&](const Vector3d& p, const Vector3d& q) { return p.dot(axis) < q.dot(axis); });
-  const auto lowest =
-      std::min_element(pair.b.begin(), pair.b.end(),
-                       [&](const Vector3d& p, const Vector3d& q) { return p.dot(axis) < q.dot(axis); });
-  const Vector3d offset = *highest - *lowest + small_gap(random) * axis;
+  const auto is_lower = [&](const Vector3d& p, const Vector3d& q) { return p.dot(axis) < q.dot(axis); };
+  const Vector3d& highest = *std::max_element(pair.a.begin(), pair.a.end(), is_lower);
+  const Vector3d& lowest = *std::min_element(pair.b.begin(), pair.b.end(), is_lower);
+  const Vector3d offset = highest - lowest + small_gap(random) * axis;
   move(pair.b, offset);
   return pair;
 }
@@ -72,7 +60,7 @@ ShapePair at_a_face(Random& random) {
   const Vector3d aside = random.in_box({-1, -1, 0}, {1, 1, 0});
   move(pair.b, (top - lowest_along(pair.b, up) + small_gap(random)) * up + aside);
   const Eigen::Isometry3d motion = random.rigid_motion();
-  return {turned(pair.a, motion), turned(pair.b, motion)};
+  return {moved(pair.a, motion), moved(pair.b, motion)};
 }
 
 /// Returns two long edges that cross at the distance of the gap.
@@ -124,7 +112,7 @@ ShapePair coplanar(Random& random) {
   if (below(random, 2) == 0)
     return pair;
   const Eigen::Isometry3d motion = random.rigid_motion();
-  return {turned(pair.a, motion), turned(pair.b, motion)};
+  return {moved(pair.a, motion), moved(pair.b, motion)};
 }
 
 /// Returns the same shape twice, the second one moved along one of its edges and by the gap.
@@ -175,12 +163,35 @@ Points any_shape(Random& random, std::size_t most) {
   return points;
 }
 
+Points corners_of_box(const Vector3d& half_widths) {
+  Points corners;
+  for (const double x : {-1.0, 1.0})
+    for (const double y : {-1.0, 1.0})
+      for (const double z : {-1.0, 1.0})
+        corners.emplace_back(half_widths.cwiseProduct(Vector3d(x, y, z)));
+  return corners;
+}
+
+Points moved(const Points& points, const Eigen::Isometry3d& motion) {
+  Points result;
+  for (const Vector3d& point : points)
+    result.push_back(motion * point);
+  return result;
+}
+
 ShapePair placed(const ShapePair& pair, double factor, const Vector3d& offset) {
   ShapePair result = pair;
   for (Points* points : {&result.a, &result.b})
     for (Vector3d& point : *points)
       point = factor * point + offset;
   return result;
+}
+
+GjkDistance exact_distance(const Points& a, const Points& b) {
+  const detail::PassingHulls hulls(a, b);
+  const detail::ConvexPair pair = hulls.pair();
+  const detail::PolytopeDifference difference(pair, detail::Goal::distance);
+  return difference.distance(detail::gjk<detail::Dyadic>(difference, pair.start()));
 }
 
 std::span<const PairClass> pair_classes() {
