@@ -5,7 +5,6 @@
 #include <numbers>
 #include <span>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <gtest/gtest.h>
 
 #include "fringe/error.hpp"
@@ -19,10 +18,14 @@ namespace {
 
 using Eigen::Vector3d;
 using std::numbers::pi;
+using test::ProgrammeAnswer;
+using test::Real;
+using test::SensedTriangle;
+using test::Visibility;
 
-/// Returns the cone from the origin along z with a half angle of 45° and a range of 10.
-SensingCone upward_cone() {
-  return {Vector3d::Zero(), {0, 0, 1}, pi / 2, 10};
+/// Returns a cone from the origin along z.
+SensingCone upward_cone(double full_angle = pi / 2, double range = 10) {
+  return {Vector3d::Zero(), {0, 0, 1}, full_angle, range};
 }
 
 /// Relative tolerance: where an edge or a plane meets the cone at a small angle, the widening of the cone's
@@ -60,8 +63,7 @@ TEST_P(ConeClosest, FindsThePointInTheFiveCasesOfTheThesis) {
   // on a side; a vertex. The plane x + 2z = 6 has its foot at (6/5, 0, 12/5), which is inside the cone of 45°
   // but outside the cone with tan = 1/4. On the latter, x = z/4 gives z = 8/3. The edge x = 2 + z/2 in the
   // plane y = 0 enters the cone x = z at z = 4.
-  SensingCone narrow = upward_cone();
-  narrow.full_angle = 2 * std::atan(0.25);
+  const SensingCone narrow = upward_cone(2 * std::atan(0.25));
   const Triangle inclined{{{6, -9, 0}, {6, 9, 0}, {-8, 0, 7}}};
   expect_seen({{{-3, -3, 2}, {3, -3, 2}, {0, 3, 2}}}, upward_cone(), {0, 0, 2});
   expect_seen(inclined, upward_cone(), {1.2, 0, 2.4});
@@ -132,27 +134,23 @@ TEST_P(ConeClosest, BoundaryCountsAsInside) {
     expect_seen(triangle, upward_cone(), {1, 0, 1});
     for (int i = 0; i < 100; ++i) {
       const Eigen::Isometry3d motion(random.rigid_motion().linear());
-      const SensingCone cone{Vector3d::Zero(), motion * Vector3d(0, 0, 1), pi / 2, 10};
+      SensingCone cone = upward_cone();
+      cone.direction = motion * cone.direction;
       expect_seen({motion * triangle[0], motion * triangle[1], motion * triangle[2]}, cone,
                   motion * Vector3d(1, 0, 1));
     }
   }
-  SensingCone short_cone = upward_cone();
-  short_cone.range = 0.3;
-  expect_seen({{{0, 0, 0.1 + 0.2}, {0, 1, 1}, {1, 0, 1}}}, short_cone, {0, 0, 0.3});
+  expect_seen({{{0, 0, 0.1 + 0.2}, {0, 1, 1}, {1, 0, 1}}}, upward_cone(pi / 2, 0.3), {0, 0, 0.3});
 }
 
 TEST_P(ConeClosest, JustOutsideDoesNotCount) {
   constexpr double off = 1e-14;
   expect_unseen({{{1 + off, 0, 1}, {2, 0, 1}, {2, 1, 1}}}, upward_cone());
-  SensingCone cone = upward_cone();
-  cone.range = 1 - off;
-  expect_unseen({{{-1, -1, 1}, {1, -1, 1}, {0, 1, 1}}}, cone);
+  expect_unseen({{{-1, -1, 1}, {1, -1, 1}, {0, 1, 1}}}, upward_cone(pi / 2, 1 - off));
 }
 
 TEST_P(ConeClosest, HalfSpaceIsACone) {
-  SensingCone cone = upward_cone();
-  cone.full_angle = pi;
+  const SensingCone cone = upward_cone(pi);
   const Triangle wall{{{2, -5, -5}, {2, 5, -5}, {2, 0, 9}}};
   expect_seen(wall, cone, {2, 0, 0});
   // A floor in the half space's boundary plane, and one below it.
@@ -205,7 +203,6 @@ TEST(SensingCone, SaysWhatIsWrong) {
 }
 
 TEST(PreciseCone, HasSineAndCosineToThirtyDigits) {
-  using Real = boost::multiprecision::cpp_bin_float_100;
   for (const double angle : {1e-300, 1e-10, 0.1, 1.0, 2.0, 3.0, 3.14159, pi}) {
     const detail::PreciseCone cone = detail::precise_cone({0, 0, 3}, angle);
     const Real half = Real(angle) / 2 + Real(detail::boundary_width);
@@ -216,11 +213,6 @@ TEST(PreciseCone, HasSineAndCosineToThirtyDigits) {
     EXPECT_LE(error(cone.cosine, cos(half)), Real(1e-31));
   }
 }
-
-using test::ProgrammeAnswer;
-using test::Real;
-using test::SensedTriangle;
-using test::Visibility;
 
 /// The documented widening of the cone's boundary, in radians.
 constexpr double widening = 0x1p-50;
