@@ -6,17 +6,27 @@
 #include <limits>
 #include <thread>
 
+#include <Eigen/Geometry>
 #include <mpfr.h>
 
-#include "conditioning.hpp"
 #include "fringe/batch_integral.hpp"
 #include "fringe/plate_integral.hpp"
-#include "thesis_formula.hpp"
 
 namespace fringe::stress {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Computes ∫dA/d over a triangle in region I by the formula printed in thesis 5.3.1 and appendix D, without
+/// ε, in double precision and without any safeguards.
+double thesis_formula(const Triangle& triangle, const Rectangle& plate) {
+  const Eigen::Vector3d n = plate.edge_u.cross(plate.edge_v).normalized();
+  const Eigen::Vector3d u = triangle[1] - triangle[0], v = triangle[2] - triangle[0];
+  const double a = u.dot(n), b = v.dot(n), c = triangle[0].dot(n) - plate.corner.dot(n);
+  return u.cross(v).norm() / b *
+         (b * (a + c) / (a * (a - b)) * std::log(a + c) - (b + c) / (a - b) * std::log(b + c) +
+          c / a * std::log(c));
+}
 
 bool in_front(const Dissection& dissection) {
   return std::all_of(dissection.vertices.begin(), dissection.vertices.end(), [&](const RealVector& vertex) {

@@ -1,4 +1,4 @@
-#include "conditioning.hpp"
+#include "truth.hpp"
 
 #include <algorithm>
 #include <array>

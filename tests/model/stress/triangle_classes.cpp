@@ -59,32 +59,22 @@ struct Size {
   Vector3d extent() const { return {length.x(), length.y(), 0}; }
 };
 
-/// A symmetry of the plate, so that a generator only has to consider the edge x = 0: x and y may be
-/// exchanged, and each may be measured from the opposite end.
-class View {
- public:
-  View(Random& random, Size size)
-      : size_(std::move(size)), exchanged_(chance(random, 0.5)), flip_x_(chance(random, 0.5)),
-        flip_y_(chance(random, 0.5)) {}
-
-  Size size() const { return exchanged_ ? Size{{size_.length.y(), size_.length.x()}} : size_; }
-
-  Triangle operator()(Triangle triangle) const {
-    for (Vector3d& vertex : triangle) {
-      if (exchanged_)
-        std::swap(vertex.x(), vertex.y());
-      if (flip_x_)
-        vertex.x() = size_.length.x() - vertex.x();
-      if (flip_y_)
-        vertex.y() = size_.length.y() - vertex.y();
-    }
-    return triangle;
+/// Draws a triangle for a plate whose axes x and y may be exchanged and each measured from its opposite end,
+/// so that a generator only has to consider the edge x = 0.
+template <Triangle (*draw)(Random&, const Size&)>
+Triangle at_any_side(Random& random, const Size& size) {
+  const bool exchanged = chance(random, 0.5), flip_x = chance(random, 0.5), flip_y = chance(random, 0.5);
+  Triangle triangle = draw(random, exchanged ? Size{{size.length.y(), size.length.x()}} : size);
+  for (Vector3d& vertex : triangle) {
+    if (exchanged)
+      std::swap(vertex.x(), vertex.y());
+    if (flip_x)
+      vertex.x() = size.length.x() - vertex.x();
+    if (flip_y)
+      vertex.y() = size.length.y() - vertex.y();
   }
-
- private:
-  Size size_;
-  bool exchanged_, flip_x_, flip_y_;
-};
+  return triangle;
+}
 
 /// Returns a random point around the plate, at a height in a range given in plate sizes.
 Vector3d around(Random& random, const Size& size, double lowest = 0.1, double highest = 1.5) {
@@ -131,16 +121,14 @@ Triangle in_region_1(Random& random, const Size& size) {
 }
 
 Triangle in_region_2(Random& random, const Size& size) {
-  const View view(random, size);
-  const double scale = view.size().scale();
-  return view(in_box(random, {-scale, 0.01 * view.size().length.y(), 0.05 * scale},
-                     {-0.01 * scale, 0.99 * view.size().length.y(), scale}));
+  const double scale = size.scale();
+  return in_box(random, {-scale, 0.01 * size.length.y(), 0.05 * scale},
+                {-0.01 * scale, 0.99 * size.length.y(), scale});
 }
 
 Triangle in_region_3(Random& random, const Size& size) {
-  const View view(random, size);
   const double scale = size.scale();
-  return view(in_box(random, {-scale, -scale, 0.05 * scale}, {-0.01 * scale, -0.01 * scale, scale}));
+  return in_box(random, {-scale, -scale, 0.05 * scale}, {-0.01 * scale, -0.01 * scale, scale});
 }
 
 /// Returns a triangle around the plate's centre, with a part in each of the nine cells.
@@ -210,18 +198,16 @@ Triangle near_plate(Random& random, const Size& size) {
 }
 
 Triangle near_edge(Random& random, const Size& size) {
-  const View view(random, size);
   const double angle = random.uniform(0, std::numbers::pi);
-  const Vector3d foot = on_edge(random, view.size());
+  const Vector3d foot = on_edge(random, size);
   const Vector3d vertex = foot + small_distance(random, size) * Vector3d(std::cos(angle), 0, std::sin(angle));
-  return view(with_vertex(random, view.size(), vertex));
+  return with_vertex(random, size, vertex);
 }
 
 Triangle near_corner(Random& random, const Size& size) {
-  const View view(random, size);
   Vector3d outwards = direction(random);
   outwards.z() = std::abs(outwards.z());
-  return view(with_vertex(random, view.size(), small_distance(random, size) * outwards));
+  return with_vertex(random, size, small_distance(random, size) * outwards);
 }
 
 /// Returns a random point beside the plate (x < 0), in front of its plane or behind it.
@@ -245,13 +231,11 @@ Triangle touching_plate(Random& random, const Size& size) {
 }
 
 Triangle touching_edge(Random& random, const Size& size) {
-  const View view(random, size);
-  return view(touching_with_vertex(random, view.size(), on_edge(random, view.size()), true));
+  return touching_with_vertex(random, size, on_edge(random, size), true);
 }
 
 Triangle touching_corner(Random& random, const Size& size) {
-  const View view(random, size);
-  return view(touching_with_vertex(random, view.size(), {0, 0, 0}, true));
+  return touching_with_vertex(random, size, {0, 0, 0}, true);
 }
 
 /// Returns a triangle with an edge in the plane x = −gap that passes the plate's edge or corner, and the
@@ -267,8 +251,7 @@ Triangle passing_with_edge(Random& random, const Size& size, double gap) {
 }
 
 Triangle touching_with_edge(Random& random, const Size& size) {
-  const View view(random, size);
-  return view(passing_with_edge(random, view.size(), 0));
+  return passing_with_edge(random, size, 0);
 }
 
 /// Returns a triangle perpendicular to a direction that points away from the corner, at the distance `gap`.
@@ -287,10 +270,8 @@ Triangle passing_with_face(Random& random, const Size& size, double gap) {
 }
 
 Triangle passing_closely(Random& random, const Size& size) {
-  const View view(random, size);
   const double gap = small_distance(random, size);
-  return view(chance(random, 0.5) ? passing_with_edge(random, view.size(), gap)
-                                  : passing_with_face(random, view.size(), gap));
+  return chance(random, 0.5) ? passing_with_edge(random, size, gap) : passing_with_face(random, size, gap);
 }
 
 /// Returns a random triangle of a given size about a point.
@@ -322,76 +303,69 @@ Triangle huge(Random& random, const Size& size) {
 }
 
 Triangle in_the_plane(Random& random, const Size& size) {
-  const View view(random, size);
-  return view(shaped([&] {
+  return shaped([&] {
     Triangle triangle;
     for (Vector3d& vertex : triangle) {
-      vertex = beside(random, view.size()) - Vector3d(0.04 * size.scale(), 0, 0);
+      vertex = beside(random, size) - Vector3d(0.04 * size.scale(), 0, 0);
       vertex.z() = 0;
     }
     return triangle;
-  }));
+  });
 }
 
 Triangle edge_in_border_plane(Random& random, const Size& size) {
-  const View view(random, size);
-  return view(shaped([&] {
-    Triangle triangle = triangle_around(random, view.size());
+  return shaped([&] {
+    Triangle triangle = triangle_around(random, size);
     triangle[0].x() = triangle[1].x() = 0;
     return triangle;
-  }));
+  });
 }
 
 Triangle in_border_plane(Random& random, const Size& size) {
-  const View view(random, size);
-  return view(shaped([&] {
-    Triangle triangle = triangle_around(random, view.size());
+  return shaped([&] {
+    Triangle triangle = triangle_around(random, size);
     for (Vector3d& vertex : triangle)
       vertex.x() = 0;
     return triangle;
-  }));
+  });
 }
 
 Triangle plane_through_corner(Random& random, const Size& size) {
-  const View view(random, size);
-  return view(shaped([&] {
+  return shaped([&] {
     const Vector3d low(-1, -1, 0.1), high(-0.1, -0.1, 1);
     const Vector3d u = size.scale() * random.in_box(low, high), v = size.scale() * random.in_box(low, high);
     Triangle triangle;
     for (Vector3d& vertex : triangle)
       vertex = random.uniform(0.1, 1) * u + random.uniform(0.1, 1) * v;
     return triangle;
-  }));
+  });
 }
 
 Triangle plane_through_edge(Random& random, const Size& size) {
-  const View view(random, size);
-  return view(shaped([&] {
+  return shaped([&] {
     const double angle = random.uniform(0, std::numbers::pi / 2);
     Triangle triangle;
     for (Vector3d& vertex : triangle) {
       const double radius = random.uniform(0.1, 1) * size.scale();
-      vertex = {-radius * std::cos(angle), random.uniform(0.01, 0.99) * view.size().length.y(),
+      vertex = {-radius * std::cos(angle), random.uniform(0.01, 0.99) * size.length.y(),
                 radius * std::sin(angle)};
     }
     return triangle;
-  }));
+  });
 }
 
 /// Returns a triangle in a plane through the plate's edge, with two vertices at distances from the edge down
 /// to 1e-18 of the plate's size. The plane is mostly a border plane or the plate's plane, where the vectors
 /// from the plate are collinear.
 Triangle edge_next_to_edge(Random& random, const Size& size) {
-  const View view(random, size);
-  const Size seen = view.size();
   const std::array directions{Vector3d(0, 0, 1), Vector3d(-1, 0, 0), Vector3d(-0.6, 0, 0.8)};
   const Vector3d& outwards = directions[static_cast<std::size_t>(random.uniform(0, 3))];
-  const double gap = seen.scale() * log_uniform(random, 1e-18, 1e-3);
+  const double gap = size.scale() * log_uniform(random, 1e-18, 1e-3);
   const auto at = [&](double radius) -> Vector3d {
-    return Vector3d(0, on_grid(random.uniform(-0.5, 1.5) * seen.length.y()), 0) + radius * outwards;
+    return Vector3d(0, on_grid(random.uniform(-0.5, 1.5) * size.length.y()), 0) + radius * outwards;
   };
   return shaped([&] {
-    return Triangle{at(gap), at(random.uniform(0.5, 2) * gap), at(random.uniform(0.1, 1) * seen.scale())};
+    return Triangle{at(gap), at(random.uniform(0.5, 2) * gap), at(random.uniform(0.1, 1) * size.scale())};
   });
 }
 
@@ -414,24 +388,21 @@ Triangle crossing(Random& random, const Size& size) {
 
 /// Returns a triangle that meets the plate along a segment or in an area.
 Triangle on_the_plate(Random& random, const Size& size) {
-  const View view(random, size);
-  const Size seen = view.size();
-  const Vector3d a = on_grid(on_plate(random, seen)), b = on_grid(on_plate(random, seen));
-  const Vector3d off = on_grid(around(random, seen));
+  const Vector3d a = on_grid(on_plate(random, size)), b = on_grid(on_plate(random, size));
+  const Vector3d off = on_grid(around(random, size));
   const Vector3d level(off.x(), off.y(), 0);
   const auto beyond_end = [&](double start) {
-    return on_grid(start + random.uniform(0.1, 1) * seen.scale());
+    return on_grid(start + random.uniform(0.1, 1) * size.scale());
   };
   switch (static_cast<int>(random.uniform(0, 4))) {
   case 0:
-    return view({a, b, level});  // lies on the plate, at least in part
+    return {a, b, level};  // lies on the plate, at least in part
   case 1:
-    return view({a, b, off});  // an edge on the plate
+    return {a, b, off};  // an edge on the plate
   case 2:
-    return view(
-        {Vector3d(0, -beyond_end(0), 0), {0, beyond_end(seen.length.y()), 0}, off});  // along its edge
+    return {Vector3d(0, -beyond_end(0), 0), {0, beyond_end(size.length.y()), 0}, off};  // along its edge
   default:
-    return view({a, level, off});  // an edge that leaves the plate
+    return {a, level, off};  // an edge that leaves the plate
   }
 }
 
@@ -454,34 +425,34 @@ const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all{
       {{"random", well_behaved}, Placement::free, ordinary},
       {{"region-1", well_behaved}, Placement::free, in_region_1},
-      {{"region-2", well_behaved}, Placement::free, in_region_2},
-      {{"region-3", well_behaved}, Placement::free, in_region_3},
+      {{"region-2", well_behaved}, Placement::free, at_any_side<in_region_2>},
+      {{"region-3", well_behaved}, Placement::free, at_any_side<in_region_3>},
       {{"nine-cells", well_behaved}, Placement::free, in_nine_cells},
       {{"behind", well_behaved}, Placement::free, behind},
       {{"sliver", hard}, Placement::free, sliver},
       {{"parallel", well_behaved}, Placement::free, parallel},
       {{"nearly-parallel", well_behaved}, Placement::free, nearly_parallel},
       {{"near-plate", hard}, Placement::free, near_plate},
-      {{"near-edge", hard}, Placement::free, near_edge},
-      {{"near-corner", hard}, Placement::free, near_corner},
-      {{"passing-closely", hard}, Placement::free, passing_closely},
+      {{"near-edge", hard}, Placement::free, at_any_side<near_edge>},
+      {{"near-corner", hard}, Placement::free, at_any_side<near_corner>},
+      {{"passing-closely", hard}, Placement::free, at_any_side<passing_closely>},
       {{"touching-plate", hard}, Placement::exact, touching_plate},
-      {{"touching-edge", hard}, Placement::exact, touching_edge},
-      {{"touching-corner", hard}, Placement::exact, touching_corner},
-      {{"touching-with-edge", hard}, Placement::exact, touching_with_edge},
+      {{"touching-edge", hard}, Placement::exact, at_any_side<touching_edge>},
+      {{"touching-corner", hard}, Placement::exact, at_any_side<touching_corner>},
+      {{"touching-with-edge", hard}, Placement::exact, at_any_side<touching_with_edge>},
       {{"far", hard}, Placement::free, far},
       {{"one-kilometre-away", hard}, Placement::kilometre, ordinary},
       {{"one-micrometre", hard}, Placement::free, micrometre},
       {{"huge", hard}, Placement::free, huge},
-      {{"in-the-plane", well_behaved}, Placement::free, in_the_plane},
-      {{"edge-in-border-plane", well_behaved}, Placement::free, edge_in_border_plane},
-      {{"in-border-plane", well_behaved}, Placement::free, in_border_plane},
-      {{"plane-through-corner", well_behaved}, Placement::free, plane_through_corner},
-      {{"plane-through-edge", well_behaved}, Placement::free, plane_through_edge},
+      {{"in-the-plane", well_behaved}, Placement::free, at_any_side<in_the_plane>},
+      {{"edge-in-border-plane", well_behaved}, Placement::free, at_any_side<edge_in_border_plane>},
+      {{"in-border-plane", well_behaved}, Placement::free, at_any_side<in_border_plane>},
+      {{"plane-through-corner", well_behaved}, Placement::free, at_any_side<plane_through_corner>},
+      {{"plane-through-edge", well_behaved}, Placement::free, at_any_side<plane_through_edge>},
       {{"edge-next-to-edge", hard}, Placement::at_origin, edge_next_to_edge},
       {{"no-area", hard}, Placement::exact, without_area},
       {{"crossing", hard}, Placement::free, crossing},
-      {{"on-the-plate", hard}, Placement::exact, on_the_plate},
+      {{"on-the-plate", hard}, Placement::exact, at_any_side<on_the_plate>},
   };
   return all;
 }

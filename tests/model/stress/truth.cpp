@@ -5,10 +5,50 @@
 #include <limits>
 
 #include "graded_rule.hpp"
-#include "row_sum.hpp"
 
 namespace fringe::stress {
 namespace {
+
+struct DoubleDoubleVector {
+  DoubleDouble x, y, z;
+};
+
+DoubleDoubleVector operator+(const DoubleDoubleVector& a, const DoubleDoubleVector& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+DoubleDoubleVector operator*(DoubleDouble factor, const DoubleDoubleVector& vector) {
+  return {factor * vector.x, factor * vector.y, factor * vector.z};
+}
+
+/// Side lengths of the plate 0 ≤ x ≤ u, 0 ≤ y ≤ v, z = 0.
+struct PlateExtent {
+  DoubleDouble u, v;
+};
+
+/// Computes x − clamp(x, 0, length).
+inline DoubleDouble beyond(DoubleDouble x, DoubleDouble length) {
+  const DoubleDouble above = x - length;
+  if (above.high > 0)
+    return above;
+  return x.high < 0 ? x : DoubleDouble{};
+}
+
+inline DoubleDouble inverse_distance(const DoubleDoubleVector& point, const PlateExtent& extent) {
+  const DoubleDouble u = beyond(point.x, extent.u), v = beyond(point.y, extent.v);
+  return inverse_square_root(u * u + v * v + point.z * point.z);
+}
+
+/// Computes ∫₀¹ s ds/d(apex + s·ray) by a quadrature rule, where d is the distance to the plate.
+DoubleDouble row_sum(const DoubleDoubleVector& apex, const DoubleDoubleVector& ray, const PlateExtent& extent,
+                     const Rule& rule) {
+  DoubleDouble sum;
+  for (std::size_t i = 0; i < rule.size(); ++i) {
+    const DoubleDouble s = rule.position(i);
+    sum = sum + rule.weight(i) * s * inverse_distance(apex + s * ray, extent);
+  }
+  return sum;
+}
 
 DoubleDoubleVector to_double_double(const RealVector& vector) {
   return {stress::to_double_double(vector.x()), stress::to_double_double(vector.y()),

@@ -1,12 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <string>
 
 #include <gtest/gtest.h>
 
-#include "conditioning.hpp"
 #include "triangle_classes.hpp"
 #include "truth.hpp"
 
@@ -21,10 +19,14 @@ Truth truth(const Triangle& triangle) {
   return integrate(dissect(triangle, plate));
 }
 
-void expect_value(const Triangle& triangle, const Real& expected) {
-  const Truth found = truth(triangle);
+DoubleDouble integral(const Triangle& triangle, const Rectangle& plate) {
+  const Truth found = integrate(dissect(triangle, plate));
   EXPECT_TRUE(found.converged);
-  EXPECT_LE(static_cast<double>(abs(Real(to_real(found.value) / expected - 1))), 1e-20);
+  return found.value;
+}
+
+void expect_value(const Triangle& triangle, const Real& expected) {
+  EXPECT_LE(static_cast<double>(abs(Real(to_real(integral(triangle, plate)) / expected - 1))), 1e-20);
 }
 
 TEST(Truth, OfAParallelTriangleIsAreaOverHeight) {
@@ -62,14 +64,6 @@ TEST(Truth, IsFiniteWhereATriangleBesideThePlateTouchesItsEdgeInOnePoint) {
         std::isfinite(truth({{{x, 0.5, -1}, {x, 0.5, 1}, {x == 0 ? -1.0 : 3.0, 0.5, 0}}}).value.high));
 }
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
-DoubleDouble integral(const Triangle& triangle, const Rectangle& plate) {
-  const Truth truth = integrate(dissect(triangle, plate));
-  EXPECT_TRUE(truth.converged);
-  return truth.value;
-}
-
 /// Computes the largest relative change when each of the 18 numbers is replaced by its neighbours.
 double largest_change(Triangle triangle, Rectangle plate) {
   const DoubleDouble value = integral(triangle, plate);
@@ -77,7 +71,7 @@ double largest_change(Triangle triangle, Rectangle plate) {
   for (Eigen::Vector3d* vector :
        {triangle.data(), &triangle[1], &triangle[2], &plate.corner, &plate.edge_u, &plate.edge_v})
     for (double& number : *vector)
-      for (const double towards : {-infinity, infinity}) {
+      for (const double towards : {-HUGE_VAL, HUGE_VAL}) {
         const double original = number;
         number = std::nextafter(number, towards);
         largest = std::max(largest, std::abs((integral(triangle, plate) - value).high / value.high));
@@ -89,7 +83,7 @@ double largest_change(Triangle triangle, Rectangle plate) {
 class Conditioning : public testing::TestWithParam<std::string> {};
 
 TEST_P(Conditioning, IsWhatAUnitInTheLastPlaceChanges) {
-  for (const Group& group : make_triangles(GetParam(), 8, 3))
+  for (const Group& group : make_triangles(GetParam(), 4, 3))
     for (const Triangle& triangle : group.triangles) {
       const double expected = largest_change(triangle, group.plate);
       const Dissection dissection = dissect(triangle, group.plate);
