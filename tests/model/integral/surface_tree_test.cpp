@@ -269,14 +269,15 @@ Triangle small_triangle(const Vector3d& place, double area) {
   return triangle;
 }
 
-/// The error of a quadrature of a tree with one node, and its bound.
-struct MeasuredBound {
-  double error;
-  double bound;
-};
+/// Returns two spots whose centroid is the origin: the lighter one lies one metre from it.
+std::vector<Triangle> two_spots(const Vector3d& towards_lighter, double heavier) {
+  return {small_triangle(-towards_lighter / heavier, 1e-8 * heavier), small_triangle(towards_lighter, 1e-8)};
+}
 
-MeasuredBound measured_bound(const std::vector<Triangle>& triangles, const Rectangle& plate,
-                             std::size_t step) {
+/// Checks that the error of a quadrature of a tree with one node is within its bound and at least a fifth of
+/// it.
+void expect_nearly_attained(const std::vector<Triangle>& triangles, const Rectangle& plate,
+                            std::size_t step) {
   const detail::SurfaceNodes tree = detail::build_nodes(triangles);
   const detail::Node& node = tree.nodes.front();
   const detail::PlateFrame frame = detail::plate_frame(plate);
@@ -286,51 +287,33 @@ MeasuredBound measured_bound(const std::vector<Triangle>& triangles, const Recta
   for (std::size_t i = points.first; i < points.first + points.count; ++i)
     sum += tree.points.weight[i] /
            detail::place(frame, {tree.points.x[i], tree.points.y[i], tree.points.z[i]}).distance;
-  return {std::abs(sum - test::total_integral(triangles, plate)),
-          detail::smooth_errors(placement, node)[step] + detail::kink_error(frame, placement, node)};
+  const double error = std::abs(sum - test::total_integral(triangles, plate)),
+               bound =
+                   detail::smooth_errors(placement, node)[step] + detail::kink_error(frame, placement, node);
+  EXPECT_LE(error, bound);
+  EXPECT_GE(error, bound / 5);
 }
 
-/// Checks that the error is within the bound and at least a fifth of it.
-void expect_nearly_attained(const MeasuredBound& measured) {
-  EXPECT_LE(measured.error, measured.bound);
-  EXPECT_GE(measured.error, measured.bound / 5);
-}
-
-/// Returns a large plate in the plane z = height.
-Rectangle wide_plate(double height) {
-  return {{-1e4, -1e4, height}, {2e4, 0, 0}, {0, 2e4, 0}};
-}
-
-// For two spots one above the other, all forms of the expansion take their largest values. At a large
-// distance the first unmatched term dominates the bound; at 1.05 radii the remainder does.
 TEST(SurfaceTree, BoundIsNearlyAttainedByTwoSpots) {
-  for (const double heavy : {1.0, 4.0}) {
-    // The centroid is the origin; the lighter spot lies one metre from it, towards the plate.
-    const std::vector<Triangle> spots{small_triangle({0, 0, -1 / heavy}, 1e-8 * heavy),
-                                      small_triangle({0, 0, 1}, 1e-8)};
+  const auto wide_plate = [](double height) {
+    return Rectangle{{-1e4, -1e4, height}, {2e4, 0, 0}, {0, 2e4, 0}};
+  };
+  // One above the other, all forms of the expansion take their largest values. At a large distance the first
+  // unmatched term dominates the bound; at 1.05 radii the remainder does.
+  for (const double heavier : {1.0, 4.0})
     for (const double distance : {1.05, 1.2, 2.0, 10.0, 100.0}) {
-      SCOPED_TRACE(fmt::format("heavy {}, distance {}", heavy, distance));
-      expect_nearly_attained(measured_bound(spots, wide_plate(distance), 0));
+      SCOPED_TRACE(fmt::format("heavier {}, distance {}", heavier, distance));
+      expect_nearly_attained(two_spots({0, 0, 1}, heavier), wide_plate(distance), 0);
     }
-  }
-}
-
-// The four points of the rule of degree 2 are symmetric, spots of unequal weight are not: the term of degree
-// 3 remains.
-TEST(SurfaceTree, BoundOfTheThirdMomentsIsNearlyAttained) {
-  const std::vector<Triangle> spots{small_triangle({0, 0, -1.0 / 9}, 9e-8), small_triangle({0, 0, 1}, 1e-8)};
+  // The four points of the rule of degree 2 are symmetric, spots of unequal weight are not: the term of
+  // degree 3 remains.
   for (const double distance : {20.0, 100.0})
-    expect_nearly_attained(measured_bound(spots, wide_plate(distance), 1));
-}
-
-// In front of the plate the distance of a surface parallel to it is constant: all of the error comes from the
-// lighter spot beyond the border plane.
-TEST(SurfaceTree, BoundAcrossABorderIsNearlyAttained) {
-  const std::vector<Triangle> spots{small_triangle({-1.0 / 20, 0, 0}, 20e-8),
-                                    small_triangle({1, 0, 0}, 1e-8)};
+    expect_nearly_attained(two_spots({0, 0, 1}, 9), wide_plate(distance), 1);
+  // In front of the plate the distance of a surface parallel to it is constant: all of the error comes from
+  // the lighter spot beyond the border plane.
   for (const double distance : {200.0, 1000.0})
-    expect_nearly_attained(
-        measured_bound(spots, {{-5000, -5000, -distance}, {5000, 0, 0}, {0, 10000, 0}}, 1));
+    expect_nearly_attained(two_spots({1, 0, 0}, 20), {{-5000, -5000, -distance}, {5000, 0, 0}, {0, 10000, 0}},
+                           1);
 }
 
 TEST(SurfaceTree, BoundDoesNotDependOnTheUnitOfLength) {
