@@ -22,6 +22,7 @@ from typing import Any
 
 import numpy as np
 
+from geometries.scene.poses import AxisRotation
 from tests.fuzz.random_scenes import RandomScene, scene
 
 _ROOT = Path(__file__).resolve().parents[2]
@@ -104,7 +105,7 @@ def _findings(made: RandomScene, seed: int) -> Iterator[str]:
     chosen = chance.sample(_OPTIONS, 4)
     for number, frame in enumerate(made.frames):
         for link, (translation, axis, degrees) in zip(made.links, frame):
-            live.set_pose(link, translation, _rotation(axis, degrees))
+            live.set_pose(link, translation, AxisRotation(axis, degrees).matrix())
         for asked in chosen:
             print(f"seed {seed}, frame {number}, {asked}", flush=True)
             yield from (f"frame {number}, {asked}: {each}" for each in _answer(live, asked))
@@ -154,13 +155,6 @@ def _numbers(answer: Any, place: str) -> Iterator[tuple[str, float]]:
             yield from _numbers(value, place)
     elif isinstance(answer, float):
         yield place, answer
-
-
-def _rotation(axis: tuple[float, float, float], degrees: float) -> np.ndarray[Any, Any]:
-    x, y, z = axis
-    angle = math.radians(degrees)
-    cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
-    return np.eye(3) + math.sin(angle) * cross + (1 - math.cos(angle)) * cross @ cross
 
 
 def _module() -> Any:
