@@ -227,19 +227,6 @@ TEST_F(SceneReader, NamesTheTableByItsPlaceWhenItHasNoName) {
       HasSubstr(":4: object[1].name: is missing"));
 }
 
-TEST_F(SceneReader, RefusesAFileThatDoesNotExist) {
-  EXPECT_THROW(load_scene(folder() / "missing.toml"), InputError);
-  EXPECT_THROW(load_scene(folder()), InputError);
-}
-
-TEST_F(SceneReader, NamesTheMeshThatCannotBeRead) {
-  EXPECT_THAT(error_of("[[object]]\nname = \"m\"\nshape = { type = \"mesh\", file = \"missing.stl\" }\n"),
-              AllOf(HasSubstr("object \"m\": shape.file"), HasSubstr("missing.stl does not exist")));
-  write("broken.stl", "solid");
-  EXPECT_THAT(error_of("[[object]]\nname = \"m\"\nshape = { type = \"mesh\", file = \"broken.stl\" }\n"),
-              AllOf(HasSubstr("object \"m\": shape.file"), HasSubstr("broken.stl")));
-}
-
 struct BadScene {
   const char* what;
   std::string text;
@@ -306,6 +293,8 @@ TEST_F(SceneReader, RefusesWithKeyAndReason) {
            {"polygon of a vertex with three numbers",
             object_with("type = \"polygon\", vertices = [[0, 0], [1, 0], [1, 1, 1]]"), "shape.vertices[2]",
             "2 numbers"},
+           {"mesh that does not exist", object_with("type = \"mesh\", file = \"missing.stl\""), "shape.file",
+            "missing.stl does not exist"},
            {"half a segment", object_with("type = \"sphere\", radius = 1, segments = 4.5"), "shape.segments",
             "whole number"},
        })
