@@ -71,18 +71,6 @@ std::vector<Specimen> with_truth(const std::vector<Group>& groups, unsigned thre
 
 }  // namespace
 
-std::string name_of(Judged method) {
-  switch (method) {
-  case Judged::exact:
-    return "exact";
-  case Judged::thesis:
-    return "thesis";
-  case Judged::split:
-    return "split:4";
-  }
-  return {};
-}
-
 double relative_error(double value, const Truth& truth) {
   const double expected = truth.value.high;
   if (expected == 0 || std::isinf(expected))

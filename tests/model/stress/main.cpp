@@ -115,8 +115,8 @@ ClassSummary summarize(const Assessment& assessment) {
       summary.largest_over_allowed[k] =
           std::max(summary.largest_over_allowed[k], error_over_allowed(specimen, k));
   }
-  for (const Judged method : judged)
-    summary.methods.emplace_back(name_of(method), summarize(assessment, method));
+  for (const auto& [method, name] : judged)
+    summary.methods.emplace_back(name, summarize(assessment, method));
   return summary;
 }
 
