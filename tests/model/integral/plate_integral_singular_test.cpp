@@ -13,8 +13,9 @@
 /// Tests what the classes of plate_integral_stress do not reach: numbers near the ends of the range of
 /// doubles, edges whose squared length is not representable, and triangles that, up to rounding, touch a
 /// rotated plate or lie in its plane or in a border plane. Rounding decides whether these are in contact, and
-/// the decision must not depend on which vertex comes first. The value of the integral at triangles without
-/// area, in contact, in planes between two regions, thin or nearly parallel to the plate is tested there.
+/// the decision must not depend on which vertex comes first. The stress program tests the value of the
+/// integral at triangles without area, in contact, in planes between two regions, thin or nearly parallel to
+/// the plate.
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
@@ -184,10 +185,12 @@ void expect_same_in_all_orders(const Touching& scene, double integral) {
   const std::vector<double> batched = plate_integrals(orders, scene.plate);
   for (std::size_t i = 0; i < orders.size(); ++i) {
     const double value = plate_integral(orders[i], scene.plate);
-    if (value != integral)
+    if (value != integral) {
       ASSERT_NEAR(value, integral, 4e-15 * integral);
-    if (batched[i] != integral)
+    }
+    if (batched[i] != integral) {
       ASSERT_NEAR(batched[i], integral, 1e-13 * integral) << "in a batch";
+    }
   }
 }
 
