@@ -4,7 +4,6 @@
 #include <numbers>
 #include <vector>
 
-#include <boost/multiprecision/cpp_int.hpp>
 #include <gtest/gtest.h>
 
 #include "collision/box_axes.hpp"
@@ -16,6 +15,7 @@
 #include "fringe/gjk.hpp"
 #include "fringe/triangulation.hpp"
 #include "geometry/winding_number.hpp"
+#include "real.hpp"
 #include "shape_pairs.hpp"
 
 /// Volumes around points, the axes of boxes, and convex pieces of shapes in their boxes.
@@ -27,7 +27,8 @@ using Eigen::Vector3d;
 using test::draws;
 using test::Points;
 using test::Random;
-using Rational = boost::multiprecision::cpp_rational;
+using test::Real;
+using test::RealVector;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 /// Relative allowance: twice the outward rounding of volumes plus the rounding of a height.
@@ -40,24 +41,18 @@ Points random_points(Random& random) {
   return a;
 }
 
+RealVector from_centre(const Vector3d& centre, const Vector3d& point) {
+  return point.cast<Real>() - centre.cast<Real>();
+}
+
 bool strictly_inside(const Vector3d& point, const BoundingSphere& sphere) {
-  Rational square = 0;
-  for (int k = 0; k < 3; ++k) {
-    const Rational difference = Rational(point[k]) - Rational(sphere.centre[k]);
-    square += difference * difference;
-  }
-  return square < Rational(sphere.radius) * Rational(sphere.radius);
+  return from_centre(sphere.centre, point).squaredNorm() < Real(sphere.radius) * sphere.radius;
 }
 
 bool strictly_inside(const Vector3d& point, const OrientedBox& box) {
-  for (int i = 0; i < 3; ++i) {
-    Rational height = 0;
-    for (int k = 0; k < 3; ++k)
-      height += Rational(box.axes(i, k)) * (Rational(point[k]) - Rational(box.centre[k]));
-    if (abs(height) >= Rational(box.half_widths[i]))
-      return false;
-  }
-  return true;
+  const RealVector heights = box.axes.cast<Real>() * from_centre(box.centre, point);
+  return (heights.array() < box.half_widths.cast<Real>().array()).all() &&
+         (-heights.array() < box.half_widths.cast<Real>().array()).all();
 }
 
 void expect_orthonormal_and_right_handed(const Eigen::Matrix3d& axes) {

@@ -1,13 +1,12 @@
 #include <cmath>
 #include <limits>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
-#include <boost/multiprecision/eigen.hpp>
 #include <gtest/gtest.h>
 
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
+#include "real.hpp"
 #include "shape_pairs.hpp"
 
 /// Tests distances of posed shapes against those of their vertices' hulls, which are computed exactly.
@@ -21,10 +20,8 @@ using test::draws;
 using test::moved;
 using test::Points;
 using test::Random;
-using Real =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
-
-using RealVector = Eigen::Matrix<Real, 3, 1>;
+using test::Real;
+using test::RealVector;
 
 constexpr double promised = 1e-12;
 

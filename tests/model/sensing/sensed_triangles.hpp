@@ -5,11 +5,9 @@
 #include <string>
 #include <vector>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
-#include <boost/multiprecision/eigen.hpp>
-
 #include "fringe/distance_sensor.hpp"
 #include "geometry.hpp"
+#include "real.hpp"
 
 /// Triangles and cones in classes that are difficult in different ways, and what the cones see of them.
 namespace fringe::test {
@@ -31,11 +29,6 @@ inline void PrintTo(const SensedClass& sensed, std::ostream* out) {
 
 /// Returns all classes. Their cones have a range that reaches every triangle.
 std::vector<SensedClass> sensed_classes();
-
-using Real =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
-
-using RealVector = Eigen::Matrix<Real, 3, 1>;
 
 enum class Visibility {
   visible,    ///< interior points of the triangle lie inside the cone
