@@ -13,7 +13,6 @@
 #include "fringe/plate_integral.hpp"
 #include "fringe/pose.hpp"
 #include "geometry.hpp"
-#include "instruction_sets.hpp"
 #include "integral/derivative/plate_wrench.hpp"
 
 /// Compares the numerical methods with the exact one and the derivatives with respect to the triangle's pose
