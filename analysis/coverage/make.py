@@ -7,7 +7,7 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.coverage import page, tables
+from analysis.coverage import distances, page
 from analysis.coverage.probes import DEFAULT, probe
 from analysis.coverage.survey import Options, survey
 from analysis.pipeline.model_stage import model_module
@@ -16,7 +16,6 @@ from analysis.show.make import find_scene
 from geometries.common import installation
 from geometries.common.errors import InputError
 from geometries.scene import reader
-from geometries.scene.scene import Scene
 
 
 @dataclass(frozen=True)
@@ -42,9 +41,10 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
             raise
         raise InputError(str(path), error.key, error.reason) from error
     place = target or installation.results_folder() / "coverage" / f"{path.stem}.html"
-    tables.write_csv(found, place.with_suffix(".csv"))
-    tables.write_vtu(found, place.with_suffix(".vtu"))
-    text = place.with_suffix(".csv").read_text(encoding="utf-8")
+    table = place.with_suffix(".csv")
+    distances.write_csv(found, table)
+    distances.write_vtu(found, place.with_suffix(".vtu"))
+    text = table.read_text(encoding="utf-8")
     digest = hashlib.sha256(text.encode()).hexdigest()
     shown = shlex.join(
         [*shlex.split(installation.command("analysis")), "coverage", str(name)]
@@ -52,16 +52,8 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
         + [part for one in options.readings for part in ("--reading", one)]
     )
     title = f"{path.stem.replace('_', ' ')}: where a probe is noticed"
-    conductors = {
-        key: value
-        for key, value in model.Scene.load(str(path)).conductors().items()
-        if key not in _targets(scene)
-    }
-    write_text(
-        place, page.document(title, digest, scene, found, conductors, place.with_suffix(".csv").name, shown)
-    )
+    targets = {body.name for body in scene.objects if body.target}
+    whole = model.Scene.load(str(path)).conductors()
+    conductors = {name: triangles for name, triangles in whole.items() if name not in targets}
+    write_text(place, page.document(title, digest, scene, found, conductors, table.name, shown))
     return Made(place, page.sentences(found))
-
-
-def _targets(scene: Scene) -> set[str]:
-    return {body.name for body in scene.objects if body.target}

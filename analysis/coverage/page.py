@@ -10,10 +10,12 @@ import numpy as np
 from markupsafe import Markup
 from numpy.typing import NDArray
 
-from analysis.coverage import claims, findings, tables
+from analysis.coverage import findings
+from analysis.coverage.distances import ANY, distances
 from analysis.coverage.survey import BOUNDARY_ELEMENTS, FARTHEST, NEAREST, NEGLIGIBLE, Survey
 from analysis.report import page
 from analysis.results.store import Document
+from analysis.show.data import mesh
 from geometries.scene.scene import Scene
 
 Array = NDArray[np.float64]
@@ -47,7 +49,7 @@ def document(
         finding=sentences(survey)[0],
         data=page.json_in_page(data),
         probes=[probe.name for probe in survey.probes],
-        readings=[tables.ANY, *(reading.name for reading in survey.readings)],
+        readings=[ANY, *(reading.name for reading in survey.readings)],
         steps=len(FACTORS) - 1,
         start=int(np.argmin(np.abs(FACTORS - 1))),
     )
@@ -57,14 +59,13 @@ def document(
 def sentences(survey: Survey) -> list[str]:
     """Returns what the survey found, a sentence for each probe."""
     found = []
-    for told in findings.summaries(survey):
-        blind = told.held - told.noticed
+    for probe, told in zip(survey.probes, findings.noticed(survey)):
         if not told.noticed:
-            found.append(f"{told.probe}: no reading notices it at any of {told.held} places.")
+            found.append(f"{probe.name}: no reading notices it at any of {told.held} places.")
             continue
         found.append(
-            f"{told.probe}: noticed at {told.noticed} of {told.held} places, from {_cm(told.median)} in the median "
-            f"({_cm(told.nearest)} to {_cm(told.farthest)} at nine of ten); {blind} are blind."
+            f"{probe.name}: noticed at {told.noticed} of {told.held} places, from {_cm(told.median)} in the median "
+            f"({_cm(told.nearest)} to {_cm(told.farthest)} at nine of ten); {told.held - told.noticed} are blind."
         )
     return found
 
@@ -116,7 +117,7 @@ def _claims(scene: Scene, survey: Survey) -> list[Markup]:
     """Returns the section on what has been said of such sensors; nothing for a machine without sensors."""
     if not scene.sensors:
         return []
-    told = [claims.nearby_sentence(scene, survey), claims.centre_sentence(scene, survey)]
+    told = [findings.nearby_sentence(scene, survey), findings.centre_sentence(scene, survey)]
     return [
         page.section("What has been said of such sensors", *(page.paragraph(each) for each in told if each))
     ]
@@ -167,36 +168,28 @@ def _known(value: float, words: str) -> str:
 
 def _data(survey: Survey, conductors: dict[str, Array]) -> Document:
     drawn = np.unique(np.linspace(0, len(survey.places.points) - 1, MOST_DRAWN).astype(int))
-    tables_of = []
+    packed = []
     for p in range(len(survey.probes)):
         for k in (None, *range(len(survey.readings))):
-            steps = [_packed(tables.distances(survey, p, k, float(factor))[0][drawn]) for factor in FACTORS]
-            tables_of.append(base64.b64encode(np.stack(steps).astype("<u2").tobytes()).decode())
+            steps = [_packed(distances(survey, p, k, float(factor))[0][drawn]) for factor in FACTORS]
+            packed.append(base64.b64encode(np.stack(steps).astype("<u2").tobytes()).decode())
+    named = {reading.name for reading in survey.readings}
     return {
-        "bodies": [_mesh(name, triangles) for name, triangles in conductors.items()],
-        "sensors": [name for name in conductors if name in _sensor_names(survey, conductors)],
+        "bodies": [{"name": name, **mesh(triangles)} for name, triangles in conductors.items()],
+        "sensors": [name for name in conductors if name in named],
         "points": survey.places.points[drawn].round(4).tolist(),
         "normals": survey.places.normals[drawn].round(4).tolist(),
         "owners": [survey.places.owners[k] for k in drawn],
         "factors": FACTORS.tolist(),
         "thresholds": [None, *survey.thresholds],
         "readings": len(survey.readings) + 1,
-        "distances": tables_of,
+        "distances": packed,
         "blocked": _BLOCKED,
         "per_metre": _PER_METRE,
     }
-
-
-def _sensor_names(survey: Survey, conductors: dict[str, Array]) -> set[str]:
-    return {reading.name for reading in survey.readings} & set(conductors)
 
 
 def _packed(distances: Array) -> Array:
     return np.asarray(
         np.where(np.isnan(distances), _BLOCKED, np.round(np.nan_to_num(distances) * _PER_METRE))
     )
-
-
-def _mesh(name: str, triangles: Array) -> Document:
-    vertices, indices = np.unique(triangles.reshape(-1, 3).round(5), axis=0, return_inverse=True)
-    return {"name": name, "vertices": vertices.tolist(), "faces": indices.reshape(-1, 3).tolist()}

@@ -4,16 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from analysis.coverage import response as responses
-from analysis.coverage.machine import Machine, Reading
+from analysis.coverage.machine import Level, Machine, Reading, Response, respond
 from analysis.coverage.places import Places, spread
 from analysis.coverage.probes import Probe
+from analysis.show.data import load
 from geometries.common.errors import InputError
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import SHEETS
@@ -27,6 +28,8 @@ NEAREST, FARTHEST, COUNT = 0.005, 1.0, 9
 """The distances (m) between a place and the nearest point of a probe."""
 NEGLIGIBLE = 0.03
 """Changes below this part of the threshold are those of the limit for small probes."""
+_PLACES, _COMPARED = 2000, 12
+"""The number of places, about, if no grid is asked for, and at how many of them methods are compared."""
 _SAMPLE = 3000
 """Largest number of points for which the machine's answers are chosen."""
 RESOLUTION = 0.5e-15
@@ -36,7 +39,7 @@ RESOLUTION = 0.5e-15
 @dataclass(frozen=True)
 class Options:
     """What is asked: the readings by name, none for all; the side of a place's square in m, None for about 2,000 places; whether the probe is
-    grounded (None) or connected to ground through a capacitance (F), 0 if insulated; methods to compare with, at how many places.
+    grounded (None) or connected to ground through a capacitance (F), 0 if insulated; methods to compare with at a few places.
     """
 
     readings: tuple[str, ...] = ()
@@ -44,10 +47,6 @@ class Options:
     to_ground: float | None = None
     threshold: float | None = None
     methods: tuple[str, ...] = ("exact", "formula", SMALL)
-    compared: int = 12
-    rtol: float = 0.004
-    most_panels: int = 12000
-    parts: int = 600
 
 
 @dataclass(frozen=True)
@@ -66,12 +65,8 @@ class Survey:
     panels: int
     error: float
 
-    def ratios(self, probe: int, reading: int | None) -> Array:
-        """Returns changes over thresholds (places, distances), of one reading or the largest of all."""
-        return over_thresholds(self.changes[probe], self.thresholds, reading)
 
-
-def over_thresholds(changes: Array, thresholds: tuple[float, ...], reading: int | None) -> Array:
+def over_thresholds(changes: Array, thresholds: tuple[float, ...], reading: int | None = None) -> Array:
     """Returns the absolute values of changes (…, readings) over the thresholds, of one reading or the largest of all."""
     # The triangle integral of a touching probe is as good as infinite.
     with np.errstate(over="ignore"):
@@ -79,53 +74,73 @@ def over_thresholds(changes: Array, thresholds: tuple[float, ...], reading: int 
     return np.asarray(ratios.max(axis=-1) if reading is None else ratios[..., reading])
 
 
+@dataclass(frozen=True)
+class Approach:
+    """A probe on its way out along the normals of places: the turns (places, 3, 3) that map its frame to the world, where its origin is
+    (distances, places, 3), the level of its response at each distance, and where (places, distances) it touches nothing so far.
+    """
+
+    rotations: Array
+    translations: Array
+    levels: tuple[Level, ...]
+    fits: Mask
+
+    def at(self, places: NDArray[np.int64]) -> Approach:
+        """Returns the same for some of the places."""
+        return Approach(self.rotations[places], self.translations[:, places], self.levels, self.fits[places])
+
+    def changes(self, ask: Callable[[Level, Array, Array], Array]) -> Array:
+        """Returns the changes (places, distances, readings) that are told of levels, turns and places; NaN where the probe does not fit."""
+        found = []
+        for level, translations, here in zip(self.levels, self.translations, self.fits.T):
+            values = ask(level, self.rotations[here], translations[here])
+            whole = np.full((len(here), values.shape[1]), np.nan)
+            whole[here] = values
+            found.append(whole)
+        return np.stack(found, axis=1)
+
+
 def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options, model: Any) -> Survey:
     """Surveys a scene. Its marked targets are left out; without any, all objects stay: they are the machine."""
     live = at_rest(path, scene, model)
-    machine = machine_of(live, scene, model, options)
+    machine = Machine(live, scene.medium.relative_permittivity)
     chosen = _chosen(machine.readings, options.readings)
     conductors = live.conductors()
     sheets = frozenset(sensor.name for sensor in scene.sensors) | frozenset(
         body.name for body in scene.objects if isinstance(body.shape, SHEETS)
     )
-    grid = options.grid or _grid_for(conductors, 2000)
-    places = spread(conductors, sheets, grid)
+    places = spread(conductors, sheets, options.grid or _grid_for(conductors))
     distances = np.geomspace(NEAREST, FARTHEST, COUNT)
-    answers = [responses.respond(probe, model) for probe in probes]
-    are_clear = [clear(probe, places, distances, live) for probe in probes]
+    ways = [approach(respond(probe, model), places, distances, live) for probe in probes]
     thresholds = tuple(
         options.threshold or reading.threshold or 5 * RESOLUTION for reading in machine.readings
     )
-    estimates = [
-        _changes_of(
-            probe,
-            places,
-            distances,
-            fits,
-            lambda level, turns, shifts: _small(machine, level, turns, shifts, options.to_ground),
-            answer.level,
-        )
-        for probe, answer, fits in zip(probes, answers, are_clear)
-    ]
-    machine.prepare(_where_it_counts(places, distances, answers, estimates, thresholds))
+    small = partial(machine.small_changes, to_ground=options.to_ground)
+    estimates = [way.changes(small) for way in ways]
+    farthest = places.points[:1] + FARTHEST * places.normals[:1]
+    machine.prepare(_where_it_counts(ways, estimates, thresholds, farthest))
     changes = tuple(
-        _accurate(machine, thresholds, options.to_ground, answer, places, distances, estimate)[..., chosen]
-        for answer, estimate in zip(answers, estimates)
+        _accurate(machine, thresholds, options.to_ground, way, estimate)[..., chosen]
+        for way, estimate in zip(ways, estimates)
     )
-    compared = (
-        np.unique(np.linspace(0, len(places.points) - 1, options.compared).astype(np.int64))
-        if options.methods
-        else np.zeros(0, np.int64)
-    )
+    count = _COMPARED if options.methods else 0
+    compared = np.unique(np.linspace(0, len(places.points) - 1, count).astype(np.int64))
+
+    def by(method: str, probe: Probe) -> Callable[[Level, Array, Array], Array]:
+        if method == SMALL:
+            return small
+        posed = live.copy()
+        posed.add(text_of(probe, options.to_ground))
+        return partial(_asked, posed, method, machine)
+
     by_method = {
-        method: _by_method(
-            method, live, machine, options, places, compared, distances, probes, answers, are_clear, chosen
+        method: tuple(
+            way.at(compared).changes(by(method, probe))[..., chosen] for probe, way in zip(probes, ways)
         )
         for method in options.methods
     }
-    readings = tuple(machine.readings[k] for k in chosen)
     return Survey(
-        readings,
+        tuple(machine.readings[k] for k in chosen),
         tuple(thresholds[k] for k in chosen),
         places,
         distances,
@@ -138,20 +153,12 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
     )
 
 
-def machine_of(live: Any, scene: Scene, model: Any, options: Options) -> Machine:
-    """Solves the machine of a scene that `at_rest` returned."""
-    return Machine(live, scene.medium.relative_permittivity, options.rtol, options.most_panels, options.parts)
-
-
 def at_rest(path: Path, scene: Scene, model: Any) -> Any:
     """Loads the scene in the model without its targets."""
-    try:
-        live = model.Scene.load(str(path))
-        for body in scene.objects:
-            if body.target:
-                live.hide(body.name)
-    except ValueError as error:
-        raise InputError("", "", str(error)) from error
+    live = load(path, model)
+    for body in scene.objects:
+        if body.target:
+            live.hide(body.name)
     return live
 
 
@@ -163,27 +170,43 @@ def _chosen(readings: tuple[Reading, ...], names: tuple[str, ...]) -> list[int]:
     return [known.index(name) for name in names] if names else list(range(len(known)))
 
 
-def _grid_for(conductors: dict[str, Array], count: int) -> float:
+def _grid_for(conductors: dict[str, Array]) -> float:
     triangles = np.concatenate(list(conductors.values()))
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    return float(np.sqrt(np.linalg.norm(cross, axis=1).sum() / 2 / count))
+    return float(np.sqrt(np.linalg.norm(cross, axis=1).sum() / 2 / _PLACES))
+
+
+def approach(response: Response, places: Places, distances: Array, live: Any) -> Approach:
+    """Returns the way of a probe whose lowest point is at each distance from each place, from the nearest one outwards."""
+    posed = live.copy()
+    posed.add(text_of(response.probe, None))
+    heights = response.probe.triangles[..., 2]
+    low, high = float(heights.min()), float(heights.max())
+    rotations = places.rotations()
+    translations = places.points + (distances[:, None, None] - low) * places.normals
+    fits, found = np.ones(len(rotations), dtype=bool), []
+    for distance, there in zip(distances, translations):
+        fits &= distance + (high - low) < places.free
+        for k in np.flatnonzero(fits):
+            posed.set_pose(LINK, there[k], rotations[k])
+            fits[k] = not any(
+                pair["status"] == "collision" and _PROBE in (pair["a"], pair["b"])
+                for pair in posed.collide()["pairs"]
+            )
+        found.append(fits.copy())
+    levels = tuple(response.level(float(distance)) for distance in distances)
+    return Approach(rotations, translations, levels, np.stack(found, axis=1))
 
 
 def _where_it_counts(
-    places: Places,
-    distances: Array,
-    answers: list[responses.Response],
-    estimates: list[Array],
-    thresholds: tuple[float, ...],
+    ways: list[Approach], estimates: list[Array], thresholds: tuple[float, ...], farthest: Array
 ) -> Array:
     """Returns points of the probes (n, 3) where they may be noticed, or nearly so: for these the machine's answer has to be known."""
-    rotations, found = places.rotations(), [places.points[:1] + FARTHEST * places.normals[:1]]
-    for answer, estimate in zip(answers, estimates):
-        counts = np.nan_to_num(over_thresholds(estimate, thresholds, None), nan=0.0) > NEGLIGIBLE
-        for step, distance in enumerate(distances):
-            here = counts[:, step]
-            translations, _ = held(answer.probe, places, float(distance))
-            placed = np.einsum("nij,pj->npi", rotations[here], answer.level(float(distance)).points)
+    found = [farthest]
+    for way, estimate in zip(ways, estimates):
+        counts = np.nan_to_num(over_thresholds(estimate, thresholds), nan=0.0) > NEGLIGIBLE
+        for level, translations, here in zip(way.levels, way.translations, counts.T):
+            placed = np.einsum("nij,pj->npi", way.rotations[here], level.points)
             found.append((placed + translations[here, None]).reshape(-1, 3))
     points = np.concatenate(found)
     return np.asarray(
@@ -192,25 +215,18 @@ def _where_it_counts(
 
 
 def _accurate(
-    machine: Machine,
-    thresholds: tuple[float, ...],
-    to_ground: float | None,
-    answer: responses.Response,
-    places: Places,
-    distances: Array,
-    estimate: Array,
+    machine: Machine, thresholds: tuple[float, ...], to_ground: float | None, way: Approach, estimate: Array
 ) -> Array:
-    """Returns the changes as `_changes_of` does, with the machine's answer to the probe; the estimates of the limit for small probes where
-    these are negligible."""
-    found, rotations = estimate.copy(), places.rotations()
-    fits, exact = np.ones(len(rotations), dtype=bool), np.zeros(estimate.shape[:2], dtype=bool)
-    for step, distance in enumerate(distances):
-        translations, _ = held(answer.probe, places, float(distance))
+    """Returns the changes (places, distances, readings) with the machine's answer to the probe; the estimates of the limit for small probes
+    where these are negligible."""
+    found, exact = estimate.copy(), np.zeros(estimate.shape[:2], dtype=bool)
+    fits = np.ones(len(estimate), dtype=bool)
+    for step, (level, translations) in enumerate(zip(way.levels, way.translations)):
         fits &= np.isfinite(estimate[:, step]).all(axis=1)
-        known = np.nan_to_num(over_thresholds(estimate[:, step], thresholds, None), nan=0.0)
+        known = np.nan_to_num(over_thresholds(estimate[:, step], thresholds), nan=0.0)
         counts = np.flatnonzero(fits & (known > NEGLIGIBLE))
-        found[counts, step], clears = responses.changes(
-            machine, answer.level(float(distance)), rotations[counts], translations[counts], to_ground
+        found[counts, step], clears = machine.changes(
+            level, way.rotations[counts], translations[counts], to_ground
         )
         fits[counts] = clears
         found[~fits, step] = np.nan
@@ -230,114 +246,6 @@ def _continued(found: Array, estimate: Array, exact: Mask) -> Array:
     return np.where(beyond[..., None], found * ratio[:, None], found)
 
 
-def clear(probe: Probe, places: Places, distances: Array, live: Any) -> Mask:
-    """Tells (places, distances) where a probe that comes from the nearest distance outwards touches nothing so far."""
-    posed = live.copy()
-    posed.add(text_of(probe, None))
-    rotations = places.rotations()
-    fits, found = np.ones(len(rotations), dtype=bool), []
-    for distance in distances:
-        translations, own = held(probe, places, float(distance))
-        fits &= own
-        for k in np.flatnonzero(fits):
-            posed.set_pose(LINK, translations[k], rotations[k])
-            fits[k] = not any(
-                pair["status"] == "collision" and _PROBE in (pair["a"], pair["b"])
-                for pair in posed.collide()["pairs"]
-            )
-        found.append(fits.copy())
-    return np.stack(found, axis=1)
-
-
-def _changes_of(
-    probe: Probe,
-    places: Places,
-    distances: Array,
-    fits: Mask,
-    changes: Callable[[responses.Level, Array, Array], Array],
-    level: Callable[[float], responses.Level],
-) -> Array:
-    """Returns the changes (places, distances, readings); NaN where the probe does not fit."""
-    rotations = places.rotations()
-    found = []
-    for step, distance in enumerate(distances):
-        here = fits[:, step]
-        translations, _ = held(probe, places, float(distance))
-        values = changes(level(float(distance)), rotations[here], translations[here])
-        whole = np.full((len(rotations), values.shape[1]), np.nan)
-        whole[here] = values
-        found.append(whole)
-    return np.stack(found, axis=1)
-
-
-def held(probe: Probe, places: Places, distance: float) -> tuple[Array, Mask]:
-    """Returns where a probe's origin is (places, 3) when its lowest point is so far from each place, and whether it fits before what comes next."""
-    low, high = float(probe.triangles[..., 2].min()), float(probe.triangles[..., 2].max())
-    translations = places.points + (distance - low) * places.normals
-    return translations, distance + (high - low) < places.free
-
-
-def _by_method(
-    method: str,
-    live: Any,
-    machine: Machine,
-    options: Options,
-    places: Places,
-    compared: NDArray[np.int64],
-    distances: Array,
-    probes: tuple[Probe, ...],
-    answers: list[responses.Response],
-    are_clear: list[Mask],
-    chosen: list[int],
-) -> tuple[Array, ...]:
-    """Returns the changes by another method at some places, as in Survey."""
-    some = Places(
-        places.points[compared],
-        places.normals[compared],
-        tuple(places.owners[k] for k in compared),
-        places.free[compared],
-    )
-    found = []
-    for probe, answer, fits in zip(probes, answers, are_clear):
-        if method == SMALL:
-            values = _changes_of(
-                probe,
-                some,
-                distances,
-                fits[compared],
-                lambda level, turns, shifts: _small(machine, level, turns, shifts, options.to_ground),
-                answer.level,
-            )
-        else:
-            posed = live.copy()
-            posed.add(text_of(probe, options.to_ground))
-            values = _changes_of(
-                probe,
-                some,
-                distances,
-                fits[compared],
-                lambda level, turns, shifts: _asked(posed, method, machine, turns, shifts),
-                answer.level,
-            )
-        found.append(values[..., chosen])
-    return tuple(found)
-
-
-def _small(
-    machine: Machine, level: responses.Level, rotations: Array, translations: Array, to_ground: float | None
-) -> Array:
-    """The limit for small grounded probes: own capacitance times the potentials at the middle of the probe's charge."""
-    alone = level.charges
-    middle = alone @ level.points / alone.sum()
-    senses, drives = machine.potentials(np.einsum("nij,j->ni", rotations, middle) + translations)
-    capacitance = alone.sum() if to_ground is None else 0.0
-    if to_ground is not None:
-        share = to_ground / machine.factor
-        capacitance = alone.sum() * share / (alone.sum() + share)
-    signs = [reading.sign for reading in machine.readings]
-    return np.asarray(machine.factor * capacitance * senses * drives * signs)
-
-
 LINK, _PROBE = "probe of the coverage", "the probe"
 
 
@@ -351,16 +259,16 @@ def text_of(probe: Probe, to_ground: float | None) -> str:
     )
 
 
-def _asked(posed: Any, method: str, machine: Machine, rotations: Array, translations: Array) -> Array:
-    """Asks the model pose by pose; NaN where it does not know the change."""
-    found = np.full((len(translations), len(machine.readings)), np.nan)
+def _asked(
+    posed: Any, method: str, machine: Machine, _: Level, rotations: Array, translations: Array
+) -> Array:
+    """Asks the model pose by pose; 0 where it does not know the change."""
+    found = np.zeros((len(translations), len(machine.readings)))
     for k, (rotation, translation) in enumerate(zip(rotations, translations)):
         posed.set_pose(LINK, translation, rotation)
         try:
             answers = posed.readings(method=method)
         except ValueError as error:
             raise InputError("--method", "", str(error)) from error
-        for at, reading in enumerate(machine.readings):
-            change = answers[reading.name].change
-            found[k, at] = np.nan if change is None else change
+        found[k] = [answers[reading.name].change or 0.0 for reading in machine.readings]
     return np.nan_to_num(found, nan=0.0)

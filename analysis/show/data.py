@@ -44,7 +44,7 @@ def collect(path: Path, scene: Scene, frames: Sequence[Frame], model: Any, betwe
                 "name": sensor.name,
                 "link": index.get(sensor.link or ""),
                 "input_voltage": sensor.input_voltage,
-                **_mesh(_plates(sensor)),
+                **mesh(_plates(sensor)),
             }
             for sensor in scene.sensors
         ],
@@ -75,7 +75,7 @@ def load(path: Path, model: Any) -> Any:
 
 def _body(body: Object, model: Any) -> Document:
     triangles = body.pose.transform().points(body.shape.triangles())
-    return {**_mesh(triangles), "obb": _box_corners(triangles, model)}
+    return {**mesh(triangles), "obb": _box_corners(triangles, model)}
 
 
 def _plates(sensor: Sensor) -> Array:
@@ -86,7 +86,7 @@ def _plates(sensor: Sensor) -> Array:
     return np.array(triangles)
 
 
-def _mesh(triangles: Array) -> Document:
+def mesh(triangles: Array) -> Document:
     """Returns the distinct vertices, and the triangles as indices into them."""
     vertices, indices = np.unique(triangles.reshape(-1, 3).round(_DIGITS), axis=0, return_inverse=True)
     return {"vertices": vertices.tolist(), "faces": indices.reshape(-1, 3).tolist()}

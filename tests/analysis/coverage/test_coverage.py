@@ -11,40 +11,24 @@ import numpy as np
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.coverage import claims, findings, response as responses, survey as surveys, tables
-from analysis.coverage.distances import Curves
-from analysis.coverage.machine import Reading
+from analysis.coverage import findings, survey as surveys
+from analysis.coverage.distances import COLUMNS, Curves
+from analysis.coverage.machine import Machine, Reading, respond
 from analysis.coverage.places import Places, spread
 from analysis.coverage.probes import DEFAULT, probe
 from analysis.pipeline.model_stage import model_module
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.shapes import Cuboid
+from tests import scenes
 
-MACHINE = """
-[[sensor]]
-name = "front"
-plates = [ { corner = [-0.05, -0.05, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] } ]
-[[object]]
-name = "housing"
-shape = { type = "cuboid", size = [0.12, 0.12, 0.1] }
-translation = [0, 0, -0.07]
-[[object]]
-name = "cable"
-shape = { type = "cube", size = 0.02 }
-translation = [0.1, 0, 0]
-potential = "floating"
-[[object]]
-name = "hand"
-shape = { type = "cube", size = 0.05 }
-translation = [0, 0, 0.1]
-target = true
-[[reading]]
-name = "self"
-sense = "front"
-drive = ["front"]
-threshold = 20e-15
-"""
+MACHINE = (
+    scenes.SENSOR
+    + scenes.body("housing", "cuboid", size=[0.12, 0.12, 0.1], translation=[0, 0, -0.07])
+    + scenes.body("cable", "cube", size=0.02, translation=[0.1, 0, 0], potential="floating")
+    + scenes.body("hand", "cube", size=0.05, translation=[0, 0, 0.1], target=True)
+    + scenes.table("reading", name="self", sense="front", drive=["front"], threshold=20e-15)
+)
 
 
 @pytest.fixture(scope="module")
@@ -54,40 +38,44 @@ def path(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return file
 
 
+@pytest.fixture(scope="module")
+def machine(path: Path) -> Machine:
+    machine = Machine(surveys.at_rest(path, reader.load(path), model_module()), 1.0)
+    chance = np.random.default_rng(1)
+    machine.prepare([0.01, 0.02, 0.09] + chance.uniform(-0.06, 0.06, size=(400, 3)) * [1, 1, 0.5])
+    return machine
+
+
+def change(machine: Machine, name: str, at: list[float], to_ground: float | None = None) -> float:
+    """The change of the reading by a probe at a place 4 cm or more from the machine, upright."""
+    level = respond(probe(name), model_module()).level(0.04)
+    found, clears = machine.changes(level, np.eye(3)[None], np.array([at]), to_ground)
+    assert clears.all()
+    return float(found[0, 0])
+
+
 @pytest.mark.parametrize("to_ground", [None, 0.0, 3e-12], ids=["grounded", "floating", "through 3 pF"])
-def test_the_change_by_a_probe_is_that_of_boundary_elements(path: Path, to_ground: float | None) -> None:
-    model, scene = model_module(), reader.load(path)
-    live = surveys.at_rest(path, scene, model)
-    machine = surveys.machine_of(live, scene, model, surveys.Options())
-    translation = np.array([0.01, 0.02, 0.09])
-    machine.prepare(translation + np.random.default_rng(1).uniform(-0.06, 0.06, size=(400, 3)) * [1, 1, 0.5])
-    held = probe("box:0.06:0.04:0.03")
-    level = responses.respond(held, model).level(0.05)
-    found, clears = responses.changes(machine, level, np.eye(3)[None], translation[None], to_ground)
-    live.add(surveys.text_of(held, to_ground))
-    live.set_pose(surveys.LINK, translation)
+def test_the_change_by_a_probe_is_that_of_boundary_elements(
+    path: Path, machine: Machine, to_ground: float | None
+) -> None:
+    name, at = "box:0.06:0.04:0.03", [0.01, 0.02, 0.09]
+    live = surveys.at_rest(path, reader.load(path), model_module())
+    live.add(surveys.text_of(probe(name), to_ground))
+    live.set_pose(surveys.LINK, np.array(at))
     true = live.readings(method="boundary-elements", rtol=1e-3)["self"]
-    assert clears.all() and true.error["change"] < 2e-3 * true.change
-    assert found[0, 0] == pytest.approx(true.change, rel=1e-2)
+    assert true.error["change"] < 2e-3 * true.change
+    assert change(machine, name, at, to_ground) == pytest.approx(true.change, rel=1e-2)
 
 
-def test_a_body_around_the_probe_changes_the_reading_more(path: Path) -> None:
-    model, scene = model_module(), reader.load(path)
-    machine = surveys.machine_of(surveys.at_rest(path, scene, model), scene, model, surveys.Options())
-    at = np.array([[0.0, 0.0, 0.08]])
-    machine.prepare(at)
-    changes = [
-        responses.changes(
-            machine, responses.respond(probe(name), model).level(0.04), np.eye(3)[None], at, None
-        )[0]
-        for name in ("sphere:0.02", "box:0.042:0.042:0.042", "sphere:0.04")
-    ]
-    assert changes[0] < changes[1] < changes[2]
+def test_a_body_around_the_probe_changes_the_reading_more(machine: Machine) -> None:
+    names = ("sphere:0.02", "box:0.042:0.042:0.042", "sphere:0.04")
+    inner, between, outer = (change(machine, name, [0.0, 0.0, 0.08]) for name in names)
+    assert inner < between < outer
 
 
 def test_a_power_law_is_met_where_it_is() -> None:
     distances = np.geomspace(0.01, 1, 9)
-    changes = 1e-15 * np.array([[d**-2] * 1 for d in distances]).T.repeat(3, axis=0)
+    changes = 1e-15 * np.tile(distances**-2, (3, 1))
     changes[1] *= 1e-6
     changes[2, 4:] = np.nan
     curves = Curves(distances, changes)
@@ -139,24 +127,15 @@ def test_places_lie_outside_with_the_way_that_is_free() -> None:
 
 def test_a_probe_that_would_reach_into_a_wall_does_not_fit_whatever_is_free_before_its_place() -> None:
     """A box of 4 cm on a floor, 1 cm and 5 cm from a wall of 10 cm."""
-    floor, wall = (
-        f'[[object]]\nname = "{name}"\nshape = {{ type = "cuboid", size = {size} }}\ntranslation = {at}\n'
-        for name, size, at in (
-            ("floor", [0.4, 0.4, 0.02], [0, 0, -0.01]),
-            ("wall", [0.02, 0.4, 0.1], [0.01, 0, 0.05]),
-        )
+    floor = scenes.body("floor", "cuboid", size=[0.4, 0.4, 0.02], translation=[0, 0, -0.01])
+    wall = scenes.body("wall", "cuboid", size=[0.02, 0.4, 0.1], translation=[0.01, 0, 0.05])
+    points = np.array([[-0.01, 0, 0], [-0.05, 0, 0]])
+    two = Places(points, np.tile([0.0, 0, 1], (2, 1)), ("floor",) * 2, np.full(2, np.inf))
+    response = respond(probe("box:0.04:0.04:0.04"), model_module())
+    way = surveys.approach(
+        response, two, np.array([0.01, 0.05, 0.2]), model_module().Scene.loads(floor + wall)
     )
-    two = Places(
-        np.array([[-0.01, 0, 0], [-0.05, 0, 0]]),
-        np.tile([0.0, 0, 1], (2, 1)),
-        ("floor",) * 2,
-        np.full(2, np.inf),
-    )
-    distances = np.array([0.01, 0.05, 0.2])
-    live = model_module().Scene.loads(floor + wall)
-    np.testing.assert_array_equal(
-        surveys.clear(probe("box:0.04:0.04:0.04"), two, distances, live), [[False] * 3, [True] * 3]
-    )
+    np.testing.assert_array_equal(way.fits, [[False] * 3, [True] * 3])
 
 
 @pytest.mark.parametrize(
@@ -170,7 +149,7 @@ def test_a_probe_that_is_none_is_refused(text: str) -> None:
 @pytest.mark.parametrize("name", DEFAULT)
 def test_named_probes_stand_for_themselves_by_few_points(name: str) -> None:
     """Far away a single capacitance is left, and it is that of the solution with all panels."""
-    response = responses.respond(probe(name), model_module())
+    response = respond(probe(name), model_module())
     own = [float(np.linalg.inv(level.inverse).sum()) for level in response.levels]
     # Solid harmonics up to the quadrupoles are nine.
     assert len(response.levels[-1].points) <= 9
@@ -182,38 +161,27 @@ def test_the_command_makes_page_table_and_file_from_its_options(
     path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     target = tmp_path / "page.html"
-    asked = [
-        "coverage",
-        str(path),
-        "--probe",
-        "sphere:0.02",
-        "--probe",
-        "fist",
-        "--grid",
-        "0.06",
-        "--reading",
-        "self",
-    ]
-    assert command_line.main([*asked, "--method", "small-probe", "--output", str(target)]) == 0
+    few = ["--probe", "sphere:0.02", "--probe", "fist", "--grid", "0.06", "--reading", "self"]
+    asked = ["coverage", str(path), *few, "--output", str(target)]
+    assert command_line.main([*asked, "--method", "small-probe"]) == 0
     assert "fist: noticed at" in capsys.readouterr().out
     text = target.read_text()
     assert "small-probe" in text and "https://" not in text.split("<script", maxsplit=1)[0]
     rows = list(csv.DictReader(target.with_suffix(".csv").open()))
-    assert tuple(rows[0]) == tables.COLUMNS
-    assert {row["reading"] for row in rows} == {"self", "any"} and {row["probe"] for row in rows} == {
-        "sphere:0.02",
-        "fist",
-    }
+    assert tuple(rows[0]) == COLUMNS
+    assert {row["reading"] for row in rows} == {"self", "any"}
+    assert {row["probe"] for row in rows} == {"sphere:0.02", "fist"}
     mesh = meshio.read(target.with_suffix(".vtu"))
     assert len(mesh.points) * 4 == len(rows) and "fist any" in mesh.point_data
-    front = [float(row["distance_m"]) for row in rows if row["on"] == "front" and row["kind"] == "noticed"]
+
+    def before_the_sensor(rows: list[dict[str, str]]) -> float:
+        own = [row for row in rows if row["on"] == "front" and row["kind"] == "noticed"]
+        return sum(float(row["distance_m"]) for row in own)
+
     for option, value in (("--threshold", "5e-15"), ("--potential", "floating")):
-        assert command_line.main([*asked, "--method", "none", option, value, "--output", str(target)]) == 0
-        others = csv.DictReader(target.with_suffix(".csv").open())
-        changed = [
-            float(row["distance_m"]) for row in others if row["on"] == "front" and row["kind"] == "noticed"
-        ]
-        assert (sum(changed) > sum(front)) == (option == "--threshold")
+        assert command_line.main([*asked, "--method", "none", option, value]) == 0
+        others = list(csv.DictReader(target.with_suffix(".csv").open()))
+        assert (before_the_sensor(others) > before_the_sensor(rows)) == (option == "--threshold")
 
 
 def test_an_unknown_reading_is_refused(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -230,45 +198,42 @@ def test_what_the_model_refuses_is_told_with_the_scene(
     assert f"analysis: {touching}: sensor" in capsys.readouterr().err
 
 
+def survey_of(places: Places, threshold: float, changes: Any, **more: Any) -> surveys.Survey:
+    """A survey by a fist at five distances from 1 cm to 1 m, whose changes of one reading are given."""
+    given = {"compared": np.arange(0), "by_method": {}, "panels": 0, "error": 0.0} | more
+    readings, distances = (Reading("self", 1.0, None, True),), np.geomspace(0.01, 1, 5)
+    return surveys.Survey(
+        readings, (threshold,), places, distances, (probe("fist"),), (changes / distances[:, None],), **given
+    )
+
+
 def test_findings_count_places_and_compare_methods() -> None:
     """Three places: noticed, blind, blocked."""
-    distances = np.geomspace(0.01, 1, 5)
-    changes = np.stack([1e-14 / distances, 1e-18 / distances, np.full(5, np.nan)])[..., None]
-    survey: Any = surveys.Survey(
-        (), (1e-13,), spread({"box": Cuboid((1.0, 1.0, 1.0)).triangles()}, frozenset(), 1.5), distances,
-        (probe("fist"),), (changes,), np.arange(3), {"double": (2 * changes,)}, 0, 0.0,
-    )  # fmt: skip
-    (told,) = findings.summaries(survey)
+    places = spread({"box": Cuboid((1.0, 1.0, 1.0)).triangles()}, frozenset(), 1.5)
+    changes = np.array([1e-14, 1e-18, np.nan])[:, None, None] * np.ones((3, 5, 1))
+    twice = {"double": (2 * changes / np.geomspace(0.01, 1, 5)[:, None],)}
+    survey = survey_of(places, 1e-13, changes, compared=np.arange(3), by_method=twice)
+    (told,) = findings.noticed(survey)
     assert (told.held, told.noticed) == (2, 1) and told.median == pytest.approx(0.1)
     (compared,) = findings.comparisons(survey)
-    assert (
-        compared.excess == pytest.approx(0.1) and compared.ratio == pytest.approx(2) and compared.false == 0
-    )
+    assert (compared.excess, compared.ratio, compared.false) == (pytest.approx(0.1), pytest.approx(2), 0)
 
 
 def test_claims_count_places_on_sensors_nearby_and_before_the_middle_of_plates(path: Path) -> None:
     scene = reader.load(path)
-    conductors = scene.conductors()
-    places = spread({name: conductors[name] for name in ("front", "housing")}, frozenset(["front"]), 0.01)
-    distances = np.geomspace(0.01, 1, 5)
+    conductors = {name: scene.conductors()[name] for name in ("front", "housing")}
+    places = spread(conductors, frozenset(["front"]), 0.01)
     x, y, _ = np.abs(places.points.T)
     on_plate = np.array(places.owners) == "front"
     is_middle = on_plate & (np.maximum(x, y) < 0.05 / 3)
-    changes = np.where(is_middle[:, None], 1e-18, 1e-14) / distances
-    reading = Reading("self", 1.0, None, True)
-    survey: Any = surveys.Survey(
-        (reading,), (2e-14,), places, distances, (probe("fist"),), (changes[..., None],), np.arange(0), {}, 0, 0.0,
-    )  # fmt: skip
-    middle, margin = claims.on_plates(scene, survey, 0)
+    survey = survey_of(places, 2e-14, np.where(is_middle, 1e-18, 1e-14)[:, None, None])
+    middle, margin = findings.on_plates(scene, survey, 0)
     assert (middle.held, middle.noticed) == (is_middle.sum(), 0) and margin.share == 1
-    assert "the blind spot is there" in claims.centre_sentence(scene, survey)
-    before, beside, farther = claims.around(scene, survey, 0)
+    assert "the blind spot is there" in findings.centre_sentence(scene, survey)
+    before, beside, farther = findings.around(scene, survey, 0)
     assert before.held == on_plate.sum() and before.noticed == on_plate.sum() - is_middle.sum()
     assert beside.held + farther.held == (~on_plate).sum() and beside.share == 1
-    assert "it does not hold for fist" in claims.nearby_sentence(scene, survey)
-    even: Any = surveys.Survey(
-        (reading,), (2e-14,), places, distances, (probe("fist"),),
-        ((np.ones((len(x), 1)) * 1e-14 / distances)[..., None],), np.arange(0), {}, 0, 0.0,
-    )  # fmt: skip
-    assert "no blind spot at the centre" in claims.centre_sentence(scene, even)
-    assert "it holds for fist" in claims.nearby_sentence(scene, even)
+    assert "it does not hold for fist" in findings.nearby_sentence(scene, survey)
+    even = survey_of(places, 2e-14, np.full((len(x), 1, 1), 1e-14))
+    assert "no blind spot at the centre" in findings.centre_sentence(scene, even)
+    assert "it holds for fist" in findings.nearby_sentence(scene, even)
