@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import shlex
 from dataclasses import dataclass
 from pathlib import Path
@@ -10,6 +9,7 @@ from pathlib import Path
 from analysis.coverage import distances, page
 from analysis.coverage.probes import DEFAULT, probe
 from analysis.coverage.survey import Options, survey
+from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
 from analysis.results.store import write_text
 from analysis.show.make import find_scene
@@ -44,8 +44,7 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
     table = place.with_suffix(".csv")
     distances.write_csv(found, table)
     distances.write_vtu(found, place.with_suffix(".vtu"))
-    text = table.read_text(encoding="utf-8")
-    digest = hashlib.sha256(text.encode()).hexdigest()
+    inputs = keys.page_inputs(table.read_text(encoding="utf-8"))
     shown = shlex.join(
         [*shlex.split(installation.command("analysis")), "coverage", str(name)]
         + [part for one in probes for part in ("--probe", one)]
@@ -55,5 +54,5 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
     targets = {body.name for body in scene.objects if body.target}
     whole = model.Scene.load(str(path)).conductors()
     conductors = {name: triangles for name, triangles in whole.items() if name not in targets}
-    write_text(place, page.document(title, digest, scene, found, conductors, table.name, shown))
+    write_text(place, page.document(title, inputs, scene, found, conductors, table.name, shown))
     return Made(place, page.sentences(found))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import base64
-import json
 import math
 
 import numpy as np
@@ -40,14 +39,13 @@ def document(
     command: str,
 ) -> str:
     """Returns the whole page."""
-    data = json.dumps(_data(survey, conductors), separators=(",", ":"), allow_nan=False)
     body = page.filled(
         "coverage.html",
         style=page.static("show.css"),
-        script=page.static("coverage.js"),
+        script=page.static("parts.js", "coverage.js"),
         title=title,
         finding=sentences(survey)[0],
-        data=page.json_in_page(data),
+        data=page.json_in_page(_data(survey, conductors), allow_nan=False),
         probes=[probe.name for probe in survey.probes],
         readings=[ANY, *(reading.name for reading in survey.readings)],
         steps=len(FACTORS) - 1,

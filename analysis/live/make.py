@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import os
 import sys
 from dataclasses import dataclass
@@ -11,8 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from analysis.live import paths, scene_text
+from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
-from analysis.report import page, page as report_page
+from analysis.report import page
 from analysis.report.results_page import LIVE
 from analysis.results.store import Document, write_text
 from analysis.show.make import find_scene, motion_beside
@@ -24,25 +23,26 @@ from geometries.scene.covers import is_cover
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 
-_PARTS = ("_view", "_model", "_charts", "_picture", "_readings", "_controls", "_input", "")
-"""The scripts of the page, in the order in which they are read: `live_view.js` and so on, `live.js` at last."""
+_SCRIPTS = (
+    *("parts.js", "live_view.js", "live_model.js", "live_picture.js"),
+    *("live_readings.js", "live_controls.js", "live.js"),
+)
 
 
-def document(title: str, digest: str, text: str, library: str, data: Document, notes: str) -> str:
-    """Returns the whole page. `text` is the data as JSON, `digest` the hash of what it is made from, `library` the JavaScript with the
-    library in WebAssembly, `notes` the folder of the repository as seen from the page, with a slash at its end.
-    """
+def document(title: str, inputs: str, library: str, data: Document, notes: str) -> str:
+    """Returns the whole page. `inputs` is the hash of what it is made from, `library` the JavaScript with the library in WebAssembly, `notes`
+    the folder of the repository as seen from the page, with a slash at its end."""
     body = page.filled(
         "live.html",
         style=page.static("live.css"),
         library=page.script(library),
-        scripts=[page.static(f"live{part}.js") for part in _PARTS],
+        script=page.static(*_SCRIPTS),
         title=title,
         summary=_summary(data),
         notes=notes,
-        data=page.json_in_page(text),
+        data=page.json_in_page(data, allow_nan=False),
     )
-    return page.document(title, digest, [body], script="")
+    return page.document(title, inputs, [body], script="")
 
 
 def _summary(data: Document) -> str:
@@ -102,20 +102,16 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
         "reduced": _is_quickly_prepared(scene),
     }
     ways = paths.of_scene(scene, frames)
-    digest = _digest(data, ways, library, options, place)
-    if report_page.is_current(place, digest):
+    notes = _notes(place)
+    # The reference readings follow from these.
+    described = [paths.described(way, None) for way in ways]
+    inputs = keys.page_inputs(data, described, library, repr(options), model_module().__version__, notes)
+    if page.is_current(place, inputs):
         return place
     references = _references(native, ways, options)
     data["paths"] = [paths.described(way, reference) for way, reference in zip(ways, references)]
     data["made"] = f"This page was made from {path.name} by fringe {model_module().__version__}."
-    content = document(
-        path.stem.replace("_", " "),
-        digest,
-        json.dumps(data, separators=(",", ":"), allow_nan=False),
-        library,
-        data,
-        _notes(place),
-    )
+    content = document(path.stem.replace("_", " "), inputs, library, data, notes)
     if len(content.encode()) > LARGEST:
         raise InputError(
             str(path),
@@ -158,19 +154,6 @@ def _covers(text: str, scene: Scene, path: Path) -> list[Document]:
             continue
         found.append({"name": name, "scene": with_cover})
     return found
-
-
-def _digest(data: Document, ways: list[paths.Path], library: str, options: Options, place: Path) -> str:
-    """Returns the hash of everything that the page is made from; the reference readings follow from it."""
-    parts = [
-        json.dumps(data),
-        json.dumps([paths.described(way, None) for way in ways]),
-        library,
-        document("", "", "", "", {"paths": ways}, _notes(place)),
-        repr(options),
-        str(model_module().__version__),
-    ]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()
 
 
 def _native(text: str, path: Path) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.results.store import Document
+from analysis.show.readings import in_frame
 from geometries.scene import poses as scene_poses
 from geometries.scene.motion import Frame, at_rest
 from geometries.scene.poses import Pose
@@ -139,10 +140,8 @@ def solved(path: Path, live: Any, rtol: float, tell: Callable[[], None]) -> list
     """
     frames: list[Document] = []
     for frame in path.frames:
-        for link, pose in frame.poses.items():
-            live.set_pose(link, np.array(pose.translation), scene_poses.quaternion(pose.rotation))
         try:
-            readings = live.readings("boundary-elements", rtol=rtol)
+            readings = in_frame(live, frame, "boundary-elements", rtol=rtol)
         except ValueError:
             readings = {}
         frames.append(

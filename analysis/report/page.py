@@ -127,15 +127,15 @@ def filled(template: str, **values: object) -> Markup:
     return Markup(_TEMPLATES.get_template(template).render(values))
 
 
-def static(file: str) -> Markup:
-    """Returns the text of a style or a script of the folder `static`."""
-    return Markup((_FOLDER / "static" / file).read_text(encoding="utf-8"))
+def static(*files: str) -> Markup:
+    """Returns the text of a style or of scripts of the folder `static`."""
+    return Markup("\n".join((_FOLDER / "static" / file).read_text(encoding="utf-8") for file in files))
 
 
-def json_in_page(data: str) -> Markup:
-    """Returns JSON text as it may stand within a script element."""
+def json_in_page(data: object, **more: Any) -> Markup:
+    """Returns data as JSON that may stand within a script element; `more` is for json.dumps."""
     # The text of a script must not contain the tag that ends its HTML element.
-    return Markup(data.replace("</", "<\\/"))
+    return Markup(json.dumps(data, separators=(",", ":"), **more).replace("</", "<\\/"))
 
 
 def script(text: str) -> Markup:
@@ -320,12 +320,9 @@ def _figure(panel: Panel, with_data: bool) -> dict[str, object]:
     content = panel.figure.to_plotly_json()
     layout = {key: value for key, value in content["layout"].items() if key != "template"}
     config = {"responsive": True, "displaylogo": False, "displayModeBar": False}
-    parts = ", ".join(
-        json.dumps(part, cls=PlotlyJSONEncoder, separators=(",", ":"))
-        for part in (content["data"], layout, config)
-    )
+    parts = (json_in_page(part, cls=PlotlyJSONEncoder) for part in (content["data"], layout, config))
     file = ""
     if with_data and has_table(content["data"]):
         words = "_".join(re.findall(r"[a-z0-9]+", panel.caption.lower())[:_WORDS])
         file = f"{DATA}/{words or 'figure'}.csv"
-    return {"height": layout.get("height", _HEIGHT), "data": json_in_page(parts), "file": file}
+    return {"height": layout.get("height", _HEIGHT), "data": Markup(", ").join(parts), "file": file}

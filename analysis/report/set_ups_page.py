@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from dataclasses import dataclass
 from typing import Any
@@ -53,14 +52,13 @@ class Around:
 
 def document(around: Around, shown: list[Shown], inputs: str, script: str) -> str:
     """Returns the whole page. `inputs` is the hash of what it was made from, `script` the file of plotly.js as seen from it."""
-    data = json.dumps(_data(around, shown), cls=PlotlyJSONEncoder, separators=(",", ":"))
     body = page.filled(
         "set_ups.html",
-        script=page.static("set_ups.js"),
+        script=page.static("parts.js", "set_ups.js"),
         around=around,
         count=len(shown),
         plot=page.PLOT,
-        data=page.json_in_page(data),
+        data=page.json_in_page(_data(around, shown), cls=PlotlyJSONEncoder),
     )
     return page.document(around.title, inputs, [body], script)
 

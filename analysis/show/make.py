@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
-import json
 import sys
 from pathlib import Path
 
+from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page
-from analysis.report.page import is_current
 from analysis.report.results_page import MOTION
 from analysis.results.store import Document, write_text
 from analysis.show import data as show_data, readings as show_readings
@@ -20,22 +18,19 @@ from geometries.common.tables import is_file
 from geometries.scene import motion, reader
 from geometries.scene.motion import with_frames_between
 
-_SCRIPTS = ("show_readings.js", "show.js")
 
-
-def document(title: str, digest: str, text: str, data: Document, readings: str | None) -> str:
-    """Returns the whole page. `text` is the data as JSON, `readings` those along the motion, and `digest` the hash of what the page is
-    made from."""
+def document(title: str, inputs: str, data: Document, readings: Document | None) -> str:
+    """Returns the whole page. `readings` are those along the motion, and `inputs` is the hash of what the page is made from."""
     body = page.filled(
         "show.html",
         style=page.static("show.css"),
-        scripts=[page.static(name) for name in _SCRIPTS],
-        readings=None if readings is None else page.json_in_page(readings),
+        script=page.static("parts.js", "show_readings.js", "show.js"),
+        readings=None if readings is None else page.json_in_page(readings, allow_nan=False),
         title=title,
         summary=_summary(data),
-        data=page.json_in_page(text),
+        data=page.json_in_page(data, allow_nan=False),
     )
-    return page.document(title, digest, [body])
+    return page.document(title, inputs, [body])
 
 
 def _summary(data: Document) -> str:
@@ -76,22 +71,16 @@ def make(
     frames = motion.load(motion_file, scene) if motion_file else (motion.at_rest(scene),)
     model = model_module()
     data = show_data.collect(path, scene, frames, model, readings.between if readings else 0)
-    page = target or (results_folder() / MOTION.folder if is_own(path) else Path.cwd()) / f"{path.stem}.html"
-    title = path.stem.replace("_", " ")
-    inputs = [_text(data), repr(readings), str(model.__version__), document("", "", "", data, "")]
-    digest = hashlib.sha256("\n".join(inputs).encode()).hexdigest()
-    if is_current(page, digest):
-        return page
+    place = target or (results_folder() / MOTION.folder if is_own(path) else Path.cwd()) / f"{path.stem}.html"
+    inputs = keys.page_inputs(data, repr(readings), str(model.__version__))
+    if page.is_current(place, inputs):
+        return place
     along = None
     if readings:
         moved = with_frames_between(frames, readings.between)
-        along = _text(show_readings.collect(show_data.load(path, model), moved, readings))
-    write_text(page, document(title, digest, _text(data), data, along))
-    return page
-
-
-def _text(data: Document) -> str:
-    return json.dumps(data, separators=(",", ":"), allow_nan=False)
+        along = show_readings.collect(show_data.load(path, model), moved, readings)
+    write_text(place, document(path.stem.replace("_", " "), inputs, data, along))
+    return place
 
 
 def motion_beside(scene: Path) -> Path | None:

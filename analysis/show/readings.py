@@ -61,6 +61,14 @@ def collect(live: Any, frames: Sequence[Frame], options: Options) -> Document:
     }
 
 
+def in_frame(live: Any, frame: Frame, method: str, **options: Any) -> dict[str, Any]:
+    """Returns the readings in a frame, to which the links of a scene of the module fringe are taken; ValueError where the method refuses it."""
+    for link, pose in frame.poses.items():
+        live.set_pose(link, np.array(pose.translation), scene_poses.quaternion(pose.rotation))
+    found: dict[str, Any] = live.readings(method, **options)
+    return found
+
+
 def _series(live: Any, frames: Sequence[Frame], asked: Sequence[int], method: Method) -> Document:
     """Returns where a method was asked, and for every reading its change and the error of that, F."""
     changes: dict[str, list[float | None]] = {}
@@ -73,10 +81,8 @@ def _series(live: Any, frames: Sequence[Frame], asked: Sequence[int], method: Me
                 end="",
                 file=sys.stderr,
             )
-        for link, pose in frames[frame].poses.items():
-            live.set_pose(link, np.array(pose.translation), scene_poses.quaternion(pose.rotation))
         try:
-            found = live.readings(method.method, **method.options)
+            found = in_frame(live, frames[frame], method.method, **method.options)
         except ValueError as error:
             found, refused = {}, str(error)
         for name, reading in found.items():

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import hashlib
 import shlex
 import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
+from analysis.pipeline import keys
 from analysis.report.page import provide_script, write
 from analysis.show.make import find_scene, motion_beside
 from analysis.sweep import page, series
@@ -72,10 +72,9 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
     if status not in (_ANSWERED, _NOT_REACHED):
         return Made(place, [], status)
     found = series.read(table)
-    text = table.read_text(encoding="utf-8")
-    digest = hashlib.sha256(text.encode()).hexdigest()
+    inputs = keys.page_inputs(table.read_text(encoding="utf-8"))
     title = f"{path.stem.replace('_', ' ')}: readings over {len(frames)} frames"
     shown = shlex.join([installation.model_command(), *command])
     provide_script(place.parent)
-    write(place, page.document(title, digest, found, frames, table.name, shown))
+    write(place, page.document(title, inputs, found, frames, table.name, shown))
     return Made(place, page.findings(found, frames), status)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -223,3 +224,11 @@ def report_text(folder: Path) -> str:
     pages = [path, *sorted((path.parent / report.PAGES).glob("*.html"))]
     whole = "\n".join(page.read_text() for page in pages)
     return re.sub(r"<script.*?</script>", "", whole, flags=re.DOTALL)
+
+
+def data_of(page: Path, name: str = "data") -> Any:
+    """The data that a page's script draws."""
+    (found,) = re.findall(
+        rf'<script type="application/json" id="{name}">(.*?)</script>', page.read_text(), re.DOTALL
+    )
+    return json.loads(found)

@@ -2,23 +2,13 @@
 // Draws a machine and, for a probe, a reading and a threshold, the points from which the probe is noticed.
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
-  const INK = "#24292f", BODY = "#c3c9d0", SENSOR = "#0072b2", BLIND = "#d0342c";
+  const BODY = "#c3c9d0", BLIND = "#d0342c";
   const places = data.points.length;
   const control = name => document.getElementById(name);
   const unpacked = data.distances.map(text => {
     const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
     return new Uint16Array(bytes.buffer);
   });
-
-  function solid(body) {
-    const [i, j, k] = [0, 1, 2].map(corner => body.faces.map(face => face[corner]));
-    const [x, y, z] = [0, 1, 2].map(axis => body.vertices.map(p => p[axis]));
-    return {
-      type: "mesh3d", i, j, k, x, y, z, color: data.sensors.includes(body.name) ? SENSOR : BODY, name: body.name, hoverinfo: "name", flatshading: true,
-      lighting: { ambient: 0.62, diffuse: 0.55, specular: 0.08, roughness: 0.7, fresnel: 0.05, vertexnormalsepsilon: 0, facenormalsepsilon: 0 },
-      lightposition: { x: -2000, y: -4000, z: 9000 }, hoverlabel: { namelength: -1 }, showlegend: false,
-    };
-  }
 
   const centimetres = metres => `${(100 * metres).toPrecision(3)} cm`;
 
@@ -41,7 +31,7 @@
   }
 
   const plot = control("scene");
-  const bodies = data.bodies.map(solid);
+  const bodies = data.bodies.map(body => solid(body, data.sensors.includes(body.name) ? SENSOR : BODY));
 
   function draw() {
     const distances = chosen();
@@ -61,15 +51,7 @@
     marks({ color: [], colorscale: "Viridis", cmin: 0, cmax: 60, colorbar: { title: { text: "cm" }, thickness: 12, len: 0.6 }, opacity: 0.85 }),
     marks({ color: BLIND, size: 2.5 }),
   ];
-  const axis = name => ({ showbackground: false, gridcolor: "#e4e7eb", color: "#57606a", nticks: 5, tickfont: { size: 10 }, title: { text: `${name} (m)`, font: { size: 11 } } });
-  const layout = {
-    margin: { l: 0, r: 0, t: 0, b: 0 }, paper_bgcolor: "white", uirevision: "kept",
-    font: { family: "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif", size: 12, color: INK },
-    scene: { xaxis: axis("x"), yaxis: axis("y"), zaxis: axis("z"), aspectmode: "data", dragmode: "turntable", camera: { eye: { x: 0.9, y: -1.5, z: 0.6 } } },
-  };
+  const axis = name => ({ ...AXIS, title: { text: `${name} (m)`, font: { size: 11 } } });
   for (const name of ["probe", "reading", "threshold", "blind"]) control(name).addEventListener("input", draw);
-  Plotly.newPlot(plot, traces, layout, { responsive: true, displaylogo: false, displayModeBar: false, scrollZoom: true }).then(() => {
-    draw();
-    new ResizeObserver(() => Plotly.Plots.resize(plot)).observe(plot);
-  });
+  drawScene(plot, traces, { xaxis: axis("x"), yaxis: axis("y"), zaxis: axis("z"), aspectmode: "data", camera: { eye: { x: 0.9, y: -1.5, z: 0.6 } } }, draw);
 })();

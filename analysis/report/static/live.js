@@ -5,12 +5,6 @@
   const data = JSON.parse(document.getElementById("data").textContent);
   const byId = id => document.getElementById(id);
   const trouble = text => { byId("trouble").hidden = false; byId("trouble").textContent = text; };
-  const element = (tag, className, text) => {
-    const made = document.createElement(tag);
-    if (className) made.className = className;
-    if (text !== undefined) made.textContent = text;
-    return made;
-  };
 
   // A page that was read anew for another cover goes on where it was.
   const kept = history.state || { cover: 0, links: [], joints: [] };
@@ -33,7 +27,7 @@
   const state = { link: null, reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, cover: kept.cover, changed: kept.cover > 0, floats: new Set(), frames: 0, told: -1e9, moved: -1e9, isCoarse: false, dirty: true, answers: {}, geometry: {} };
   const spent = {}, trace = [], along = new Map();
   let firstAnswer = null;
-  const page = { data, byId, element, scene, described, roles, view, state, readings, trace, along, pick, prepare };
+  const page = { data, byId, scene, described, roles, view, state, readings, trace, along, pick, prepare };
   Object.assign(page, makeMotion(page));
   state.link = page.firstLink();
   Object.assign(page, makePicture(page));

@@ -1,22 +1,6 @@
 "use strict";
 // Draws bodies by WebGL, and lines, labels and cones above them; finds what is under the pointer.
 
-/** Vectors and poses. A pose is the rows of (R | t), 12 numbers from a link's frame to the world. */
-const space = {
-  IDENTITY: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0],
-  placed: (m, p) => [0, 4, 8].map(r => m[r] * p[0] + m[r + 1] * p[1] + m[r + 2] * p[2] + m[r + 3]),
-  turned: (m, p) => [0, 4, 8].map(r => m[r] * p[0] + m[r + 1] * p[1] + m[r + 2] * p[2]),
-  turnedBack: (m, p) => [0, 1, 2].map(c => m[c] * p[0] + m[4 + c] * p[1] + m[8 + c] * p[2]),
-  sum: (p, factor, q) => p.map((x, i) => x + factor * q[i]),
-  dot: (p, q) => p[0] * q[0] + p[1] * q[1] + p[2] * q[2],
-  cross: (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]],
-  unit: p => { const length = Math.hypot(...p) || 1; return p.map(x => x / length); },
-  /** The product of two quaternions (w, x, y, z). */
-  product: (a, b) => [a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-                      a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]],
-  turn: (axis, angle) => { const u = space.unit(axis), s = Math.sin(angle / 2); return [Math.cos(angle / 2), s * u[0], s * u[1], s * u[2]]; },
-};
-
 /** Five colours from dark to light (light to dark on a light page): brightness alone tells them apart. */
 const SCALE = [[0.00, 0.13, 0.30], [0.26, 0.30, 0.42], [0.49, 0.48, 0.47], [0.74, 0.68, 0.44], [1.00, 0.92, 0.28]];
 

@@ -6,13 +6,6 @@
   const places = new Map(data.setUps.map((each, index) => [each.name, index]));
   const textColumns = [...document.querySelectorAll("th")].map(cell => cell.className);
 
-  function element(kind, text, className = "") {
-    const made = document.createElement(kind);
-    made.textContent = text;
-    made.className = className;
-    return made;
-  }
-
   // Each triangle has its own vertices: with shared ones plotly would shade edges as if they were round.
   function mesh(body, look) {
     const corners = body.triangles.flat().map(number => body.vertices[number]);
@@ -27,7 +20,7 @@
     layout.scene.aspectratio = { x, y, z };
     layout.height = at("scene").clientHeight;
     const meshes = setUp.bodies.map((body, index) => mesh(body, data.looks[Math.min(index, data.looks.length - 1)]));
-    Plotly.react("scene", meshes, layout, { responsive: true, displaylogo: false, displayModeBar: false });
+    Plotly.react("scene", meshes, layout, QUIET);
   }
 
   function commands(setUp) {
@@ -50,10 +43,10 @@
     at("name").textContent = setUp.name;
     at("description").textContent = setUp.description;
     at("choice").value = setUp.name;
-    at("findings").replaceChildren(...setUp.findings.map(text => element("p", text, "finding")));
+    at("findings").replaceChildren(...setUp.findings.map(text => element("p", "finding", text)));
     const rows = setUp.rows.map(cells => {
-      const row = document.createElement("tr");
-      row.append(...cells.map((text, column) => element("td", text, textColumns[column])));
+      const row = element("tr");
+      row.append(...cells.map((text, column) => element("td", textColumns[column], text)));
       return row;
     });
     document.querySelector("tbody").replaceChildren(...rows);
@@ -63,7 +56,7 @@
     draw(setUp);
   }
 
-  at("choice").append(...data.setUps.map(each => element("option", each.name)));
+  at("choice").append(...data.setUps.map(each => element("option", "", each.name)));
   at("choice").addEventListener("change", event => { location.hash = event.target.value; });
   addEventListener("hashchange", show);
   show();

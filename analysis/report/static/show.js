@@ -2,7 +2,7 @@
 // Draws a scene: bodies are fixed in the frames of their links, and every frame of the motion gives the poses of the links.
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
-  const INK = "#24292f", SENSOR = "#0072b2", CONE = "#f0c808";
+  const CONE = "#f0c808";
   const MARKS = { bounds: "#e69f00", collision: "#d0342c" };
   const SAID = { bounds: "only their bounds overlap", collision: "collision" };
   // A muted hue for each link, so that marks and sensors stand out.
@@ -14,12 +14,8 @@
 
   // --- geometry ---
 
-  const matrixOf = (frame, link) => (link === null ? null : frame.links[link]);
-  const placed = (m, p) => m === null ? p : [0, 4, 8].map(r => m[r] * p[0] + m[r + 1] * p[1] + m[r + 2] * p[2] + m[r + 3]);
-  const turned = (m, p) => m === null ? p : [0, 4, 8].map(r => m[r] * p[0] + m[r + 1] * p[1] + m[r + 2] * p[2]);
-  const sum = (p, factor, q) => p.map((x, i) => x + factor * q[i]);
-  const cross = (p, q) => [p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]];
-  const unit = p => { const length = Math.hypot(...p); return p.map(x => x / length); };
+  const { placed, turned, sum, cross, unit } = space;
+  const matrixOf = (frame, link) => (link === null ? space.IDENTITY : frame.links[link]);
   const columns = points => ({ x: points.map(p => p && p[0]), y: points.map(p => p && p[1]), z: points.map(p => p && p[2]) });
 
   // An apex, then rings on the spherical cap from the axis outwards.
@@ -67,15 +63,6 @@
 
   const colourOfLink = link => (link === null ? WORLD_COLOUR : LINK_COLOURS[link % LINK_COLOURS.length]);
 
-  function solid(body, colour, more) {
-    const [i, j, k] = [0, 1, 2].map(corner => body.faces.map(face => face[corner]));
-    return {
-      type: "mesh3d", i, j, k, x: [], y: [], z: [], color: colour, name: body.name, hoverinfo: "name", flatshading: true,
-      lighting: { ambient: 0.62, diffuse: 0.55, specular: 0.08, roughness: 0.7, fresnel: 0.05, vertexnormalsepsilon: 0, facenormalsepsilon: 0 },
-      lightposition: { x: -2000, y: -4000, z: 9000 }, hoverlabel: { namelength: -1 }, ...more,
-    };
-  }
-
   const lines = (colour, width, more) => ({
     type: "scatter3d", mode: "lines", x: [], y: [], z: [], line: { color: colour, width }, hoverinfo: "skip", showlegend: false, ...more,
   });
@@ -84,7 +71,7 @@
     const traces = data.objects.map(body => solid(body, colourOfLink(body.link)));
     traces.push(...data.sensors.map(sensor => solid(sensor, SENSOR)));
     const faces = data.eyes.flatMap((eye, n) => coneFaces.map(face => face.map(v => v + n * (1 + RINGS * SPOKES))));
-    traces.push(solid({ name: "cone", faces }, CONE, { opacity: 0.16, hoverinfo: "skip", flatshading: false }));
+    traces.push(solid({ name: "cone", faces, vertices: [] }, CONE, { opacity: 0.16, hoverinfo: "skip", flatshading: false }));
     traces.push(lines(INK, 5));
     traces.push({ type: "scatter3d", mode: "markers", x: [], y: [], z: [], text: [], hoverinfo: "text", marker: { color: INK, size: 4 } });
     traces.push({ type: "scatter3d", mode: "markers", x: [], y: [], z: [], text: data.eyes.map(eye => eye.name), hoverinfo: "text",
@@ -170,29 +157,14 @@
     const range = low.map((x, i) => { const margin = Math.max(0.02 * largest, (0.1 * largest - (high[i] - x)) / 2); return [x - margin, high[i] + margin]; });
     // The same size on the screen, whatever the proportions of the scene.
     const extent = range.map(([a, b]) => b - a), scale = 1.9 / Math.hypot(...extent);
-    const style = { showbackground: false, gridcolor: "#e4e7eb", zerolinecolor: "#d0d7de", color: "#57606a", showspikes: false, nticks: 5, tickfont: { size: 10 } };
-    const named = i => ({ ...style, range: range[i], title: { text: "xyz"[i] + " (m)", font: { size: 11 } } });
+    const named = i => ({ ...AXIS, zerolinecolor: "#d0d7de", showspikes: false, range: range[i], title: { text: "xyz"[i] + " (m)", font: { size: 11 } } });
     return { xaxis: named(0), yaxis: named(1), zaxis: named(2), aspectmode: "manual",
              aspectratio: { x: scale * extent[0], y: scale * extent[1], z: scale * extent[2] } };
   }
 
-  const layout = {
-    margin: { l: 0, r: 0, t: 0, b: 0 }, showlegend: false, paper_bgcolor: "white", uirevision: "kept",
-    font: { family: "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif", size: 12, color: INK },
-    scene: { ...axes(), dragmode: "turntable",
-             camera: { eye: { x: 0.77, y: -1.66, z: 0.59 }, center: { x: 0, y: 0, z: -0.05 } } },
-  };
-
   // --- the readings ---
 
   const millimetres = metres => `${(1000 * metres).toPrecision(4).replace(/\.?0+$/, "")} mm`;
-  function element(tag, className, text) {
-    const made = document.createElement(tag);
-    if (className) made.className = className;
-    if (text !== undefined) made.textContent = text;
-    return made;
-  }
-
   function fill(id, title, parts) {
     const section = document.getElementById(id);
     section.replaceChildren(...(parts.length ? [element("h2", "", title), ...parts] : []));
@@ -327,8 +299,5 @@
   document.getElementById("links").addEventListener("change", event => { state.links = event.target.checked; draw(); });
 
   readAddress();
-  Plotly.newPlot(plot, makeTraces(), layout, { responsive: true, displaylogo: false, displayModeBar: false, scrollZoom: true }).then(() => {
-    draw();
-    new ResizeObserver(() => Plotly.Plots.resize(plot)).observe(plot);
-  });
+  drawScene(plot, makeTraces(), { ...axes(), camera: { eye: { x: 0.77, y: -1.66, z: 0.59 }, center: { x: 0, y: 0, z: -0.05 } } }, draw);
 })();

@@ -28,24 +28,20 @@ function makeReadings(data, go) {
   const level = reading => ({ type: "line", xref: "paper", yref: "y", x0: 0, x1: 1, y0: reading.threshold * PICO, y1: reading.threshold * PICO, line: { color: "#24292f", width: 1.5, dash: "dash" } });
   const known = along.methods.filter(method => !method.refused), every = Math.ceil(keys.length / 8);
   const plots = along.readings.map(reading => {
-    const plot = document.createElement("div"), shapes = reading.threshold ? [level(reading)] : [];
-    plot.className = "plot";
+    const plot = element("div", "plot"), shapes = reading.threshold ? [level(reading)] : [];
     place.append(plot);
     Plotly.newPlot(plot, known.map(method => trace(method, reading)), {
       title: { text: reading.name, font: { size: 14 }, x: 0.02, xanchor: "left" }, height: 300, margin: { l: 62, r: 12, t: 34, b: 40 },
-      font: { family: "system-ui, -apple-system, 'Segoe UI', 'DejaVu Sans', sans-serif", size: 12, color: "#24292f" }, paper_bgcolor: "white", plot_bgcolor: "white",
+      font: FONT, paper_bgcolor: "white", plot_bgcolor: "white",
       xaxis: { range: [-0.02 * last, 1.02 * last], tickvals: keys.filter((_, n) => n % every === 0), ticktext: keys.filter((_, n) => n % every === 0).map(n => data.frames[n].name), gridcolor: "#e4e7eb" },
       yaxis: { type: "log", title: { text: "size of the change, pF" }, gridcolor: "#e4e7eb", exponentformat: "none", nticks: 6 },
       legend: { orientation: "h", x: 1, xanchor: "right", y: 1.02, yanchor: "bottom" }, shapes: [cursor(0), ...shapes],
-    }, { responsive: true, displaylogo: false, displayModeBar: false });
+    }, QUIET);
     plot.on("plotly_click", event => go(event.points[0].x));
     return plot;
   });
   for (const method of along.methods.filter(each => each.refused)) {
-    const line = document.createElement("p");
-    line.className = "soft";
-    line.textContent = `${method.name}: ${method.refused}.`;
-    place.append(line);
+    place.append(element("p", "soft", `${method.name}: ${method.refused}.`));
   }
   return { mark: frame => plots.forEach(plot => Plotly.relayout(plot, { "shapes[0].x0": frame, "shapes[0].x1": frame })) };
 }

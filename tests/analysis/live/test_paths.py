@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -17,10 +12,10 @@ from analysis.__main__ import main
 from analysis.live import make as live, paths, scene_text
 from analysis.pipeline.model_stage import model_module
 from analysis.report.results_page import LIVE
-from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
 from geometries.scene.scene import Scene
 from tests import scenes
+from tests.analysis.synthetic import data_of
 from tests.waiting import aged
 
 SCENE = live.find_scene(LIVE.scene)
@@ -91,16 +86,19 @@ def test_reference_readings_are_those_of_boundary_elements() -> None:
     assert solved == [{name: [each.change, each.error["change"]] for name, each in truth.items()}]
 
 
-def data_of(page: Path) -> Any:
-    found = re.search(r'id="data">(.*?)</script>', page.read_text(), re.DOTALL)
-    assert found is not None
-    return json.loads(found[1].replace("<\\/", "</"))
+@pytest.fixture
+def library(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The file that stands for the library of pages."""
+    file = tmp_path / "library.js"
+    file.write_text("// none\n")
+    monkeypatch.setattr(live, "page_library", lambda: file)
+    return file
 
 
-def test_every_option_of_the_command_acts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    library, asked = tmp_path / "library.js", []
-    library.write_text("// none\n")
-    monkeypatch.setattr(live, "page_library", lambda: library)
+def test_every_option_of_the_command_acts(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[float] = []
     monkeypatch.setattr(
         paths, "solved", lambda path, scene, rtol, tell: asked.append(rtol) or [{} for _ in path.frames]
     )
@@ -120,29 +118,23 @@ def test_every_option_of_the_command_acts(tmp_path: Path, monkeypatch: pytest.Mo
         main([*command, "--rtol", "0.2", "--no-reference"])
 
 
-def analysis_live(*arguments: str, folder: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "analysis", "live", *arguments],
-        cwd=folder,
-        capture_output=True,
-        text=True,
-        check=False,
-        env={**os.environ, "PYTHONPATH": str(ROOT)},
-    )
-
-
 @pytest.mark.parametrize("arguments", [["sensor_head", "--rtol", "2"], ["no_such_scene"], ["none.toml"]])
-def test_wrong_input_is_refused(arguments: list[str], tmp_path: Path) -> None:
-    done = analysis_live(*arguments, folder=tmp_path)
-    assert done.returncode == 2 and done.stdout == ""
-    assert done.stderr.strip()
+def test_wrong_input_is_refused(
+    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    try:
+        status = main(["live", *arguments])
+    except SystemExit as end:
+        status = end.code  # type: ignore[assignment]
+    printed = capsys.readouterr()
+    assert (status, printed.out) == (2, "") and printed.err.strip()
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_page_that_would_be_too_large_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    library = tmp_path / "library.js"
-    library.write_text("// none\n")
-    monkeypatch.setattr(live, "page_library", lambda: library)
+def test_a_page_that_would_be_too_large_is_refused(
+    library: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(live, "LARGEST", 1000)
     with pytest.raises(live.InputError, match=r"its page would have 0\.\d MB"):
         live.make(LIVE.scene, None, tmp_path / "page.html", live.Options(rtol=None))
@@ -158,19 +150,7 @@ def test_without_the_library_the_command_says_how_to_get_it(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_reports_link_to_the_page_that_was_made(tmp_path: Path) -> None:
-    assert LIVE.beside(tmp_path / "default") is None
-    (tmp_path / "live").mkdir()
-    (tmp_path / "live" / f"{LIVE.scene}.html").touch()
-    linked = LIVE.beside(tmp_path / "default")
-    (tmp_path / "default").mkdir()
-    assert linked is not None and (tmp_path / "default" / linked).is_file()
-
-
-def test_a_page_that_is_up_to_date_stays(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    library = tmp_path / "library.js"
-    library.write_text("// none\n")
-    monkeypatch.setattr(live, "page_library", lambda: library)
+def test_a_page_that_is_up_to_date_stays(library: Path, tmp_path: Path) -> None:
     target = tmp_path / "page.html"
     live.make(LIVE.scene, None, target, live.Options(rtol=None))
     before = aged(target)

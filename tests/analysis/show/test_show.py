@@ -2,22 +2,21 @@
 
 from __future__ import annotations
 
-import json
 import re
-import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from plotly.offline import get_plotlyjs
 
+from analysis import __main__ as command_line
 from analysis.pipeline.model_stage import model_module
 from analysis.show import data as show_data, make as show, readings
-from geometries.common.installation import ROOT
 from geometries.scene import motion, reader
 from tests import scenes
-from tests.waiting import DEADLINE
+from tests.analysis.synthetic import data_of
+from tests.waiting import aged
 
 SCENE = (
     scenes.link("arm", translation=[0, 0, 1])
@@ -41,15 +40,6 @@ def scene(tmp_path: Path) -> Path:
     path.write_text(SCENE)
     path.with_name("a scene.motion.toml").write_text(MOTION)
     return path
-
-
-def data_of(page: Path) -> dict[str, Any]:
-    found = re.search(
-        r'<script type="application/json" id="data">(.*?)</script>', page.read_text(), flags=re.DOTALL
-    )
-    assert found is not None
-    data: dict[str, Any] = json.loads(found[1])
-    return data
 
 
 def test_bodies_are_where_the_model_has_them_in_every_frame(scene: Path, tmp_path: Path) -> None:
@@ -94,33 +84,14 @@ def test_boxes_hold_their_objects(scene: Path, tmp_path: Path) -> None:
     assert data["frames"][1]["aabb"][1] == pytest.approx([-1.2, -0.2, 0.3, -0.8, 0.2, 0.7], abs=2e-5)
 
 
-def test_marks_are_the_pairs_that_are_not_clear(scene: Path) -> None:
-    module = model_module()
-
-    class Colliding:
-        """The model's scene with a collision test whose answer is known."""
-
-        def __init__(self, path: str) -> None:
-            self._scene = module.Scene.load(path)
-
-        def __getattr__(self, name: str) -> Any:
-            return getattr(self._scene, name)
-
-        def collide(self) -> dict[str, Any]:
-            pairs = [
-                {"a": "ball", "b": "floor </script>", "status": status}
-                for status in ("clear", "bounds", "collision")
-            ]
-            return {"tests": {"broad": 3, "narrow": 2}, "pairs": pairs}
-
-    class Model:
-        """The model's module with that scene."""
-
-        Scene = type("Scene", (), {"load": staticmethod(Colliding)})
-        obb, aabb = staticmethod(module.obb), staticmethod(module.aabb)
-
+def test_marks_are_the_pairs_that_are_not_clear(scene: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pairs = [
+        {"a": "ball", "b": "floor </script>", "status": status} for status in ("clear", "bounds", "collision")
+    ]
+    answer = {"tests": {"broad": 3, "narrow": 2}, "pairs": pairs}
+    monkeypatch.setattr(model_module().Scene, "collide", lambda _: answer)
     read = reader.load(scene)
-    data = show_data.collect(scene, read, (motion.at_rest(read),), Model)
+    data = show_data.collect(scene, read, (motion.at_rest(read),), model_module())
     assert data["frames"][0]["collisions"] == {
         "tests": {"broad": 3, "narrow": 2},
         "pairs": [["ball", "floor </script>", "bounds"], ["ball", "floor </script>", "collision"]],
@@ -149,27 +120,20 @@ def test_a_scene_without_a_motion_has_one_frame(scene: Path, tmp_path: Path) -> 
 
 def test_the_page_needs_nothing_but_itself(scene: Path, tmp_path: Path) -> None:
     page = show.make(str(scene), None, tmp_path / "page.html").read_text()
-    own = page.replace(plotly_script(), "")
+    own = page.replace(get_plotlyjs(), "")
     assert "http" not in own
     assert not re.search(r"<(script|link|img)[^>]*\b(src|href)=", own)
 
 
-def plotly_script() -> str:
-    from plotly.offline import get_plotlyjs
-
-    script: str = get_plotlyjs()
-    return script
-
-
-def run(*arguments: object) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-m", "analysis", "show", *map(str, arguments)]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False, timeout=DEADLINE)
+def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
+    """The command's status, and what it prints on its outputs."""
+    status = command_line.main(["show", *map(str, arguments)])
+    return status, *capsys.readouterr()
 
 
-def test_the_example_is_shown_by_its_name(tmp_path: Path) -> None:
+def test_the_example_is_shown_by_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     target = tmp_path / "arm.html"
-    done = run("x_ray_arm", "--output", target)
-    assert (done.returncode, done.stderr, done.stdout) == (0, "", f"page: {target}\n")
+    assert run(capsys, "x_ray_arm", "--output", target) == (0, f"page: {target}\n", "")
     data = data_of(target)
     assert len(data["frames"]) >= 10
     assert len(data["eyes"]) == 4
@@ -179,25 +143,24 @@ def test_the_example_is_shown_by_its_name(tmp_path: Path) -> None:
         assert seen & {"torso", "head", "left arm", "right arm"}
 
 
-def test_an_unknown_name_is_refused_with_those_that_are_known(tmp_path: Path) -> None:
-    done = run("none", "--output", tmp_path / "page.html")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "x_ray_arm" in done.stderr and not (tmp_path / "page.html").exists()
+def test_an_unknown_name_is_refused_with_those_that_are_known(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    status, printed, errors = run(capsys, "none", "--output", tmp_path / "page.html")
+    assert (status, printed) == (2, "") and "x_ray_arm" in errors and not (tmp_path / "page.html").exists()
 
 
-def test_readings_along_the_motion_are_those_of_the_library(tmp_path: Path) -> None:
-    target = tmp_path / "page.html"
-    (tmp_path / "short.motion.toml").write_text(
+def test_readings_along_the_motion_are_those_of_the_library(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    target, short = tmp_path / "page.html", tmp_path / "short.motion.toml"
+    short.write_text(
         '[[frame]]\njoints = [ { joint = "slide", position = -0.01 } ]\n'
         '[[frame]]\njoints = [ { joint = "slide", position = 0.01 } ]\n'
     )
-    asked = ("position_sensor", "--readings", "--between", 1, "--rtol", 0.05)
-    done = run(*asked, "--motion", tmp_path / "short.motion.toml", "--output", target)
-    assert done.returncode == 0, done.stderr
-    found = re.search(r'id="along-data">(.*?)</script>', target.read_text())
-    assert found is not None
-    along = json.loads(found.group(1))
-    series = {method["name"]: method for method in along["methods"]}
+    asked = ("--readings", "--between", 1, "--rtol", 0.05, "--motion", short, "--output", target)
+    assert run(capsys, "position_sensor", *asked)[0] == 0
+    series = {method["name"]: method for method in data_of(target, "along-data")["methods"]}
     assert [series[name]["frames"] for name in ("model", "boundary elements")] == [[0, 1, 2], [0, 2]]
     live = model_module().Scene.load(str(show.find_scene("position_sensor")))
     live.set_joint("slide", 0.0)
@@ -206,12 +169,11 @@ def test_readings_along_the_motion_are_those_of_the_library(tmp_path: Path) -> N
         assert series["model"]["changes"][name][1] == pytest.approx(model[name].change, rel=1e-9)
         assert series["reduced"]["changes"][name][1] == pytest.approx(solved[name].change, rel=1e-9)
         assert series["reduced"]["errors"][name][1] == pytest.approx(solved[name].error["change"], rel=1e-6)
-    written = target.stat().st_mtime_ns
-    assert run(*asked, "--motion", tmp_path / "short.motion.toml", "--output", target).returncode == 0
+    written = aged(target)
+    assert run(capsys, "position_sensor", *asked)[0] == 0
     assert target.stat().st_mtime_ns == written
 
 
-def test_options_of_the_readings_need_them(scene: Path) -> None:
-    done = run(scene, "--between", 3)
-    assert (done.returncode, done.stdout) == (2, "")
-    assert "--between is an option of --readings, which is missing" in done.stderr
+def test_options_of_the_readings_need_them(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    told = "analysis: --between is an option of --readings, which is missing\n"
+    assert run(capsys, scene, "--between", 3) == (2, "", told)

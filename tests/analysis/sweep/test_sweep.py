@@ -155,16 +155,8 @@ def test_the_command_makes_a_page_and_its_table_from_its_options(
 ) -> None:
     target, moved = scene.with_name("page.html"), scene.with_name("other.toml")
     moved.write_text(MOTION.replace("0.03", "0.05"))
-    asked = [
-        "--motion",
-        str(moved),
-        "--method",
-        "exact,boundary-elements",
-        "--rtol",
-        "0.03",
-        "--output",
-        str(target),
-    ]
+    asked = ["--motion", str(moved), "--method", "exact,boundary-elements", "--rtol", "0.03", "--output"]
+    asked.append(str(target))
     assert command_line.main(["sweep", str(scene), *asked]) == 0
     printed = capsys.readouterr().out
     assert "noticed from frame" in printed and f"page: {target}" in printed
