@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 from markupsafe import Markup
 
 from analysis.report import measured, page
-from analysis.report.measured import Origin, origin
-from analysis.results.store import Document, read_json
-from analysis.results.study_results import COLLISION
+from analysis.results.store import Document
 
 TITLE = "Collision detection"
 OWN, _ALL_PAIRS = "fringe", "all pairs"
@@ -30,27 +27,80 @@ _QUERIES = (
 _SCENES = "Milliseconds per frame in which every object moves, and small how many collisions were found."
 
 
-def section(found: Collision | None) -> Markup:
+@dataclass(frozen=True)
+class PairClass:
+    """The answers on pairs of one kind, compared with exact arithmetic.
+
+    `wrong` and `unproven` are of this project's answers; `exact` counts the pairs that needed exact arithmetic;
+    `thesis_wrong` and `thesis_endless` are of the thesis' algorithm as it is printed.
+    """
+
+    name: str
+    pairs: int
+    intersecting: int
+    wrong: int
+    unproven: int
+    exact: int
+    thesis_wrong: int
+    thesis_endless: int
+
+
+@dataclass(frozen=True)
+class QueryTimes:
+    """Nanoseconds per query and how many pairs were found to intersect, by library."""
+
+    name: str
+    pairs: int
+    nanoseconds: dict[str, float]
+    intersecting: dict[str, int]
+
+    @staticmethod
+    def of(entry: Document) -> QueryTimes:
+        """Returns the times of a row of the stored answer."""
+        return QueryTimes(
+            entry["name"],
+            entry["pairs"],
+            {peer["name"]: float(peer["nanoseconds"]) for peer in entry["peers"]},
+            {peer["name"]: int(peer["intersecting"]) for peer in entry["peers"]},
+        )
+
+
+@dataclass(frozen=True)
+class SceneTimes:
+    """Milliseconds per frame and collisions found, by the way of finding them."""
+
+    objects: int
+    milliseconds: dict[str, float]
+    collisions: dict[str, int]
+
+    @staticmethod
+    def of(entry: Document) -> SceneTimes:
+        """Returns the times of a scene of the stored answer."""
+        return SceneTimes(
+            entry["objects"],
+            {way["name"]: float(way["milliseconds"]) for way in entry["ways"]},
+            {way["name"]: int(way["collisions"]) for way in entry["ways"]},
+        )
+
+
+def section(answers: Document | None, queries: Document | None, scenes: Document | None) -> Markup:
     """Returns three tables, each below its finding; those that were not measured are left out."""
-    return measured.section(TITLE, found, _parts)
+    return measured.section(TITLE, (answers, queries, scenes), _parts)
 
 
-def _parts(found: Collision) -> Iterator[Markup]:
-    if found.classes:
-        yield page.finding(finding_on_answers(found.classes))
-        yield from (_classes_table(found.classes), page.soft(_ANSWERS))
-    if found.queries:
-        yield page.finding(finding_on_queries(found.queries))
-        yield from (_queries_table(found.queries), page.soft(_QUERIES))
-    if found.scenes:
-        yield page.finding(finding_on_scenes(found.scenes))
-        yield from (_scenes_table(found.scenes), page.soft(_SCENES))
-    yield measured.again(*found.origins)
-
-
-def load(folder: Path) -> Collision | None:
-    """Returns what was measured, in a folder of results."""
-    return collision(*(read_json(folder / name) for name in COLLISION))
+def _parts(answers: Document | None, queries: Document | None, scenes: Document | None) -> Iterator[Markup]:
+    if answers is not None:
+        classes = [PairClass(**entry) for entry in answers["answer"]["classes"]]
+        yield page.finding(finding_on_answers(classes))
+        yield from (_classes_table(classes), page.soft(_ANSWERS))
+    if queries is not None:
+        rows = [QueryTimes.of(entry) for entry in queries["answer"]["rows"]]
+        yield page.finding(finding_on_queries(rows))
+        yield from (_queries_table(rows), page.soft(_QUERIES))
+    if scenes is not None:
+        frames = [SceneTimes.of(entry) for entry in scenes["answer"]["scenes"]]
+        yield page.finding(finding_on_scenes(frames))
+        yield from (_scenes_table(frames), page.soft(_SCENES))
 
 
 def finding_on_answers(classes: Sequence[PairClass]) -> str:
@@ -166,88 +216,3 @@ def _scenes_table(scenes: Sequence[SceneTimes]) -> Markup:
         for scene in scenes
     ]
     return page.table(["objects", *names], rows)
-
-
-@dataclass(frozen=True)
-class PairClass:
-    """The answers on pairs of one kind, compared with exact arithmetic.
-
-    `wrong` and `unproven` are of this project's answers; `exact` counts the pairs that needed exact arithmetic;
-    `thesis_wrong` and `thesis_endless` are of the thesis' algorithm as it is printed.
-    """
-
-    name: str
-    pairs: int
-    intersecting: int
-    wrong: int
-    unproven: int
-    exact: int
-    thesis_wrong: int
-    thesis_endless: int
-
-
-@dataclass(frozen=True)
-class QueryTimes:
-    """Nanoseconds per query and how many pairs were found to intersect, by library."""
-
-    name: str
-    pairs: int
-    nanoseconds: dict[str, float]
-    intersecting: dict[str, int]
-
-
-@dataclass(frozen=True)
-class SceneTimes:
-    """Milliseconds per frame and collisions found, by the way of finding them."""
-
-    objects: int
-    milliseconds: dict[str, float]
-    collisions: dict[str, int]
-
-
-@dataclass(frozen=True)
-class Collision:
-    """The measurements; empty where one is missing. `origins` has one entry for each measurement, in this order."""
-
-    origins: tuple[Origin, ...]
-    classes: tuple[PairClass, ...]
-    queries: tuple[QueryTimes, ...]
-    scenes: tuple[SceneTimes, ...]
-
-
-def collision(
-    answers: Document | None, queries: Document | None, scenes: Document | None
-) -> Collision | None:
-    """Returns the stored answers of the three programs; None without any."""
-    documents = [document for document in (answers, queries, scenes) if document is not None]
-    if not documents:
-        return None
-    return Collision(
-        tuple(map(origin, documents)),
-        tuple(PairClass(**entry) for entry in _entries(answers, "classes")),
-        tuple(_query_times(entry) for entry in _entries(queries, "rows")),
-        tuple(_scene_times(entry) for entry in _entries(scenes, "scenes")),
-    )
-
-
-def _entries(document: Document | None, key: str) -> list[Document]:
-    return [] if document is None else list(document["answer"][key])
-
-
-def _query_times(entry: Document) -> QueryTimes:
-    peers = entry["peers"]
-    return QueryTimes(
-        entry["name"],
-        entry["pairs"],
-        {peer["name"]: float(peer["nanoseconds"]) for peer in peers},
-        {peer["name"]: int(peer["intersecting"]) for peer in peers},
-    )
-
-
-def _scene_times(entry: Document) -> SceneTimes:
-    ways = entry["ways"]
-    return SceneTimes(
-        entry["objects"],
-        {way["name"]: float(way["milliseconds"]) for way in ways},
-        {way["name"]: int(way["collisions"]) for way in ways},
-    )

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 from markupsafe import Markup
 
 from analysis.report import measured, page
-from analysis.report.measured import Origin, origin
-from analysis.results.store import Document, read_json
-from analysis.results.study_results import RUN_TIMES
+from analysis.results.store import Document
 
 TITLE = "Run time against error of the integral"
 EXACT, THESIS = "exact", "split:4"
@@ -39,34 +36,20 @@ class MethodTime:
     triangles: int
 
 
-@dataclass(frozen=True)
-class RunTimes:
-    """Every method on every set, in the benchmark's order."""
-
-    origin: Origin
-    compiler: str
-    times: tuple[MethodTime, ...]
-
-
-def load(folder: Path) -> RunTimes | None:
-    """Returns what was measured, in a folder of results."""
-    return run_times(read_json(folder / RUN_TIMES))
-
-
-def run_times(document: Document | None) -> RunTimes | None:
-    """Returns the times in a stored answer of the benchmark; None without one."""
-    if document is None:
-        return None
-    answer = document["answer"]
+def by_set(document: Document) -> dict[str, list[MethodTime]]:
+    """Returns the times in a stored answer of the benchmark by their sets; sets and methods in the benchmark's order."""
     # The minimum over the repetitions: other work on the machine only makes a method slower.
     found: dict[tuple[str, str], MethodTime] = {}
     # Their repetitions come in any order; the index says where the benchmark has them.
-    for entry in sorted(answer["benchmarks"], key=lambda entry: int(entry["family_index"])):
+    for entry in sorted(document["answer"]["benchmarks"], key=lambda entry: int(entry["family_index"])):
         if entry["run_type"] == "iteration":
             time = _method_time(entry)
             known = found.get((time.set, time.method), time)
             found[time.set, time.method] = min(known, time, key=lambda t: t.seconds_per_triangle)
-    return RunTimes(origin(document), answer["context"]["compiler"], tuple(found.values()))
+    sets: dict[str, list[MethodTime]] = {}
+    for time in found.values():
+        sets.setdefault(time.set, []).append(time)
+    return sets
 
 
 def _method_time(entry: Document) -> MethodTime:
@@ -76,29 +59,20 @@ def _method_time(entry: Document) -> MethodTime:
     )
 
 
-def section(found: RunTimes | None) -> Markup:
+def section(document: Document | None) -> Markup:
     """Returns the finding, the table, and how to measure again."""
-    return measured.section(TITLE, found, _parts)
+    compiler = "" if document is None else f"Compiler {document['answer']['context']['compiler']}; "
+    return measured.section(TITLE, [document], _parts, compiler)
 
 
-def _parts(found: RunTimes) -> Iterator[Markup]:
-    sets = by_set(found)
-    methods = list(dict.fromkeys(time.method for time in found.times))
+def _parts(document: Document) -> Iterator[Markup]:
+    sets = by_set(document)
     yield page.finding(finding(sets))
     yield page.paragraph(
         "ns per triangle, and the largest relative error below. Bold: no other method is both faster and more accurate."
     )
-    yield _table(sets, methods)
+    yield _table(sets)
     yield page.soft(_SETS)
-    yield measured.again(found.origin, before=f"Compiler {found.compiler}; ")
-
-
-def by_set(found: RunTimes) -> dict[str, list[MethodTime]]:
-    """Returns the times of each set, sets and methods in the benchmark's order."""
-    sets: dict[str, list[MethodTime]] = {}
-    for time in found.times:
-        sets.setdefault(time.set, []).append(time)
-    return sets
 
 
 def front(times: list[MethodTime]) -> list[MethodTime]:
@@ -118,8 +92,7 @@ def finding(sets: dict[str, list[MethodTime]]) -> str:
         if EXACT in named and THESIS in named:
             pairs.append((named[EXACT], named[THESIS]))
     best = {time.method for times in sets.values() for time in front(times)}
-    methods = dict.fromkeys(time.method for times in sets.values() for time in times)
-    chosen = [method for method in methods if method in best]
+    chosen = [method for method in methods_of(sets) if method in best]
     sentence = f"On the front between run time and error, on one set or another, are {', '.join(chosen)}."
     if not pairs:
         return sentence
@@ -132,16 +105,23 @@ def finding(sets: dict[str, list[MethodTime]]) -> str:
     )
 
 
+def methods_of(sets: dict[str, list[MethodTime]]) -> list[str]:
+    """Returns all methods in the benchmark's order."""
+    return list(dict.fromkeys(time.method for times in sets.values() for time in times))
+
+
 def _title(times: list[MethodTime]) -> str:
     return f"{times[0].set.replace('_', ' ')}, {max(time.triangles for time in times):,} triangles"
 
 
-def _table(sets: dict[str, list[MethodTime]], methods: list[str]) -> Markup:
+def _table(sets: dict[str, list[MethodTime]]) -> Markup:
     cells = {}
     for name, times in sets.items():
         best = {time.method for time in front(times)}
         cells.update({(name, time.method): _cell(time, time.method in best) for time in times})
-    rows = [[page.code(method), *(cells.get((name, method), "") for name in sets)] for method in methods]
+    rows = [
+        [page.code(method), *(cells.get((name, method), "") for name in sets)] for method in methods_of(sets)
+    ]
     return page.table(["method", *(_title(times) for times in sets.values())], rows)
 
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from pathlib import Path
 
 from markupsafe import Markup
 
 from analysis.report import measured, page
-from analysis.report.measured import Origin, origin
-from analysis.results.store import Document, read_json
-from analysis.results.study_results import STABILITY
+from analysis.results.store import Document
 
 TITLE = "Stability of the integral"
 EXACT, _THESIS = "exact", "thesis"
@@ -53,21 +50,13 @@ class StabilityClass:
 class Stability:
     """`limit` is the allowed ratio of error to conditioning; `passed` tells whether the program found nothing wrong."""
 
-    origin: Origin
     passed: bool
     limit: float
     classes: tuple[StabilityClass, ...]
 
 
-def load(folder: Path) -> Stability | None:
-    """Returns what was measured, in a folder of results."""
-    return stability(read_json(folder / STABILITY))
-
-
-def stability(document: Document | None) -> Stability | None:
-    """Returns the errors in a stored answer of the stress program; None without one."""
-    if document is None:
-        return None
+def stability(document: Document) -> Stability:
+    """Returns the errors in a stored answer of the stress program."""
     answer = document["answer"]
     classes = tuple(
         StabilityClass(
@@ -81,26 +70,26 @@ def stability(document: Document | None) -> Stability | None:
         )
         for entry in answer["classes"]
     )
-    return Stability(origin(document), document["passed"], float(answer["limit"]), classes)
+    return Stability(document["passed"], float(answer["limit"]), classes)
 
 
 def _method_errors(errors: Document) -> MethodErrors:
     return MethodErrors(**{name: errors[name] for name in MethodErrors.__dataclass_fields__})
 
 
-def section(found: Stability | None) -> Markup:
+def section(document: Document | None) -> Markup:
     """Returns the finding, and for every class the error over the conditioning and the counts of wrong values."""
-    return measured.section(TITLE, found, _parts)
+    return measured.section(TITLE, [document], _parts)
 
 
-def _parts(found: Stability) -> Iterator[Markup]:
+def _parts(document: Document) -> Iterator[Markup]:
+    found = stability(document)
     yield page.finding(finding(found))
     yield page.paragraph(
         "Error over conditioning, the largest and what 99 % are below; values not finite, values wrong by more than 1 %."
     )
     yield _table(found)
     yield page.soft(_WHAT)
-    yield measured.again(found.origin)
 
 
 def finding(whole: Stability) -> str:

@@ -18,7 +18,7 @@ from analysis.report import (
     stability_section,
 )
 from analysis.results import statistics, study_results as results, symmetry, table
-from analysis.results.store import Document
+from analysis.results.store import Document, read_json
 from analysis.topics import cross_check
 from analysis.topics.company.topic import COMPANY
 from analysis.topics.corrections.topic import CORRECTIONS
@@ -110,16 +110,17 @@ def _run_time(material: Material) -> list[Markup]:
     folder = material.found.folder
     return [
         trade_off_section.section(trade_off.load(folder), material.found, page.CASES),
-        run_times_section.section(run_times_section.load(folder)),
+        run_times_section.section(read_json(folder / results.RUN_TIMES)),
     ]
 
 
 def _stability(material: Material) -> list[Markup]:
-    return [stability_section.section(stability_section.load(material.found.folder))]
+    return [stability_section.section(read_json(material.found.folder / results.STABILITY))]
 
 
 def _collisions(material: Material) -> list[Markup]:
-    return [collision_section.section(collision_section.load(material.found.folder))]
+    stored = (read_json(material.found.folder / name) for name in results.COLLISION)
+    return [collision_section.section(*stored)]
 
 
 def _set_ups(material: Material) -> list[Markup]:
