@@ -9,11 +9,9 @@ import sys
 import textwrap
 import threading
 from collections.abc import Callable
-from contextlib import nullcontext
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
-import numpy as np
 import pytest
 
 from analysis import __main__ as command_line
@@ -22,126 +20,80 @@ from analysis.pipeline.stage import Stage
 from analysis.results import store, study_results as results
 from analysis.study import report
 from tests import scenes
-from tests.analysis.synthetic import EDGE, HEAD, PARALLEL, model_document
+from tests.analysis.nightly.toy_repository import MODEL, REFERENCE, ROOT
+from tests.analysis.synthetic import EDGE, HEAD, PARALLEL
 from tests.waiting import DEADLINE, has_ended, wait_until
-
-# Answers at once, and writes down that it was asked; some heights of the target make it fail.
-STAND_IN = """
-import json, sys, time, tomllib
-from pathlib import Path
-sys.path.insert(0, {repository!r})
-from tests.analysis.synthetic import empty_document, reference_document
-scene = tomllib.loads(Path(sys.argv[1]).read_text())
-with open({log!r}, "a") as log:
-    log.write(Path(sys.argv[1]).parent.name + "\\n")
-height = scene["object"][0]["translation"][2] if "object" in scene else None
-if "--slice" in sys.argv:
-    sys.exit(1)
-if height == 0.04:
-    print("cannot mesh this", file=sys.stderr)
-    sys.exit(1)
-document = empty_document() if height is None else reference_document(2, 1, reached=height != 0.03)
-print(json.dumps(document))
-sys.exit(0 if document["reached"] else 3)
-"""
-
-
-class Model:
-    """Stands in for the model's module."""
-
-    __version__ = "0.1.0"
-    InterruptionScope = nullcontext
-
-    @staticmethod
-    def plate_integral(triangles: Any, *plate: Any) -> Any:
-        return np.ones(len(triangles))
-
-    class Scene:
-        @staticmethod
-        def load(path: str) -> Any:
-            return Model.Scene()
-
-        def capacitance(self, method: str) -> dict[str, Any]:
-            answer: dict[str, Any] = model_document(1.8)["methods"][method]
-            return {**answer, "readings": []}
-
-        def maxwell(self, rtol: float) -> dict[str, Any]:
-            raise ValueError("a stand-in knows no boundary elements")
 
 
 class Workplace:
-    """A study file, a results folder, and the stand-in's log."""
+    """A study file, a results folder, and what stands in for the reference."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.log = folder / "asked.txt"
+        self.repository = folder / "repository"
+        self.results = folder / "results"
 
     def run(self, sweeps: str) -> int:
         study = self.folder / "study.toml"
         study.write_text(HEAD + sweeps)
-        return command_line.main(
-            ["run", str(study), "--results", str(self.folder / "results"), "--jobs", "2"]
-        )
+        return command_line.main(["run", str(study), "--results", str(self.results), "--jobs", "2"])
 
     def solved(self) -> int:
-        """How often the reference was asked for an answer or a slice since the last time this was called."""
-        count = len(self.log.read_text().splitlines()) if self.log.is_file() else 0
-        self.log.unlink(missing_ok=True)
+        """How often the reference has answered since the last time this was called."""
+        log = self.repository / "solved.txt"
+        count = len(log.read_text().splitlines()) if log.is_file() else 0
+        log.unlink(missing_ok=True)
         return count
 
 
 @pytest.fixture
 def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workplace:
-    workplace = Workplace(tmp_path / "with space")
-    module = workplace.folder / "repository" / "fem_reference.py"
-    module.parent.mkdir(parents=True)
-    repository = str(processes.ROOT)
-    module.write_text(STAND_IN.format(repository=repository, log=str(workplace.log)))
-    monkeypatch.setattr(processes, "ROOT", module.parent)
-    monkeypatch.setattr(model_stage, "model_module", lambda: Model)
+    """The reference fails at a height of 4 cm and falls short at 3 cm."""
+    workplace, model = Workplace(tmp_path / "with space"), ModuleType("fringe")
+    store.write_text(workplace.repository / "fem_reference.py", REFERENCE)
+    exec(MODEL, vars(model))
+    for name, value in (("PYTHONPATH", str(ROOT)), ("TOY_FAILS_AT", "0.04"), ("TOY_SHORT_AT", "0.03")):
+        monkeypatch.setenv(name, value)
+    monkeypatch.setattr(processes, "ROOT", workplace.repository)
+    monkeypatch.setattr(model_stage, "model_module", lambda: model)
     return workplace
 
 
+Answer = Callable[[processes.Processes], store.Document]
 TWO = PARALLEL.replace("[0.01, 0.02, 0.04]", "[0.01, 0.02]")
-SLICES = 2  # one for each case
+BESIDE = EDGE.replace("height = 0", "height = 0.02")
 
 
 def test_a_study_is_solved_reported_and_told(place: Workplace, capsys: pytest.CaptureFixture[str]) -> None:
     assert place.run(TWO) == 0
     printed = capsys.readouterr().out
-    assert "mutual      model error over 2 cases: rms 10.0%" in printed
-    assert f"report: {place.folder / 'results' / 'report.html'}" in printed
-    assert (place.folder / "results" / "table.csv").read_text().count("\n") == 5
+    assert "mutual      model error over 2 cases: rms 192.4%" in printed
+    assert f"report: {place.results / 'report.html'}" in printed
+    assert (place.results / "table.csv").read_text().count("\n") == 5
 
 
 def test_the_report_is_there_before_pictures_are_solved_for(
     place: Workplace, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    asked: list[int] = []
+    there: list[tuple[int, int]] = []
 
     def make(folder: Path) -> report.Report:
-        asked.append(place.solved())
+        there.append((place.solved(), len(list(folder.rglob("slice.json")))))
         return report.Report(folder / "report.html", [], 0, 0, 0, [])
 
     monkeypatch.setattr(report, "make", make)
     place.run(TWO)
-    assert asked == [3, SLICES]
+    assert there == [(3, 0), (0, 2)]
     printed = capsys.readouterr().out
     assert printed.index("can be read now") < printed.index("report: ")
 
 
-def test_a_second_run_solves_nothing_that_is_answered(place: Workplace) -> None:
-    place.run(TWO)
-    assert place.solved() == 3 + SLICES
-    place.run(TWO)
-    assert place.solved() == SLICES  # what failed is tried again
-
-
-def test_a_changed_family_solves_only_its_new_cases(place: Workplace) -> None:
-    place.run(TWO + EDGE)
-    place.solved()
-    place.run(TWO.replace("0.02", "0.025") + EDGE)
-    assert place.solved() == 1 + 2 * SLICES
+def test_only_what_has_no_answer_is_solved(place: Workplace) -> None:
+    solved = []
+    for sweeps in (TWO + BESIDE, TWO + BESIDE, TWO.replace("0.02", "0.025") + BESIDE):
+        place.run(sweeps)
+        solved.append(place.solved())
+    assert solved == [5, 0, 1]
 
 
 def test_a_failing_case_is_told_and_the_others_go_on(
@@ -149,7 +101,7 @@ def test_a_failing_case_is_told_and_the_others_go_on(
 ) -> None:
     assert place.run(PARALLEL) == 1
     assert "reference: exit code 1: cannot mesh this" in capsys.readouterr().err
-    found = results.load(place.folder / "results")
+    found = results.load(place.results)
     assert ("reference", "exit code 1: cannot mesh this") in {(f.stage, f.reason) for f in found.failures}
     assert [case.reference is not None for case in found.compared()] == [True, True, False]
 
@@ -159,19 +111,16 @@ def test_an_accuracy_not_reached_is_an_answer_and_told(
 ) -> None:
     place.run(TWO.replace("0.02", "0.03"))
     assert "1 cases are short of the asked accuracy" in capsys.readouterr().out
-    assert command_line.main(["report", str(place.folder / "results")]) == 3
+    assert command_line.main(["report", str(place.results)]) == 3
 
 
-def test_a_missing_picture_is_told_but_is_no_failed_run(
-    place: Workplace, capsys: pytest.CaptureFixture[str]
+def test_a_missing_picture_is_told_but_is_no_failed_run_and_case_folders_hold_whole_files_only(
+    place: Workplace, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    monkeypatch.setenv("TOY_SLICES_FAIL", "yes")
     assert place.run(TWO) == 0
     assert "slice of the potential: exit code 1" in capsys.readouterr().err
-
-
-def test_every_case_folder_holds_whole_files_only(place: Workplace) -> None:
-    place.run(TWO)
-    names = {path.name for path in (place.folder / "results" / "cases").glob("*/*")}
+    names = {path.name for path in (place.results / "cases").glob("*/*")}
     assert names == {"scene.toml", "fem.json", "model.json", "boundary.json", "case.html"}
 
 
@@ -181,7 +130,17 @@ def test_wrong_input_ends_with_code_2_and_a_message(
     assert place.run(TWO + "colour = 3") == 2
     printed = capsys.readouterr()
     assert "sweep[0].colour: unknown key" in printed.err and not printed.out
-    assert not (place.folder / "results").exists()
+    assert not place.results.exists()
+
+
+def run_two(first: Answer, second: Answer) -> None:
+    """Runs two jobs at a time, which are interrupted and store nothing."""
+    jobs = [
+        Stage("job", "", Path("nowhere"), "key", seconds, answer)
+        for seconds, answer in ((2, first), (1, second))
+    ]
+    with pytest.raises(KeyboardInterrupt):
+        scheduler.run_all(jobs, workers=2)
 
 
 def test_stopping_kills_the_running_processes_and_their_children(tmp_path: Path) -> None:
@@ -204,16 +163,12 @@ def test_stopping_kills_the_running_processes_and_their_children(tmp_path: Path)
         wait_until(lambda: pids.is_file() and len(pids.read_text().split()) == 2, "the start of the job")
         raise KeyboardInterrupt
 
-    def job(name: str, seconds: float, answer: Callable[[processes.Processes], store.Document]) -> Stage:
-        return Stage(name, "", tmp_path / name, "key", seconds, answer)
-
-    with pytest.raises(KeyboardInterrupt):
-        scheduler.run_all([job("first", 2, sleep), job("second", 1, interrupt)], workers=2)
+    run_two(sleep, interrupt)
     for pid in pids.read_text().split():
         wait_until(lambda: has_ended(pid), f"the end of process {pid}")
 
 
-def test_stopping_ends_what_the_jobs_compute_themselves(tmp_path: Path) -> None:
+def test_stopping_ends_what_the_jobs_compute_themselves() -> None:
     """Boundary elements to 1e-5 of many triangles would take minutes."""
     module = model_stage.model_module()
     text = scenes.body("ball", "sphere", radius=1, segments=40, potential="electrode")
@@ -232,12 +187,7 @@ def test_stopping_ends_what_the_jobs_compute_themselves(tmp_path: Path) -> None:
         begun.wait()
         raise KeyboardInterrupt
 
-    jobs = [
-        Stage("first", "", tmp_path / "first", "key", 2, compute),
-        Stage("second", "", tmp_path / "second", "key", 1, interrupt),
-    ]
-    with pytest.raises(KeyboardInterrupt):
-        scheduler.run_all(jobs, workers=2)
+    run_two(compute, interrupt)
     assert ended.is_set()
 
 
