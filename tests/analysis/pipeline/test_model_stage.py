@@ -48,10 +48,15 @@ def test_the_model_knows_grounded_conductors_and_before_machines_which_changes_i
     assert model_stage.knows(scene) == expected
 
 
+def answered(folder: Path, scene: Scene, *methods: str) -> ModelAnswer:
+    """What the model stage makes of a scene, as it is read again."""
+    store.write_text(folder / SCENE, canonical(scene))
+    return ModelAnswer.of({"key": "", **model_stage.answer(folder / SCENE, methods)})
+
+
 @pytest.mark.parametrize("machine", MACHINES)
 def test_its_change_is_that_of_the_target_whatever_stays(machine: str, tmp_path: Path) -> None:
-    store.write_text(tmp_path / SCENE, canonical(box(machine=machine)))
-    found = ModelAnswer.of({"key": "", **model_stage.answer(tmp_path / SCENE, ("exact", "split:2"))})
+    found = answered(tmp_path, box(machine=machine), "exact", "split:2")
     for method, sensors in found.values.items():
         changes = found.changes[method]
         assert set(changes) == set(sensors)
@@ -60,24 +65,14 @@ def test_its_change_is_that_of_the_target_whatever_stays(machine: str, tmp_path:
 
 
 def test_it_says_of_a_floating_target_that_it_does_not_know_the_change(tmp_path: Path) -> None:
-    store.write_text(tmp_path / SCENE, canonical(box(material="floating", machine=GUARD)))
-    found = ModelAnswer.of({"key": "", **model_stage.answer(tmp_path / SCENE, ("exact", "split:2"))})
+    found = answered(tmp_path, box(material="floating", machine=GUARD), "exact", "split:2")
     assert found.changes == {"exact": {}, "split:2": {}}
     assert set(found.values["exact"]["sensor"].objects) == {"housing"}
 
 
 EVERY = (
-    *(
-        "exact",
-        "split:0",
-        "split:10",
-        "gauss:1",
-        "gauss:64",
-        "exact+nearest",
-        "split:2+facing",
-        "gauss:3+nearest+facing",
-    ),
-    *("formula", "reduced", "boundary-elements", "auto"),
+    *("exact", "split:0", "split:10", "gauss:1", "gauss:64", "exact+nearest", "split:2+facing"),
+    *("gauss:3+nearest+facing", "formula", "reduced", "boundary-elements", "auto"),
 )
 """Methods of every form that a study may name, with the ends of their numbers."""
 
@@ -108,9 +103,8 @@ def study_of(method: str) -> str:
 
 def test_methods_that_solve_for_delta_self_state_it_with_its_error_and_who_answered(tmp_path: Path) -> None:
     """Two plates of 10 cm at 4 cm: the sum over the objects is mutual, 3.1 pF, and not delta_self, 1.7 pF."""
-    store.write_text(tmp_path / SCENE, canonical(families.parallel(SENSOR, SENSOR, 0.04)))
-    methods = ("exact", "auto", "boundary-elements", "formula")
-    found = ModelAnswer.of({"key": "", **model_stage.answer(tmp_path / SCENE, methods)})
+    plates = families.parallel(SENSOR, SENSOR, 0.04)
+    found = answered(tmp_path, plates, "exact", "auto", "boundary-elements", "formula")
     by = {method: sensors["sensor"] for method, sensors in found.values.items()}
     truth = by["boundary-elements"]
     assert truth.total < 0.6 * truth.objects["target"]
@@ -127,10 +121,8 @@ def test_methods_that_solve_for_delta_self_state_it_with_its_error_and_who_answe
 def test_a_method_that_refuses_a_case_does_not_take_the_others_answers(tmp_path: Path) -> None:
     plates = families.parallel(SENSOR, SENSOR, 0.04)
     ground = replace(plates.objects[0], name="ground", pose=Pose())
-    store.write_text(tmp_path / SCENE, canonical(replace(plates, objects=(*plates.objects, ground))))
-    found = ModelAnswer.of(
-        {"key": "", **model_stage.answer(tmp_path / SCENE, ("exact", "boundary-elements"))}
-    )
+    touching = replace(plates, objects=(*plates.objects, ground))
+    found = answered(tmp_path, touching, "exact", "boundary-elements")
     assert set(found.values) == {"exact"} and "touch or cross" in found.refused["boundary-elements"]
     assert str(tmp_path) not in found.refused["boundary-elements"]
 
@@ -168,11 +160,6 @@ class Workshop:
     def measure(self) -> Failure | None:
         return measurement_stage.stage(self.measurements[0], self.results).run(processes.Processes())
 
-    def stored(self) -> store.Document | None:
-        """The answer that is stored under the key of today."""
-        stage = measurement_stage.stage(self.measurements[0], self.results)
-        return store.read_current(stage.target, stage.key)
-
     def key(self, number: int) -> str:
         return measurement_stage.stage(self.measurements[number], self.results).key
 
@@ -192,21 +179,19 @@ def workshop(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workshop:
     return made
 
 
-def test_an_answer_is_stored_with_key_and_origin(workshop: Workshop) -> None:
+@pytest.mark.parametrize(("end", "passed"), [("true", True), ("false", False)])
+def test_an_answer_is_stored_with_its_origin_and_whether_the_program_is_content(
+    workshop: Workshop, end: str, passed: bool
+) -> None:
+    workshop.program("speed", f'echo \'{{"value": 1}}\' > "$2"; {end}')
     assert workshop.measure() is None
-    document = workshop.stored()
+    stage = measurement_stage.stage(workshop.measurements[0], workshop.results)
+    document = store.read_current(stage.target, stage.key)
     assert document is not None
-    assert document["answer"] == {"value": 1} and document["passed"] is True
+    assert document["answer"] == {"value": 1} and document["passed"] is passed
     assert document["command"] == "build/bin/speed --json ANSWER.json"
     assert document["processor"] == machine.description()["processor"]
     assert [path.name for path in workshop.results.iterdir()] == ["speed.json"]
-
-
-def test_a_program_that_is_not_content_gives_an_answer_that_says_so(workshop: Workshop) -> None:
-    workshop.program("speed", "echo '{}' > \"$2\"; false")
-    assert workshop.measure() is None
-    document = workshop.stored()
-    assert document is not None and document["passed"] is False
 
 
 @pytest.mark.parametrize(
@@ -233,20 +218,13 @@ def test_a_program_that_is_not_built_is_named(workshop: Workshop) -> None:
     assert failure is not None and failure.reason == "build/bin/speed is missing: ./run builds it"
 
 
-def test_measurements_are_made_one_after_the_other_and_once(workshop: Workshop) -> None:
-    assert workshop.run(measure_model=True) == ["speed starts", "speed ends", "errors starts", "errors ends"]
-    assert workshop.run(measure_model=True) == []
-
-
-def test_without_being_asked_nothing_is_measured_and_what_is_current_stays(workshop: Workshop) -> None:
+def test_measurements_are_made_if_asked_one_after_the_other_and_once_for_a_version_of_the_model(
+    workshop: Workshop,
+) -> None:
     assert workshop.run(measure_model=False) == []
-    workshop.run(measure_model=True)
-    workshop.run(measure_model=False)
+    assert workshop.run(measure_model=True) == ["speed starts", "speed ends", "errors starts", "errors ends"]
+    assert workshop.run(measure_model=True) == [] and workshop.run(measure_model=False) == []
     assert (workshop.results / "speed.json").is_file()
-
-
-def test_a_changed_model_makes_measurements_void(workshop: Workshop) -> None:
-    workshop.run(measure_model=True)
     store.write_text(workshop.repository / "model" / "a.cpp", "second")
     workshop.run(measure_model=False)
     assert not (workshop.results / "speed.json").is_file()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import pytest
@@ -12,9 +12,9 @@ import pytest
 from analysis.pipeline import keys
 from analysis.pipeline.processes import Finished, Processes
 from analysis.pipeline.set_up_stages import SetUpStages
-from analysis.pipeline.stage import NoAnswer, Stage, outdated, parsed
+from analysis.pipeline.stage import NoAnswer, Refused, Stage, outdated, parsed
 from analysis.results import store
-from analysis.results.study_results import SCENE, case_folder
+from analysis.results.study_results import SCENE, Failure, case_folder
 from geometries.common.installation import ROOT
 from geometries.scene import writer
 from geometries.studies import families, study
@@ -44,11 +44,14 @@ def test_an_outdated_answer_is_removed_with_what_killed_writers_left(tmp_path: P
     assert list(tmp_path.iterdir()) == [of_another]
 
 
-@pytest.mark.parametrize("error", [NoAnswer("no memory"), ValueError("no memory"), RuntimeError("no memory")])
-def test_a_failure_names_case_and_stage_and_stores_nothing(tmp_path: Path, error: Exception) -> None:
-    failure = stage(tmp_path, error=error).run(Processes())
-    assert failure is not None
-    assert (failure.case, failure.stage, failure.reason) == ("case", "speed", "no memory")
+@pytest.mark.parametrize(
+    ("error", "refused"), [(NoAnswer, False), (Refused, True), (ValueError, False), (RuntimeError, False)]
+)
+def test_a_failure_names_case_and_stage_tells_a_refusal_and_stores_nothing(
+    tmp_path: Path, error: type[Exception], refused: bool
+) -> None:
+    failure = stage(tmp_path, error=error("no memory")).run(Processes())
+    assert failure == Failure("case", "speed", "no memory", refused)
     assert not list(tmp_path.iterdir())
 
 
@@ -65,12 +68,7 @@ def test_what_is_no_json_document_is_no_answer(text: str) -> None:
 
 @pytest.mark.parametrize(
     ("errors", "reason"),
-    [
-        ("first\nno memory\n\n", "no memory"),
-        ("", "no message"),
-        (" \n", "no message"),
-        ("x" * 400, "x" * 300),
-    ],
+    [("first\nno memory\n\n", "no memory"), (" \n", "no message"), ("x" * 400, "x" * 300)],
 )
 def test_the_reason_is_the_last_line_that_a_command_wrote(errors: str, reason: str) -> None:
     assert Finished(2, "", errors).reason == f"exit code 2: {reason}"
@@ -107,7 +105,7 @@ def test_the_reference_key_changes_with_scene_options_and_code() -> None:
     assert keys.reference_key(TWO_PLATES, replace(STUDY, methods=("split:1",), title="x"), "a") in found
 
 
-def test_the_model_key_changes_with_scene_methods_and_code_but_not_with_the_reference_options() -> None:
+def test_the_model_key_changes_with_methods_and_code_but_not_with_the_reference_options() -> None:
     here = keys.model_key(TWO_PLATES, STUDY, "a")
     assert here != keys.model_key(TWO_PLATES, replace(STUDY, methods=("exact", "split:1")), "a")
     assert here != keys.model_key(TWO_PLATES, STUDY, "b")
@@ -116,49 +114,32 @@ def test_the_model_key_changes_with_scene_methods_and_code_but_not_with_the_refe
 
 @pytest.fixture
 def repository(tmp_path: Path) -> Path:
-    for name in (
-        "model/src/a.cpp",
-        "model/CMakeLists.txt",
-        "fem_reference/solve.py",
-        "geometries/scene/reader.py",
-    ):
+    for name in ("model/src/a.cpp", "fem_reference/solve.py", "geometries/scene/reader.py"):
         store.write_text(tmp_path / name, "first")
     return tmp_path
 
 
 @pytest.mark.parametrize(
-    ("changed", "model", "reference"),
+    ("changed", "versions"),
     [
-        ("model/src/a.cpp", True, False),
-        ("model/include/new.hpp", True, False),
-        ("model/README.md", False, False),
-        ("fem_reference/solve.py", False, True),
-        ("geometries/scene/reader.py", False, True),
-        ("geometries/studies/families.py", False, False),
-        ("analysis/report/page.py", False, False),
+        ("model/src/a.cpp", {"model"}),
+        ("model/include/new.hpp", {"model"}),
+        ("model/README.md", set()),
+        ("fem_reference/solve.py", {"reference"}),
+        ("geometries/scene/reader.py", {"reference"}),
+        ("geometries/studies/families.py", set()),
+        ("analysis/report/page.py", {"report"}),
+        ("analysis/report/templates/page.html", {"report"}),
+        ("analysis/topics/experiments/section.py", {"report"}),
     ],
 )
-def test_the_code_version_of_a_stage_changes_with_its_own_sources(
-    repository: Path, changed: str, model: bool, reference: bool
+def test_a_change_of_a_source_changes_the_versions_of_the_code_that_it_is_of(
+    repository: Path, changed: str, versions: set[str]
 ) -> None:
-    before = keys.model_code(repository), keys.reference_code(repository)
+    codes = {"model": keys.model_code, "reference": keys.reference_code, "report": keys.report_code}
+    before = {name: code(repository) for name, code in codes.items()}
     store.write_text(repository / changed, "second")
-    after = keys.model_code(repository), keys.reference_code(repository)
-    assert (before[0] != after[0], before[1] != after[1]) == (model, reference)
-
-
-@pytest.mark.parametrize(
-    "changed",
-    [
-        "analysis/report/page.py",
-        "analysis/report/templates/page.html",
-        "analysis/topics/experiments/section.py",
-    ],
-)
-def test_the_code_version_of_the_report_covers_the_packages_within(repository: Path, changed: str) -> None:
-    before = keys.report_code(repository)
-    store.write_text(repository / changed, "second")
-    assert keys.report_code(repository) != before
+    assert {name for name, code in codes.items() if code(repository) != before[name]} == versions
 
 
 @dataclass(frozen=True)
@@ -176,22 +157,13 @@ class Toy:
         return f"set-up-{self.text}"
 
 
-@dataclass
 class Topic:
     """Stages whose answer is twice the number in the scene, and how often each set-up was answered."""
 
-    answered: Counter[str] = field(default_factory=Counter)
-
-    @property
-    def stages(self) -> SetUpStages[Toy]:
-        return SetUpStages[Toy](
-            name="toys",
-            what="toys",
-            rtol=1e-3,
-            sources=("analysis/pipeline/set_up_stages.py",),
-            seconds=lambda _: 0.1,
-            answer=self._answer,
-        )
+    def __init__(self, rtol: float = 1e-3) -> None:
+        self.answered: Counter[str] = Counter()
+        sources = ("analysis/pipeline/set_up_stages.py",)
+        self.stages = SetUpStages[Toy]("toys", "toys", rtol, sources, lambda _: 0.1, self._answer)
 
     def _answer(self, toy: Toy, scene: Path) -> store.Document:
         self.answered[toy.text] += 1
@@ -209,9 +181,7 @@ def topic() -> Topic:
 def test_every_set_up_is_answered_once_from_its_scene(topic: Topic, tmp_path: Path) -> None:
     assert topic.stages.run(tmp_path, (*TOYS, TOYS[0]), 2) == []
     found = topic.stages.load(tmp_path, TOYS)
-    assert {name: answer["twice"] for name, answer in found.items()} == {
-        toy.id: 2 * int(toy.text) for toy in TOYS
-    }
+    assert {name: answer["twice"] for name, answer in found.items()} == {t.id: 2 * int(t.text) for t in TOYS}
     assert topic.stages.run(tmp_path, TOYS, 2) == []
     assert topic.answered == Counter("1234")
     assert set(topic.stages.load(tmp_path, TOYS[:2])) == {toy.id for toy in TOYS[:2]}
@@ -235,10 +205,7 @@ def test_answers_of_other_code_or_accuracy_are_not_found(
     topic: Topic, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     topic.stages.run(tmp_path, TOYS, 2)
-    coarser = SetUpStages[Toy](
-        "toys", "toys", 1e-2, topic.stages.sources, topic.stages.seconds, topic.stages.answer
-    )
-    assert coarser.load(tmp_path, TOYS) == {}
+    assert Topic(rtol=1e-2).stages.load(tmp_path, TOYS) == {}
     monkeypatch.setattr(SetUpStages, "code", lambda _: "another")
     assert topic.stages.load(tmp_path, TOYS) == {}
 

@@ -112,7 +112,7 @@ def test_the_truth_is_the_answer_with_the_least_error_in_every_frame(tmp_path: P
         *(row(3, "exact", 300, None, "yes"), row(3, "a", None, None, ""), row(3, "b", None, None, "")),
     )
     (only,) = found.series
-    assert [said.answered_by if said else None for said in only.truth] == ["b", "a", None]
+    assert [said.answered_by for said in only.truth] == ["b", "a", ""]
     assert only.threshold == 1e-13 and found.frames == ("f1", "f2", "f3")
 
 
