@@ -8,7 +8,7 @@ import os
 import signal
 import threading
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -86,7 +86,8 @@ def _answered(text: str, has_readings: bool, options: dict[str, Any]) -> Answer:
         # The formula knows no entries of a matrix.
         entries = {} if options["method"] == "formula" else {"entries": True}
         answer = scene.capacitance(**{**options, **entries})
-        values = _matrix(answer) if "maxwell" in answer else _pairs(answer)
+        whole = [answer.get(name) for name in ("conductors", "maxwell", "error", "answered_by")]
+        values = _matrix(*whole) if "maxwell" in answer else _pairs(answer)
         return Answer(ANSWERED, values=values, reached=answer.get("reached"), guess=_guess(answer))
     if options["method"] == AUTO:
         answer = scene.capacitance(**options)
@@ -133,10 +134,9 @@ def _pairs(answer: dict[str, Any]) -> dict[str, Stated]:
     }
 
 
-def _matrix(answer: dict[str, Any]) -> dict[str, Stated]:
-    names, values, errors = answer["conductors"], answer["maxwell"], answer["error"]
+def _matrix(names: Sequence[str], values: Any, errors: Any, by: str) -> dict[str, Stated]:
     return {
-        entry(names[i], names[j]): stated(float(values[i][j]), float(errors[i][j]), answer["answered_by"])
+        entry(names[i], names[j]): stated(float(values[i][j]), float(errors[i][j]), by)
         for i in range(len(names))
         for j in range(i + 1)
     }
@@ -266,7 +266,8 @@ def field_answer(scene: Drawn, folder: Path, processes: Processes) -> Answer:
         return Answer(REFUSED, time.monotonic() - begin, str(error))
     except NoAnswer as error:
         return Answer(LATE if _LATE in str(error) else ENDED, time.monotonic() - begin, str(error))
-    values = _readings(answer) if scene.has_readings else _field_matrix(answer)
+    matrix = answer.conductors, answer.maxwell, answer.error, FIELD_SOLVER
+    values = _readings(answer) if scene.has_readings else _matrix(*matrix)
     return Answer(ANSWERED, time.monotonic() - begin, values=values)
 
 
@@ -275,15 +276,4 @@ def _readings(answer: ReferenceAnswer) -> dict[str, Stated]:
         part_of(name, part): stated(getattr(reading, part).value, getattr(reading, part).error, FIELD_SOLVER)
         for name, reading in answer.readings.items()
         for part in PARTS
-    }
-
-
-def _field_matrix(answer: ReferenceAnswer) -> dict[str, Stated]:
-    names = answer.conductors
-    return {
-        entry(names[i], names[j]): stated(
-            float(answer.maxwell[i, j]), float(answer.error[i, j]), FIELD_SOLVER
-        )
-        for i in range(len(names))
-        for j in range(i + 1)
     }

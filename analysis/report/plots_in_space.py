@@ -137,7 +137,10 @@ def in_space(scene: Scene) -> Panel:
         parts = [f"{parts[0]} (blue)", "target (orange)"]
     if not all(targets(scene)):
         parts.append("machine (grey)")
-    return Panel(" and ".join((", ".join(parts[:-1]), parts[-1])) if parts[1:] else parts[0], _space(scene))
+    caption = " and ".join((", ".join(parts[:-1]), parts[-1])) if parts[1:] else parts[0]
+    colour_of, bodies = colours(scene, SENSOR_COLOUR), triangles(scene)
+    traces = [mesh(name, own, color=colour_of[name], opacity=0.75) for name, own in bodies.items()]
+    return Panel(caption, figure_in_space(traces, bodies))
 
 
 def colours(scene: Scene, sensor: str) -> dict[str, str]:
@@ -148,21 +151,16 @@ def colours(scene: Scene, sensor: str) -> dict[str, str]:
     return found
 
 
-def _space(scene: Scene) -> go.Figure:
-    colour_of = colours(scene, SENSOR_COLOUR)
-    bodies = triangles(scene)
-    traces: list[object] = [
-        mesh(name, own, color=colour_of[name], opacity=0.75) for name, own in bodies.items()
-    ]
-    return figure_in_space(traces, bodies)
+def indexed(own: Array) -> tuple[Array, NDArray[np.int64]]:
+    """Returns the distinct vertices (p, 3) of triangles (n, 3, 3) in cm, and three of their indices for each triangle (n, 3)."""
+    vertices = np.round(own.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
+    distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)
+    return distinct, numbers.reshape(-1, 3)
 
 
 def mesh(name: str, own: Array, **look: object) -> go.Mesh3d:
     """Returns triangles (n, 3, 3) as a body of a figure in space."""
-    vertices = np.round(own.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
-    distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)
-    x, y, z = distinct.T
-    i, j, k = numbers.reshape(-1, 3).T
+    (x, y, z), (i, j, k) = (each.T for each in indexed(own))
     return go.Mesh3d(x=x, y=y, z=z, i=i, j=j, k=k, name=name, hoverinfo="name", flatshading=True, **look)
 
 

@@ -6,17 +6,13 @@ import re
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 from plotly.utils import PlotlyJSONEncoder
 
 from analysis.report import page, plots_in_space
 from analysis.results.store import Document
-from analysis.results.units import CENTIMETRE
 from geometries.common import installation
 from geometries.scene.scene import Scene
 
-# Decimals of a coordinate in cm: a micrometre.
-_DECIMALS = 4
 _TARGET = "[[object]]"
 _ARRAY = re.compile(r"\[\n[^\[\]]*\]")
 # The keys of a trace that depend on the set-up.
@@ -97,6 +93,7 @@ def _on_one_line(array: re.Match[str]) -> str:
 
 def _set_up(each: Shown, heads: list[str]) -> Document:
     bodies = plots_in_space.triangles(each.scene)
+    indexed = map(plots_in_space.indexed, bodies.values())
     return {
         "name": each.name,
         "family": each.family,
@@ -105,13 +102,6 @@ def _set_up(each: Shown, heads: list[str]) -> Document:
         "rows": each.rows,
         "head": heads.index(_around_target(each.text)[0]),
         "scene": _around_target(each.text)[1],
-        "bodies": [_body_of(triangles) for triangles in bodies.values()],
+        "bodies": [{"vertices": p.tolist(), "triangles": numbers.tolist()} for p, numbers in indexed],
         "aspect": [round(side, 4) for side in plots_in_space.aspect(bodies.values())],
     }
-
-
-def _body_of(triangles: plots_in_space.Array) -> Document:
-    """Returns the distinct vertices (cm), and three of their indices for each triangle."""
-    vertices = np.round(triangles.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
-    distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)
-    return {"vertices": distinct.tolist(), "triangles": numbers.reshape(-1, 3).tolist()}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,30 +88,35 @@ class ReferenceAnswer(MatrixAnswer):
     @staticmethod
     def of(document: Document) -> ReferenceAnswer:
         """Returns the answer in a document of `fem_reference --json`; KeyError when a part is missing."""
-        changes = document.get("delta_self", {})
         lower, upper = _interval(document)
-        value = np.array(document["maxwell"], dtype=np.float64)
+        shared = _shared(document)
         return ReferenceAnswer(
-            conductors=tuple(document["conductors"]),
-            maxwell=value,
-            error=_error(document, value, lower, upper),
+            **shared,
+            error=_error(document, shared["maxwell"], lower, upper),
             lower=lower,
             upper=upper,
-            delta_self={name: Estimate(change["value"], change["error"]) for name, change in changes.items()},
-            readings=_readings(document),
             levels=tuple(
                 Level(level["unknowns"], level["seconds"], np.array(level["maxwell"], dtype=np.float64))
                 for level in document["levels"]
             ),
-            unknowns=document["unknowns"],
-            seconds=document["seconds"],
-            reached=document["reached"],
             error_kind=document["error_kind"],
             is_proven=document["error_kind"] == "enclosure"
             and not (document.get("curved") or document.get("wrapped") or document.get("contradicted")),
             method=document["method"],
             versions=document["versions"],
         )
+
+
+def _shared(document: Document) -> dict[str, Any]:
+    """Returns what the answers of both references have besides the errors of their matrix."""
+    changes = document.get("delta_self", {})
+    return {
+        "conductors": tuple(document["conductors"]),
+        "maxwell": np.array(document["maxwell"], dtype=np.float64),
+        "delta_self": {name: Estimate(change["value"], change["error"]) for name, change in changes.items()},
+        "readings": _readings(document),
+        **{name: document[name] for name in ("unknowns", "seconds", "reached")},
+    }
 
 
 def _readings(document: Document) -> dict[str, ReadingAnswer]:
@@ -153,15 +159,9 @@ class BoundaryAnswer(MatrixAnswer):
     def of(document: Document) -> BoundaryAnswer:
         """Returns the answer in a stored `boundary.json`; KeyError when a part is missing."""
         return BoundaryAnswer(
-            conductors=tuple(document["conductors"]),
-            maxwell=np.array(document["maxwell"], dtype=np.float64),
+            **_shared(document),
             error=np.array(document["error"], dtype=np.float64),
             lower_bounds=tuple(document["lower_bounds"]),
-            delta_self={name: Estimate(**change) for name, change in document["delta_self"].items()},
-            readings=_readings(document),
-            unknowns=document["unknowns"],
-            seconds=document["seconds"],
-            reached=document["reached"],
             rtol=document["rtol"],
         )
 

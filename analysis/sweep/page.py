@@ -52,13 +52,12 @@ def findings(sweep: Sweep, motion: tuple[Frame, ...]) -> list[str]:
     for series in sweep.series:
         if series.threshold is None:
             continue
-        truth = series.truth
         places = _crossings(series)
         subject = f"{series.reading}, threshold {series.threshold / _FEMTO:.4g} fF: "
         if places:
             found.append(subject + "; ".join(_crossing(each, sweep, motion) for each in places) + ".")
         else:
-            noticed = {said.noticed for said in truth if said is not None}
+            noticed = {said.noticed for said in series.truth if said.is_truth}
             found.append(f"{subject}{_never_crossed(noticed)}.")
     return found
 
@@ -67,7 +66,7 @@ def _crossings(series: Series) -> list[Crossing]:
     """Returns where the best truth at hand crosses the threshold."""
     if series.threshold is None:
         return []
-    known = [said.change if said is not None else None for said in series.truth]
+    known = [said.change for said in series.truth]
     return crossings(
         [change.value if change is not None else None for change in known],
         [change.error if change is not None else 0.0 for change in known],
@@ -102,11 +101,11 @@ def _crossing(crossing: Crossing, sweep: Sweep, motion: tuple[Frame, ...]) -> st
 
 def _section(series: Series, frames: tuple[str, ...]) -> Markup:
     panels = [Panel("size of the change (fF), all methods", _changes(series, frames))]
-    if any(said is not None and said.value is not None for said in series.truth):
+    if any(said.value is not None for said in series.truth):
         panels.append(
             Panel("the reading and its background without the targets (pF)", _readings(series, frames))
         )
-    if any(said is not None and said.delta_voltage is not None for said in series.truth):
+    if any(said.delta_voltage is not None for said in series.truth):
         panels.append(Panel("what the targets take from the output (mV)", _voltages(series, frames)))
     return page.section(
         f"Reading {series.reading}",
@@ -120,8 +119,7 @@ def _frames_axis(frames: tuple[str, ...]) -> dict[str, object]:
 
 
 def _changes(series: Series, frames: tuple[str, ...]) -> go.Figure:
-    truth = [said.change if said is not None else None for said in series.truth]
-    traces = _band(truth, _FEMTO, is_size=True)
+    traces = _band([said.change for said in series.truth])
     for number, (method, said) in enumerate(series.methods.items()):
         values = [_size(each.change) for each in said]
         if not any(values):
@@ -165,19 +163,18 @@ def _size(change: Estimate | None) -> float | None:
     return abs(change.value) / _FEMTO
 
 
-def _band(values: list[Estimate | None], unit: float, is_size: bool = False) -> list[go.Scatter]:
-    """Returns the band from each value less its error to the value and its error, over the frames where they are known."""
+def _band(changes: list[Estimate | None]) -> list[go.Scatter]:
+    """Returns the band from the size of each change less its error to the size and its error, over the frames where they are known."""
     known = [
-        (number, abs(each.value) if is_size else each.value, each.error)
-        for number, each in enumerate(values, start=1)
+        (number, abs(each.value), each.error)
+        for number, each in enumerate(changes, start=1)
         if each is not None and math.isfinite(each.error)
     ]
     if not known:
         return []
     # On a logarithmic axis the lower end stays above zero.
-    least = 1e-3 if is_size else -math.inf
-    low = [max(value - error, least * abs(value)) / unit for _, value, error in known]
-    high = [(value + error) / unit for _, value, error in known]
+    low = [max(size - error, 1e-3 * size) / _FEMTO for _, size, error in known]
+    high = [(size + error) / _FEMTO for _, size, error in known]
     numbers = [number for number, _, _ in known]
     return [
         go.Scatter(
@@ -194,25 +191,23 @@ def _band(values: list[Estimate | None], unit: float, is_size: bool = False) -> 
 
 
 def _readings(series: Series, frames: tuple[str, ...]) -> go.Figure:
-    traces: list[go.Scatter] = []
-    for number, (name, part) in enumerate((("reading", "value"), ("background", "background"))):
-        values = [getattr(said, part) if said is not None else None for said in series.truth]
-        traces += _line(values, name, number)
+    traces = [
+        _line([said.value for said in series.truth], "reading", 0, "solid"),
+        _line([said.background for said in series.truth], "background", 1, "dot"),
+    ]
     return figure(traces, _frames_axis(frames), axis("pF"), height=360)
 
 
-def _line(values: list[Estimate | None], name: str, number: int) -> list[go.Scatter]:
+def _line(values: list[Estimate | None], name: str, number: int, dash: str) -> go.Scatter:
     bars = [0 if each is None or math.isnan(each.error) else each.error / _PICO for each in values]
     shown = [None if each is None else each.value / _PICO for each in values]
-    across, dash = list(range(1, len(values) + 1)), "solid" if number == 0 else "dot"
-    return [joined(f"{name}, {_TRUTH}", across, shown, series_colour(number), "%{y:.5g} pF", bars, dash=dash)]
+    across = list(range(1, len(values) + 1))
+    return joined(f"{name}, {_TRUTH}", across, shown, series_colour(number), "%{y:.5g} pF", bars, dash=dash)
 
 
 def _voltages(series: Series, frames: tuple[str, ...]) -> go.Figure:
-    values = [
-        None if said is None or said.delta_voltage is None else said.delta_voltage / _MILLI
-        for said in series.truth
-    ]
+    known = [said.delta_voltage for said in series.truth]
+    values = [None if each is None else each / _MILLI for each in known]
     traces = [joined(_TRUTH, list(range(1, len(frames) + 1)), values, series_colour(0), "%{y:.4g} mV")]
     return figure(traces, _frames_axis(frames), axis("mV"), height=320)
 
@@ -221,16 +216,9 @@ def _numbers(series: Series, frames: tuple[str, ...]) -> Markup:
     header = ["frame", "best change (fF)", "by", "noticed", *(f"{method} (fF)" for method in series.methods)]
     rows = []
     for number, name in enumerate(frames):
-        best = series.truth[number]
-        rows.append(
-            [
-                f"{number + 1} {name}",
-                _text(best.change if best is not None else None),
-                best.answered_by if best is not None else "",
-                best.noticed if best is not None else "",
-                *(_text(said[number].change) for said in series.methods.values()),
-            ]
-        )
+        best, others = series.truth[number], [said[number] for said in series.methods.values()]
+        told = [_text(best.change), best.answered_by, best.noticed]
+        rows.append([f"{number + 1} {name}", *told, *(_text(said.change) for said in others)])
     return page.table(header, rows)
 
 

@@ -102,6 +102,9 @@ class Said:
         return self.change is not None and math.isfinite(self.change.error)
 
 
+_NOTHING = Said("", None, None, None, None, "")
+
+
 @dataclass(frozen=True)
 class Series:
     """A reading over all frames: what each method says, by its name, and the threshold (F), if it has one."""
@@ -111,13 +114,11 @@ class Series:
     methods: dict[str, tuple[Said, ...]]
 
     @property
-    def truth(self) -> tuple[Said | None, ...]:
-        """In each frame the answer whose change has the least stated error; None where no method states one."""
+    def truth(self) -> tuple[Said, ...]:
+        """In each frame the answer whose change has the least stated error; one that knows nothing where no method states one."""
         frames = zip(*self.methods.values(), strict=True)
         return tuple(
-            min((said for said in frame if said.is_truth), key=_error_of_change)
-            if any(said.is_truth for said in frame)
-            else None
+            min((said for said in frame if said.is_truth), key=_error_of_change, default=_NOTHING)
             for frame in frames
         )
 
