@@ -54,29 +54,29 @@ def only(made: Record, method: str = "formula") -> Judged | Unjudged:
     return found
 
 
-def test_an_error_holds_that_is_at_least_the_true_one() -> None:
-    found = only(record(1.0, 0.1, truth=(1.05, 0.0)))
-    assert isinstance(found, Judged)
-    assert found.by == CLOSED_FORM and found.is_held
-    assert found.ratio == pytest.approx(0.5) and found.width == pytest.approx(2)
+@pytest.mark.parametrize(
+    ("error", "truth", "ratio", "width"),
+    [
+        pytest.param(0.1, (1.05, 0.0), 0.5, 2, id="it holds"),
+        pytest.param(0.1, (1.22, 0.02), 2, None, id="the error of the reference is forgiven"),
+        pytest.param(0.1, (1.5, 0.09), 4.1, None, id="a contradiction is judged by any reference"),
+        pytest.param(0.0, (1.1, 0.0), math.inf, None, id="an error of nothing has to be right"),
+    ],
+)
+def test_an_error_is_held_against_the_true_one(
+    error: float, truth: tuple[float, float], ratio: float, width: float | None
+) -> None:
+    found = only(record(1.0, error, truth=truth))
+    assert isinstance(found, Judged) and found.by == CLOSED_FORM
+    assert found.ratio == pytest.approx(ratio) and found.is_held == (ratio <= 1)
+    assert found.width == (None if width is None else pytest.approx(width))
 
 
-def test_the_error_of_the_reference_is_forgiven() -> None:
-    found = only(record(1.0, 0.1, truth=(1.22, 0.02)))
-    assert isinstance(found, Judged)
-    assert found.ratio == pytest.approx(2) and not found.is_held
-
-
-def test_a_reference_that_is_not_accurate_enough_judges_nothing_but_contradictions() -> None:
-    assert only(record(1.0, 0.1, truth=(1.0, 0.09))) == Unjudged("plates", "formula", False)
-    found = only(record(1.0, 0.1, truth=(1.5, 0.09)))
-    assert isinstance(found, Judged) and found.ratio == pytest.approx(4.1)
-
-
-def test_an_error_of_nothing_has_to_be_right() -> None:
-    exact, wrong = (only(record(1.0, 0.0, truth=(truth, 0.0))) for truth in (1.0, 1.1))
-    assert isinstance(wrong, Judged) and math.isinf(wrong.ratio)
-    assert isinstance(exact, Unjudged)
+@pytest.mark.parametrize(("error", "truth"), [(0.1, (1.0, 0.09)), (0.0, (1.0, 0.0))])
+def test_a_reference_that_is_not_accurate_enough_judges_nothing(
+    error: float, truth: tuple[float, float]
+) -> None:
+    assert only(record(1.0, error, truth=truth)) == Unjudged("plates", "formula", False)
 
 
 def test_the_most_independent_reference_that_is_accurate_enough_judges() -> None:

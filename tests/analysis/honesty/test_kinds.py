@@ -10,27 +10,26 @@ import numpy as np
 import pytest
 
 from analysis.honesty import closed_forms, closed_scenes, kinds, other_scenes
-from analysis.honesty.kinds import KINDS
+from analysis.honesty.kinds import KINDS, Drawn
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 
 EACH = 6
 
 
+def all_drawn(kind: str, folder: Path) -> list[Drawn]:
+    first, step = list(KINDS).index(kind), len(KINDS)
+    return [kinds.drawn(seed, folder) for seed in range(first, first + EACH * step, step)]
+
+
 def scenes(kind: str, folder: Path) -> list[Scene]:
-    first = list(KINDS).index(kind)
-    return [
-        reader.loads(kinds.drawn(seed, folder).text)
-        for seed in range(first, first + EACH * len(KINDS), len(KINDS))
-    ]
+    return [reader.loads(each.text) for each in all_drawn(kind, folder)]
 
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_seed_stands_for_a_scene_that_can_be_read(kind: str, tmp_path: Path) -> None:
-    first = list(KINDS).index(kind)
-    for seed in range(first, first + EACH * len(KINDS), len(KINDS)):
-        made = kinds.drawn(seed, tmp_path)
-        assert made.kind == kind and made == kinds.drawn(seed, tmp_path)
+    for made in all_drawn(kind, tmp_path):
+        assert made.kind == kind and made == kinds.drawn(made.seed, tmp_path)
         scene = reader.loads(made.text)
         assert bool(made.truths) == (kind == "closed-forms")
         assert made.has_readings == bool(scene.sensors or scene.readings)
@@ -82,59 +81,35 @@ def test_what_is_revolved_is_closed_and_faces_outwards() -> None:
 
 
 DIGITS = 1e-10
+KNOWN = {
+    "a ball": (closed_forms.ellipsoid(1, 1, 1), 1.0),
+    "a disc": (closed_forms.ellipsoid(1, 1, 0), 2 / math.pi),
+    "a flat ellipsoid": (closed_forms.ellipsoid(1, 1, 0.01), 0.6406666189),
+    "a long ellipsoid": (closed_forms.ellipsoid(1, 0.01, 0.01), 0.1887306192),
+    "an ellipsoid of three axes": (closed_forms.ellipsoid(3, 2, 1), 1.9660092007),
+    "two balls, nearly touching": (closed_forms.two_spheres(1, 1, 0.01), (2.1366708264, 2.1366708264, -1.4427860423)),
+    "two balls, one larger": (closed_forms.two_spheres(1, 2, 0.5), (1.3448794651, 2.5029295041, -0.7963687577)),
+    "two balls, one smaller": (closed_forms.two_spheres(1, 0.25, 0.03), (1.3270916837, 0.4670894056, -0.3861651604)),
+    "two discs": (closed_forms.coaxial_discs(1, 0.5), (1.0503333101, -0.6555369923)),
+    "two near discs": (closed_forms.coaxial_discs(1, 0.1), (3.1095575189, -2.7684040781)),
+    "two larger discs": (closed_forms.coaxial_discs(2, 0.2), tuple(2 * c for c in closed_forms.coaxial_discs(1, 0.1))),
+    "a bowl": (closed_forms.bowl(1, math.pi / 3), 0.6089977810),
+    "a bowl that is closed": (closed_forms.bowl(1, math.pi), 1.0),
+    "a bowl that is flat": (closed_forms.bowl(1e5, 1e-5), 2 / math.pi),
+    "a layer": (closed_forms.coated_sphere(1, 1.1, 3), 1.0645161290),
+    "a layer of no thickness": (closed_forms.coated_sphere(1, 1, 3), 1.0),
+    "a layer of the medium": (closed_forms.coated_sphere(1, 2, 1), 1.0),
+    "a layer as good as metal": (closed_forms.coated_sphere(1, 2, 1e12), 2.0),
+    "two balls that cross": (closed_forms.crossing_spheres(1, 1), 2 - 1 / math.sqrt(2)),
+    "a ball with a speck": (closed_forms.crossing_spheres(1, 1e-11), 1.0),
+    "a cube": (closed_forms.cube(2), 2 * 0.6606781541),
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("axes", "expected"),
-    [
-        ((1, 1, 1), 1.0),
-        ((1, 1, 0), 2 / math.pi),
-        ((1, 1, 0.01), 0.6406666189),
-        ((1, 0.01, 0.01), 0.1887306192),
-        ((3, 2, 1), 1.9660092007),
-    ],
-)
-def test_ellipsoids(axes: tuple[float, float, float], expected: float) -> None:
-    assert closed_forms.ellipsoid(*axes) == pytest.approx(expected, abs=DIGITS)
-
-
-@pytest.mark.parametrize(
-    ("a", "b", "gap", "expected"),
-    [
-        (1, 1, 0.01, (2.1366708264, 2.1366708264, -1.4427860423)),
-        (1, 2, 0.5, (1.3448794651, 2.5029295041, -0.7963687577)),
-        (1, 0.25, 0.03, (1.3270916837, 0.4670894056, -0.3861651604)),
-    ],
-)
-def test_two_spheres(a: float, b: float, gap: float, expected: tuple[float, float, float]) -> None:
-    assert closed_forms.two_spheres(a, b, gap) == pytest.approx(expected, abs=DIGITS)
-
-
-@pytest.mark.parametrize(
-    ("gap", "expected"), [(0.5, (1.0503333101, -0.6555369923)), (0.1, (3.1095575189, -2.7684040781))]
-)
-def test_coaxial_discs(gap: float, expected: tuple[float, float]) -> None:
-    assert closed_forms.coaxial_discs(1, gap) == pytest.approx(expected, abs=DIGITS)
-    assert closed_forms.coaxial_discs(2, 2 * gap) == pytest.approx([2 * each for each in expected], abs=1e-9)
-
-
-def test_a_bowl_ends_as_a_disc_and_as_a_sphere() -> None:
-    assert closed_forms.bowl(1, math.pi) == pytest.approx(1, abs=DIGITS)
-    flat = 1e-4
-    assert closed_forms.bowl(1 / flat, flat) == pytest.approx(2 / math.pi, rel=1e-8)
-    assert closed_forms.bowl(1, math.pi / 3) == pytest.approx(0.6089977810, abs=DIGITS)
-
-
-def test_a_layer_without_thickness_or_of_the_mediums_permittivity_is_none() -> None:
-    assert closed_forms.coated_sphere(1, 1, 3) == pytest.approx(1, abs=DIGITS)
-    assert closed_forms.coated_sphere(1, 2, 1) == pytest.approx(1, abs=DIGITS)
-    assert closed_forms.coated_sphere(1, 2, 1e12) == pytest.approx(2, abs=DIGITS)
-    assert closed_forms.coated_sphere(1, 1.1, 3) == pytest.approx(1.0645161290, abs=DIGITS)
-
-
-def test_spheres_that_cross_have_at_least_the_larger_ones() -> None:
-    assert closed_forms.crossing_spheres(1, 1) == pytest.approx(2 - 1 / math.sqrt(2), abs=DIGITS)
-    assert closed_forms.crossing_spheres(1, 1e-9) == pytest.approx(1, abs=1e-8)
+@pytest.mark.parametrize("name", KNOWN)
+def test_closed_forms_have_the_digits_of_other_formulas_and_the_limits_that_are_known(name: str) -> None:
+    found, expected = KNOWN[name]
+    assert found == pytest.approx(expected, abs=DIGITS)
 
 
 @pytest.mark.parametrize(("a", "b", "gap"), [(1, 1, 0.5), (1, 0.3, 0.1), (1, 3, 1)])
@@ -143,10 +118,5 @@ def test_an_insulator_is_nothing_or_floats_at_the_ends_of_permittivity(
 ) -> None:
     own, other, between = closed_forms.two_spheres(a, b, gap)
     assert closed_forms.beside_insulator(a, b, gap, 1) == pytest.approx(a, abs=DIGITS)
-    assert closed_forms.beside_insulator(a, b, gap, 1e15) == pytest.approx(
-        own - between**2 / other, abs=1e-9
-    )
-
-
-def test_a_cube_is_published() -> None:
-    assert closed_forms.cube(2) == pytest.approx(2 * 0.6606781541, abs=DIGITS)
+    floating = own - between**2 / other
+    assert closed_forms.beside_insulator(a, b, gap, 1e15) == pytest.approx(floating, abs=1e-9)

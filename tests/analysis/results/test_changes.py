@@ -79,14 +79,8 @@ def test_rows_without_a_value_of_the_model_are_empty_and_left_out_of_statistics(
     unknown = [row for row in rows if not row.is_compared]
     assert [(row.quantity, row.model, row.model_seconds) for row in unknown] == [(CHANGE, {}, {})] * 2
     found = {(each.family, each.quantity): each for each in statistics.summaries(rows)}
-    assert set(found) == {
-        ("all", MUTUAL),
-        ("parallel", MUTUAL),
-        ("all", DELTA_SELF),
-        ("parallel", DELTA_SELF),
-        ("all", CHANGE),
-        ("housing", CHANGE),
-    }
+    every = {(family, quantity) for family in ("all", "parallel") for quantity in (MUTUAL, DELTA_SELF)}
+    assert set(found) == every | {("all", CHANGE), ("housing", CHANGE)}
     assert found["housing", CHANGE].count == 1 and found["housing", CHANGE].worst == pytest.approx(1.25)
 
 
@@ -121,19 +115,11 @@ def test_answers_of_earlier_versions_have_no_readings_and_give_the_rows_they_gav
 
 
 def test_a_scene_of_ones_own_has_a_machine_if_something_stays(tmp_path: Path) -> None:
-    alone, before = families.parallel((0.1, 0.1), (0.1, 0.1), 0.02), families.parallel(
-        (0.1, 0.1), (0.1, 0.1), 0.02, machine="table"
-    )
     case = results.load(make_results(tmp_path)).compared()[0]
-    named = {"scene": "arm", "frame": "1"}
-    assert [table.machine_of(_like(case, scene, named)) for scene in (alone, before)] == [
-        "none",
-        table.OWN_MACHINE,
-    ]
-
-
-def _like(case: results.CaseResult, scene: object, parameters: dict[str, str]) -> results.CaseResult:
-    return results.CaseResult(**{**vars(case), "scene": scene, "parameters": parameters})
+    for machine, told in (("none", "none"), ("table", table.OWN_MACHINE)):
+        scene = families.parallel((0.1, 0.1), (0.1, 0.1), 0.02, machine=machine)
+        own = {**vars(case), "scene": scene, "parameters": {"scene": "arm", "frame": "1"}}
+        assert table.machine_of(results.CaseResult(**own)) == told
 
 
 @pytest.fixture
@@ -149,21 +135,26 @@ def summaries(tmp_path: Path) -> dict[tuple[str, str], statistics.Summary]:
     return {(summary.family, summary.quantity): summary for summary in found}
 
 
-def test_the_numbers_of_one_family(summaries: dict[tuple[str, str], statistics.Summary]) -> None:
-    parallel = summaries["parallel", "mutual"]
-    assert parallel.count == 3
-    assert parallel.rms == pytest.approx(math.sqrt((0.01 + 0.04 + 0.16) / 3))
-    assert parallel.median == pytest.approx(0.2)
-    assert parallel.worst == pytest.approx(-0.4)
-    assert parallel.sure_to == pytest.approx(0.01)
-
-
-def test_the_numbers_over_all_families(summaries: dict[tuple[str, str], statistics.Summary]) -> None:
-    whole = summaries["all", "mutual"]
-    assert whole.count == 5
-    assert whole.rms == pytest.approx(math.sqrt((0.01 + 0.04 + 0.16 + 0 + 0.25) / 5))
-    assert whole.worst == pytest.approx(0.5)
-    assert whole.sure_to == pytest.approx(0.025)
+@pytest.mark.parametrize(
+    ("family", "squares", "median", "worst", "sure_to"),
+    [
+        ("parallel", (0.01, 0.04, 0.16), 0.2, -0.4, 0.01),
+        ("all", (0.01, 0.04, 0.16, 0, 0.25), 0.2, 0.5, 0.025),
+    ],
+)
+def test_the_numbers_of_a_family_and_of_all(
+    summaries: dict[tuple[str, str], statistics.Summary],
+    family: str,
+    squares: tuple[float, ...],
+    median: float,
+    worst: float,
+    sure_to: float,
+) -> None:
+    found = summaries[family, "mutual"]
+    assert found.count == len(squares)
+    assert found.rms == pytest.approx(math.sqrt(sum(squares) / len(squares)))
+    assert (found.median, found.worst) == (pytest.approx(median), pytest.approx(worst))
+    assert found.sure_to == pytest.approx(sure_to)
 
 
 def test_the_headline_tells_both_quantities_apart(

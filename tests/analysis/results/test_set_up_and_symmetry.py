@@ -31,21 +31,23 @@ def test_parallel_plates() -> None:
     assert found.size_ratio == pytest.approx(2)
 
 
-@pytest.mark.parametrize("tilt", [2.0, 17.2, 90.0])
-def test_the_gap_of_an_inclined_plate_is_at_its_hinge(tilt: float) -> None:
-    found = described(families.inclined(SENSOR, SENSOR, 0.013, tilt))
-    assert (found.gap, found.tilt_degrees) == (pytest.approx(0.013), pytest.approx(tilt))
+@pytest.mark.parametrize(
+    ("scene", "gap"),
+    [
+        *((families.inclined(SENSOR, SENSOR, 0.013, tilt), 0.013) for tilt in (2.0, 17.2, 90.0)),
+        (families.edge(SENSOR, SENSOR, 0.03, 0.04, 45.0), 0.05),
+        (families.corner(SENSOR, SENSOR, (0.02, 0.03), 0.06), 0.07),
+        # An upright plate turned across the sensor's edge: the nearest points lie inside both edges.
+        (families.straddle(SENSOR, (0.02, 0.1), 0.013, (0.05, 0.0), 90.0, 90.0), 0.013),
+    ],
+    ids=["hinge 2°", "hinge 17.2°", "hinge 90°", "beside an edge", "off a corner", "crossing edges"],
+)
+def test_the_gap_is_between_the_nearest_points(scene: Scene, gap: float) -> None:
+    assert described(scene).gap == pytest.approx(gap)
 
 
-def test_the_gap_beside_an_edge_and_diagonal_to_a_corner() -> None:
-    assert described(families.edge(SENSOR, SENSOR, 0.03, 0.04, 45.0)).gap == pytest.approx(0.05)
-    assert described(families.corner(SENSOR, SENSOR, (0.02, 0.03), 0.06)).gap == pytest.approx(0.07)
-
-
-def test_the_gap_of_crossing_edges() -> None:
-    """An upright plate turned across the sensor's edge: the nearest points lie inside both edges."""
-    found = described(families.straddle(SENSOR, (0.02, 0.1), 0.013, (0.05, 0.0), 90.0, 90.0))
-    assert found.gap == pytest.approx(0.013)
+def test_the_tilt_is_between_the_planes() -> None:
+    assert described(families.inclined(SENSOR, SENSOR, 0.013, 17.2)).tilt_degrees == pytest.approx(17.2)
 
 
 def test_a_scene_that_is_not_two_plates_has_no_such_numbers() -> None:

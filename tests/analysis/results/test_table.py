@@ -18,6 +18,7 @@ from analysis.results import commands, study_results as results, table
 from analysis.results.answers import Estimate
 from analysis.results.units import in_words, of_cases, signed_percent, too
 from analysis.study import report
+from geometries.studies.study import Parameter
 from tests.analysis.synthetic import (
     PARALLEL,
     empty_document,
@@ -104,14 +105,8 @@ def test_the_commands_name_the_scene_of_the_case_and_survive_spaces(tmp_path: Pa
 
 TEXTS = {"case", "family", "parameters", "sensor", "object", "reading", "quantity", "command"}
 TEXTS |= {"answered_by", "reference_error_kind", "field_error_kind"}
-RATIOS = {
-    "gap_over_size",
-    "lateral_offset_over_size",
-    "size_ratio",
-    "model_error",
-    "model_error_low",
-    "model_error_high",
-}
+RATIOS = {"gap_over_size", "lateral_offset_over_size", "size_ratio"}
+RATIOS |= {"model_error", "model_error_low", "model_error_high"}
 UNITS = ("_F", "_degrees", "_seconds")
 COUNTS = {"reference_unknowns"}
 
@@ -201,51 +196,53 @@ def test_errors_are_told_as_people_say_them(error: float, words: str) -> None:
 SQUARE = (0.1, 0.1)
 
 
-def test_parameters_are_written_with_lengths_in_centimetres() -> None:
-    words = in_words(
-        {"sensor_size": (0.1, 0.05), "hinge_gap": 0.0137, "offset": (0.04, 0.0), "tilt_degrees": 30.0}
-    )
-    assert words == "sensor size 10 × 5 cm, hinge gap 1.37 cm, offset 4 and 0 cm, tilt 30°"
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        (
+            {"sensor_size": (0.1, 0.05), "hinge_gap": 0.0137, "offset": (0.04, 0.0), "tilt_degrees": 30.0},
+            "sensor size 10 × 5 cm, hinge gap 1.37 cm, offset 4 and 0 cm, tilt 30°",
+        ),
+        ({"to_ground": 2e-11, "relative_permittivity": 50.0}, "to ground 20 pF, relative permittivity 50"),
+        ({"material": "floating", "machine": "housing"}, "material floating, machine housing"),
+        # What is so without being said is left out.
+        ({"material": "grounded", "to_ground": 0.0, "machine": "none", "gap": 0.02}, "gap 2 cm"),
+    ],
+)
+def test_parameters_are_written_with_their_units(parameters: dict[str, Parameter], words: str) -> None:
+    assert in_words(parameters) == words
 
 
-def test_a_capacitance_has_its_own_unit_and_a_permittivity_none() -> None:
-    assert (
-        in_words({"to_ground": 2e-11, "relative_permittivity": 50.0})
-        == "to ground 20 pF, relative permittivity 50"
-    )
+USUAL = [("parallel", {"sensor_size": SQUARE, "gap": gap}) for gap in (0.01, 0.02, 0.04)]
 
 
-def test_what_is_so_without_being_said_is_left_out() -> None:
-    assert in_words({"material": "grounded", "to_ground": 0.0, "machine": "none", "gap": 0.02}) == "gap 2 cm"
-    assert in_words({"material": "floating", "machine": "housing"}) == "material floating, machine housing"
-
-
-def test_a_case_is_named_by_what_most_of_its_family_do_not_share() -> None:
-    usual = [("parallel", {"sensor_size": SQUARE, "gap": gap}) for gap in (0.01, 0.02, 0.04)]
-    odd = ("parallel", {"sensor_size": (0.04, 0.04), "gap": 0.04})
-    assert of_cases([*usual, odd]) == [
-        "parallel, gap 1 cm",
-        "parallel, gap 2 cm",
-        "parallel, gap 4 cm",
-        "parallel, sensor size 4 × 4 cm, gap 4 cm",
-    ]
-
-
-def test_a_case_that_is_usual_in_everything_is_named_by_all_that_varies() -> None:
-    cases = [("edge", {"gap": gap, "height": 0.0}) for gap in (0.01, 0.01, 0.01, 0.02)]
-    assert of_cases(cases)[0] == "edge, gap 1 cm"
-
-
-def test_the_only_case_of_a_family_is_named_by_its_family() -> None:
-    assert of_cases([("corner", {"gap": 0.01}), ("empty", {"sensor_size": SQUARE})]) == [
-        "corner",
-        "sensor alone",
-    ]
-
-
-def test_frames_of_a_motion_are_named() -> None:
-    cases = [("scene", {"scene": "hand", "frame": frame}) for frame in ("1 far", "2 near")]
-    assert of_cases(cases) == ["scene, frame 1 far", "scene, frame 2 near"]
+@pytest.mark.parametrize(
+    ("cases", "names"),
+    [
+        pytest.param(
+            [*USUAL, ("parallel", {"sensor_size": (0.04, 0.04), "gap": 0.04})],
+            [*(f"parallel, gap {gap} cm" for gap in (1, 2, 4)), "parallel, sensor size 4 × 4 cm, gap 4 cm"],
+            id="by what most of its family do not share",
+        ),
+        pytest.param(
+            [("edge", {"gap": gap, "height": 0.0}) for gap in (0.01, 0.01, 0.01, 0.02)],
+            [*3 * ["edge, gap 1 cm"], "edge, gap 2 cm"],
+            id="by all that varies if it is usual in everything",
+        ),
+        pytest.param(
+            [("corner", {"gap": 0.01}), ("empty", {"sensor_size": SQUARE})],
+            ["corner", "sensor alone"],
+            id="by its family if it is the only one",
+        ),
+        pytest.param(
+            [("scene", {"scene": "hand", "frame": frame}) for frame in ("1 far", "2 near")],
+            ["scene, frame 1 far", "scene, frame 2 near"],
+            id="by its frame",
+        ),
+    ],
+)
+def test_a_case_is_named(cases: list[tuple[str, dict[str, Parameter]]], names: list[str]) -> None:
+    assert of_cases(cases) == names
 
 
 def test_different_parameters_have_different_names() -> None:
