@@ -252,15 +252,14 @@ def _show(options: argparse.Namespace) -> int:
 
 
 def _live(options: argparse.Namespace) -> int:
-    asked = live.Options(None if options.no_reference else options.rtol)
-    print(f"page: {live.make(options.scene, options.motion, options.output, asked)}")
+    rtol = None if options.no_reference else options.rtol
+    print(f"page: {live.make(options.scene, options.motion, options.output, rtol)}")
     return ANSWERED
 
 
 def _sweep(options: argparse.Namespace) -> int:
     methods = options.method or sweep.METHODS
-    asked = sweep.Options(methods, sweep.rtol_for(methods, options.rtol))
-    made = sweep.make(options.scene, options.motion, options.output, asked)
+    made = sweep.make(options.scene, options.motion, options.output, methods, options.rtol)
     if made.is_made:
         print("\n".join([*made.findings, f"page: {made.page}"]))
     return made.status

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -17,7 +19,12 @@ from geometries.scene.person import Person
 Array = NDArray[np.float64]
 
 _SEGMENTS = 16
-_LENGTHS = {"sphere": ("R",), "capsule": ("R", "L"), "box": ("X", "Y", "Z")}
+_SHAPES: dict[str, tuple[tuple[str, ...], Callable[..., shapes.Shape]]] = {
+    "sphere": (("R",), lambda radius: shapes.Sphere(radius, _SEGMENTS)),
+    "capsule": (("R", "L"), lambda radius, length: shapes.Capsule(radius, length, _SEGMENTS)),
+    "box": (("X", "Y", "Z"), lambda x, y, z: shapes.Cuboid((x, y, z))),
+}
+"""By the word that a text begins with: the lengths that follow it, and the shape of these lengths."""
 
 NAMED: dict[str, shapes.Shape] = {
     "finger": shapes.Capsule(0.008, 0.06, _SEGMENTS),
@@ -47,28 +54,22 @@ def probe(name: str) -> Probe:
         return _of_shape(name, NAMED[name])
     if kind == "mesh" and rest:
         file = Path(":".join(rest)).absolute()
-        return Probe(file.stem, read_triangles(file), f'type = "mesh", file = {_quoted(str(file))}')
-    if kind not in _LENGTHS:
-        known = ", ".join(
-            [*NAMED, *(f"{key}:{':'.join(names)}" for key, names in _LENGTHS.items()), "mesh:FILE"]
+        return Probe(
+            file.stem,
+            read_triangles(file),
+            f'type = "mesh", file = {json.dumps(str(file), ensure_ascii=False)}',
         )
-        raise InputError("--probe", "", f"{name!r} is none of {known}")
+    if kind not in _SHAPES:
+        forms = (f"{word}:{':'.join(names)}" for word, (names, _) in _SHAPES.items())
+        raise InputError("--probe", "", f"{name!r} is none of {', '.join([*NAMED, *forms, 'mesh:FILE'])}")
+    names, shape_of = _SHAPES[kind]
     try:
         lengths = [float(text) for text in rest]
     except ValueError:
         lengths = []
-    if len(lengths) != len(_LENGTHS[kind]) or not all(0 < x < math.inf for x in lengths):
-        raise InputError(
-            "--probe", "", f"{name!r} must be {kind}:{':'.join(_LENGTHS[kind])}, lengths in metres"
-        )
-    shape: shapes.Shape
-    if kind == "sphere":
-        shape = shapes.Sphere(lengths[0], _SEGMENTS)
-    elif kind == "capsule":
-        shape = shapes.Capsule(lengths[0], lengths[1], _SEGMENTS)
-    else:
-        shape = shapes.Cuboid((lengths[0], lengths[1], lengths[2]))
-    return _of_shape(name, shape)
+    if len(lengths) != len(names) or not all(0 < x < math.inf for x in lengths):
+        raise InputError("--probe", "", f"{name!r} must be {kind}:{':'.join(names)}, lengths in metres")
+    return _of_shape(name, shape_of(*lengths))
 
 
 def _of_shape(name: str, shape: shapes.Shape) -> Probe:
@@ -88,8 +89,3 @@ def _text(shape: shapes.Shape) -> str:
         case shapes.Cuboid():
             return f'type = "cuboid", size = {list(shape.size)}'
     raise TypeError(f"{type(shape).__name__} is no probe")
-
-
-def _quoted(text: str) -> str:
-    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
-    return f'"{escaped}"'

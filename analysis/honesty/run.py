@@ -121,16 +121,10 @@ def show(seed: int, folder: Path, asked: Options) -> Iterator[str]:
         for method in _asked_of(scene, asked):
             record.answers[method] = answer = _ask(scene, method, asked, folder, worker, processes)
             yield f"{method}: {answer.outcome} in {answer.seconds:.1f} s{answer.reason and f': {answer.reason}'}"
-            yield from (
-                f"  {name}: {picofarads(each.value, each.error)} pF"
-                for name, each in answer.values.items()
-                if each.value is not None and each.error is not None
-            )
-            yield from (
-                f"  {name}: error unknown"
-                for name, each in answer.values.items()
-                if each.value is not None and each.error is None
-            )
+            for name, each in answer.values.items():
+                if each.value is not None:
+                    known = each.error is not None and f"{picofarads(each.value, each.error)} pF"
+                    yield f"  {name}: {known or 'error unknown'}"
     yield from (
         f"closed form\n  {name}: {picofarads(each.value, each.error)} pF"
         for name, each in scene.truths.items()

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import os
 import sys
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -70,18 +69,11 @@ class NoLibrary(Exception):
     """The library for pages is not built; the message says how to get it."""
 
 
-@dataclass(frozen=True)
-class Options:
-    """`rtol` is the relative error asked of the reference readings along the paths; None: they are not solved."""
-
-    rtol: float | None = RTOL
-
-
-def make(name: str, motion_file: Path | None, target: Path | None, options: Options) -> Path:
+def make(name: str, motion_file: Path | None, target: Path | None, rtol: float | None = RTOL) -> Path:
     """Writes the live page of a scene, a file or a name in geometries/scenes, unless it is up to date; returns where it is.
 
-    The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it.
-    Remarks on the scene, and the progress of the reference readings, go to standard error. InputError for files that cannot be used and
+    The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it. `rtol` is
+    the relative error asked of the reference readings along the paths; they are not solved if it is None. Remarks on the scene, and the progress of the reference readings, go to standard error. InputError for files that cannot be used and
     for a page that would be too large; NoLibrary where the library for pages is missing.
     """
     path = find_scene(name)
@@ -105,10 +97,10 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
     notes = _notes(place)
     # The reference readings follow from these.
     described = [paths.described(way, None) for way in ways]
-    inputs = keys.page_inputs(data, described, library, repr(options), model_module().__version__, notes)
+    inputs = keys.page_inputs(data, described, library, rtol, model_module().__version__, notes)
     if page.is_current(place, inputs):
         return place
-    references = _references(native, ways, options)
+    references = _references(native, ways, rtol)
     data["paths"] = [paths.described(way, reference) for way, reference in zip(ways, references)]
     data["made"] = f"This page was made from {path.name} by fringe {model_module().__version__}."
     content = document(path.stem.replace("_", " "), inputs, library, data, notes)
@@ -164,9 +156,9 @@ def _native(text: str, path: Path) -> Any:
         raise InputError(str(path), "", str(error)) from error
 
 
-def _references(native: Any, ways: list[paths.Path], options: Options) -> list[list[Document] | None]:
+def _references(native: Any, ways: list[paths.Path], rtol: float | None) -> list[list[Document] | None]:
     """Solves the reference readings along every path, with a line on standard error that says how far it is."""
-    if options.rtol is None or not ways:
+    if rtol is None or not ways:
         return [None for _ in ways]
     total, done = sum(len(way.frames) for way in ways), 0
 
@@ -175,7 +167,7 @@ def _references(native: Any, ways: list[paths.Path], options: Options) -> list[l
         done += 1
         print(f"\ranalysis: reference readings {done} of {total}", end="", file=sys.stderr, flush=True)
 
-    solved: list[list[Document] | None] = [paths.solved(way, native, options.rtol, tell) for way in ways]
+    solved: list[list[Document] | None] = [paths.solved(way, native, rtol, tell) for way in ways]
     print(file=sys.stderr)
     return solved
 

@@ -30,8 +30,7 @@ def movable(text: str) -> str:
     if not added:
         return text
     scene["link"] = [*scene.get("link", []), *added]
-    written: str = tomli_w.dumps(scene)
-    return written
+    return str(tomli_w.dumps(scene))
 
 
 def covered(text: str, thickness: float, relative_permittivity: float) -> str:
@@ -39,8 +38,7 @@ def covered(text: str, thickness: float, relative_permittivity: float) -> str:
     scene = tomllib.loads(text)
     for sensor in scene.get("sensor", []):
         sensor["cover"] = {"thickness": thickness, "relative_permittivity": relative_permittivity}
-    written: str = tomli_w.dumps(scene)
-    return written
+    return str(tomli_w.dumps(scene))
 
 
 def files(text: str, folder: Path) -> dict[str, str]:

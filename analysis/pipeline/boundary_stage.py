@@ -53,10 +53,6 @@ def _answer_or_refusal(scene: Path, described: Scene, wanted: float) -> Document
     try:
         solved: Document = model_stage.model_module().Scene.load(str(scene)).maxwell(rtol=wanted)
     except ValueError as error:
-        return {"refused": _without_place(str(error), scene)}
+        # Without the path the reason is the same in every folder.
+        return {"refused": str(error).removeprefix(f"{scene}: ")}
     return solved
-
-
-def _without_place(reason: str, scene: Path) -> str:
-    """Removes the path from a reason, so that it is the same in every folder."""
-    return reason.removeprefix(f"{scene}: ")

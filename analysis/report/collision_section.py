@@ -9,6 +9,7 @@ from markupsafe import Markup
 
 from analysis.report import measured, page
 from analysis.results.store import Document
+from analysis.results.units import percent
 
 TITLE = "Collision detection"
 OWN, _ALL_PAIRS = "fringe", "all pairs"
@@ -165,7 +166,7 @@ def _failing_share(entry: PairClass) -> float:
 
 
 def _share(part: int, whole: int) -> str:
-    return f"{_figures(100 * part / whole)} %" if whole else "none"
+    return percent(part / whole) if whole else "none"
 
 
 def _figures(number: float) -> str:

@@ -116,33 +116,3 @@ def _how_wrong(cases: list[str], rows: list[Row]) -> str:
     alike = (errors > 0).all() or (errors < 0).all()
     usual = too(float(np.median(errors))) if alike else f"{percent(float(np.median(np.abs(errors))))} off"
     return f"{what} mostly {usual}, at worst {worst} (of {len(errors)} values)."
-
-
-def document(
-    title: str,
-    inputs: str,
-    warning: Markup,
-    headline: Markup,
-    answers: list[Answer],
-    cards: list[Card],
-    rest: list[Markup],
-) -> str:
-    """Returns the whole page. Its script is loaded only where the headline holds a figure."""
-    own, others = ([card for card in cards if card.own == mine] for mine in (True, False))
-    body = page.filled(
-        "index.html",
-        title=title,
-        warning=warning,
-        headline=headline,
-        answers=answers,
-        own=own,
-        others=others,
-        rest=rest,
-    )
-    return page.document(title, inputs, [body], page.SCRIPT if page.PLOT in headline else "")
-
-
-def navigation(title: str, pages: list[tuple[str, str]], current: str) -> Markup:
-    """Links a page to the index and to the other pages, given as (file, short title)."""
-    links = [page.link(file, short, current=file == current) for file, short in pages]
-    return page.navigation(page.link("../report.html", f"‹ {title}"), *links)

@@ -157,16 +157,14 @@ def _outputs(live: Any) -> Document:
                 "delta_voltage": sensor["delta_voltage"],
                 "objects": [
                     [body["name"], _finite(body["capacitance"])]
-                    for body in sorted(sensor["objects"], key=_capacitance, reverse=True)[:3]
+                    for body in sorted(
+                        sensor["objects"], key=lambda body: float(body["capacitance"]), reverse=True
+                    )[:3]
                 ],
             }
             for sensor in answer["sensors"]
         ]
     }
-
-
-def _capacitance(body: Document) -> float:
-    return float(body["capacitance"])
 
 
 def _finite(number: float) -> float | None:

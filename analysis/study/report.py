@@ -119,10 +119,19 @@ def _write(
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     answers = index_page.how_wrong(material.found, material.rows, "cases")
     answers += _answers_of(cards, material)
-    page.write(
-        folder / page.REPORT,
-        index_page.document(material.found.title, whole, warning, headline, answers, cards, rest),
+    body = page.filled(
+        "index.html",
+        title=material.found.title,
+        warning=warning,
+        headline=headline,
+        answers=answers,
+        own=[card for card in cards if card.own],
+        others=[card for card in cards if not card.own],
+        rest=rest,
     )
+    # The script is loaded only where there is a figure.
+    script = page.SCRIPT if page.PLOT in headline else ""
+    page.write(folder / page.REPORT, page.document(material.found.title, whole, [body], script))
 
 
 def _answers_of(cards: list[Card], material: Material) -> list[Answer]:
@@ -201,7 +210,8 @@ def _question_pages(material: Material, inputs: str) -> list[Card]:
         # Pages whose points open other set-ups say so themselves.
         cases = _CASES_IN_FIGURE.search(bodies[question]) and "data-set-ups" not in bodies[question]
         hint = [page.soft(_HINT)] if cases else []
-        way = index_page.navigation(title, around, file)
+        others = (page.link(other, short, current=other == file) for other, short in around)
+        way = page.navigation(page.link("../report.html", f"‹ {title}"), *others)
         head = page.header(question.title, *hint)
         text = page.document(
             f"{question.title} {title}", inputs, [way, head, bodies[question]], Path(page.SCRIPT).name

@@ -24,14 +24,6 @@ _ANSWERED, _NOT_REACHED = 0, 3
 
 
 @dataclass(frozen=True)
-class Options:
-    """The methods, separated by commas; the relative error asked of those that state one, None for none that does."""
-
-    methods: str = METHODS
-    rtol: float | None = RTOL
-
-
-@dataclass(frozen=True)
 class Made:
     """The page and its findings; whether every method reached the error asked for; or the exit status of a sweep that failed."""
 
@@ -44,15 +36,18 @@ class Made:
         return self.status in (_ANSWERED, _NOT_REACHED)
 
 
-def rtol_for(methods: str, asked: float | None) -> float | None:
-    """Returns the relative error to ask for: the one given, else RTOL if a method states errors."""
-    states = any(name.startswith(_STATING) for name in methods.split(","))
-    return asked if asked is not None or not states else RTOL
-
-
-def make(name: str, motion_file: Path | None, target: Path | None, options: Options) -> Made:
+def make(
+    name: str,
+    motion_file: Path | None = None,
+    target: Path | None = None,
+    methods: str = METHODS,
+    rtol: float | None = None,
+) -> Made:
     """Runs the sweep of a scene, a file or a name in geometries/scenes, and writes its page, with the table beside it under the same
-    name, of a scene outside of the repository in the current folder. Frames that the table holds already are not computed again. InputError for files that cannot be used.
+    name, of a scene outside of the repository in the current folder. Frames that the table holds already are not computed again.
+
+    `methods` are separated by commas; of those that state errors the relative error `rtol` is asked, RTOL if it is None. InputError for files
+    that cannot be used.
     """
     path = find_scene(name)
     scene = reader.load(path)
@@ -62,9 +57,9 @@ def make(name: str, motion_file: Path | None, target: Path | None, options: Opti
     frames = motion.load(moved, scene)
     place = target or installation.results_folder(path) / "sweep" / f"{path.stem}.html"
     table = place.with_suffix(".csv")
-    arguments = ["sweep", str(path), "--motion", str(moved), "--method", options.methods]
-    if options.rtol is not None:
-        arguments += ["--rtol", f"{options.rtol:g}"]
+    arguments = ["sweep", str(path), "--motion", str(moved), "--method", methods]
+    if rtol is not None or any(method.startswith(_STATING) for method in methods.split(",")):
+        arguments += ["--rtol", f"{RTOL if rtol is None else rtol:g}"]
     command = [*arguments, "--output", str(table)]
     # Its progress and its messages go to the terminal.
     program = ending_with_this([installation.model_program(), *command])

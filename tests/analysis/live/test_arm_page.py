@@ -80,9 +80,7 @@ def arm(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def page(arm: Path) -> Iterator[Browser]:
-    target = live.make(
-        str(arm), arm.with_name("moved.toml"), arm.with_name("page.html"), live.Options(rtol=None)
-    )
+    target = live.make(str(arm), arm.with_name("moved.toml"), arm.with_name("page.html"), None)
     with Browser() as browser:
         opened(browser, target)
         yield browser

@@ -38,7 +38,7 @@ ANSWERS = """
 @pytest.fixture(scope="module")
 def page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     target = tmp_path_factory.mktemp("live") / "page.html"
-    return live.make(LIVE.scene, None, target, live.Options(rtol=None))
+    return live.make(LIVE.scene, None, target, None)
 
 
 @pytest.fixture(scope="module")
@@ -207,7 +207,7 @@ def test_scenes_with_mesh_files_are_whole(browser: Browser, tmp_path: Path) -> N
             + scenes.body("wedge", "mesh", file="../meshes/wedge.obj", translation=[0.02, 0.02, 0.03])
         )
     )
-    target = live.make(str(scene), None, tmp_path / "wedge.html", live.Options())
+    target = live.make(str(scene), None, tmp_path / "wedge.html")
     opened(browser, target)
     said = browser.run("return window.livePage.scene.capacitance('exact')")
     answer = model_module().Scene.load(str(scene)).capacitance()

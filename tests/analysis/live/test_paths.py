@@ -137,7 +137,7 @@ def test_a_page_that_would_be_too_large_is_refused(
 ) -> None:
     monkeypatch.setattr(live, "LARGEST", 1000)
     with pytest.raises(live.InputError, match=r"its page would have 0\.\d MB"):
-        live.make(LIVE.scene, None, tmp_path / "page.html", live.Options(rtol=None))
+        live.make(LIVE.scene, None, tmp_path / "page.html", None)
     assert not (tmp_path / "page.html").exists()
 
 
@@ -146,16 +146,16 @@ def test_without_the_library_the_command_says_how_to_get_it(
 ) -> None:
     monkeypatch.setattr(live, "page_library", lambda: tmp_path / "fringe_page.js")
     with pytest.raises(live.NoLibrary, match="apt-get install emscripten"):
-        live.make(LIVE.scene, None, tmp_path / "page.html", live.Options())
+        live.make(LIVE.scene, None, tmp_path / "page.html")
     assert list(tmp_path.iterdir()) == []
 
 
 def test_a_page_that_is_up_to_date_stays(library: Path, tmp_path: Path) -> None:
     target = tmp_path / "page.html"
-    live.make(LIVE.scene, None, target, live.Options(rtol=None))
+    live.make(LIVE.scene, None, target, None)
     before = aged(target)
-    live.make(LIVE.scene, None, target, live.Options(rtol=None))
+    live.make(LIVE.scene, None, target, None)
     assert target.stat().st_mtime_ns == before
     library.write_text("// another\n")
-    live.make(LIVE.scene, None, target, live.Options(rtol=None))
+    live.make(LIVE.scene, None, target, None)
     assert target.stat().st_mtime_ns != before
