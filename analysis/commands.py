@@ -57,7 +57,7 @@ def run_command(options: argparse.Namespace) -> int:
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
         return WRONG_INPUT
-    except (InUse, live.NoLibrary, counts.CountingFailed) as error:
+    except (InUse, live.NoLibrary, counts.CountingFailed, documentation.DocumentationError) as error:
         print(f"analysis: {error}", file=sys.stderr)
         return FAILED
     except ModuleNotFoundError as error:
@@ -232,12 +232,7 @@ def _topic(topic: Topic[Any, Any], options: argparse.Namespace) -> int:
 
 
 def _documentation(folder: Path | None) -> int:
-    try:
-        page = documentation.build(folder or installation.results_folder() / "documentation")
-    except documentation.DocumentationError as error:
-        print(f"analysis: {error}", file=sys.stderr)
-        return FAILED
-    print(f"documentation: {page}")
+    print(f"documentation: {documentation.build(folder or installation.results_folder() / 'documentation')}")
     return ANSWERED
 
 

@@ -29,7 +29,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results.answers import Estimate
 from analysis.results.store import read_json
 from analysis.topics.company import set_ups as company
-from analysis.topics.corrections import set_ups as corrections, set_ups as corrections_truths
+from analysis.topics.corrections import set_ups as corrections
 from analysis.topics.insulators import set_ups as insulators, truths as insulators_truths
 from analysis.topics.machines import set_ups as machines, truths as machines_truths
 from geometries.scene.scene import Scene
@@ -93,10 +93,10 @@ def _asked(
 
 def _corrections() -> Iterator[Case]:
     """A sensor and a target alone: the matrix, the formula's pair, and the change of the sensor's own capacitance, which is a difference."""
-    known = corrections_truths.load()
+    known = corrections.load()
     for set_up in list(corrections.set_ups(model_module()))[::CORRECTIONS_STRIDE]:
         true, name = known[set_up.name], f"corrections/{set_up.name}"
-        change = Estimate(true.sensor - true.sensor_alone, corrections_truths.RTOL * true.sensor)
+        change = Estimate(true.sensor - true.sensor_alone, corrections.RTOL * true.sensor)
         truths = {
             entry("sensor", "target"): Estimate(-true.mutual, true.error),
             pair("sensor", "target"): Estimate(true.mutual, true.error),

@@ -43,23 +43,15 @@ def one_body(chance: Chance, folder: Path) -> Known:
     size, ratio = logarithmic(chance, 0.01, 0.5), logarithmic(chance, 1, 100)
     middle = uniform(chance, size / ratio, size) if ratio > 1 else size
     segments, thin = chance.choice(_SEGMENTS), size / ratio
+
+    def ellipsoid(a: float, b: float, c: float) -> tuple[Shape, float, float]:
+        return Ellipsoid((a, b, c), segments), closed_forms.ellipsoid(a, b, c), _ROUNDING
+
     kinds: dict[str, tuple[Shape, float, float]] = {
         "sphere": (Sphere(size, segments), size, _ROUNDING),
-        "flat": (
-            Ellipsoid((size, size, thin), segments),
-            closed_forms.ellipsoid(size, size, thin),
-            _ROUNDING,
-        ),
-        "long": (
-            Ellipsoid((thin, thin, size), segments),
-            closed_forms.ellipsoid(thin, thin, size),
-            _ROUNDING,
-        ),
-        "three axes": (
-            Ellipsoid((size, middle, thin), segments),
-            closed_forms.ellipsoid(size, middle, thin),
-            _ROUNDING,
-        ),
+        "flat": ellipsoid(size, size, thin),
+        "long": ellipsoid(thin, thin, size),
+        "three axes": ellipsoid(size, middle, thin),
         "disc": (Disc(size, segments), closed_forms.ellipsoid(size, size, 0), _ROUNDING),
         "cube": (Cuboid((size, size, size)), closed_forms.cube(size), _ROUNDING),
         "square": (PlateShape((size, size)), size * truths.UNIT_SQUARE_PLATE, truths.UNIT_SQUARE_PLATE_ERROR),
@@ -92,10 +84,7 @@ def two_spheres(chance: Chance, folder: Path) -> Known:
     gap = at.translation[2] - a - b
     own, other, between = closed_forms.two_spheres(a, b, gap)
     if kind == "matrix":
-        values = {entry("a", "a"): own, entry("b", "b"): other, entry("a", "b"): between}
-        return Known(
-            Scene(objects=(first, second)), {name: _estimate(value) for name, value in values.items()}
-        )
+        return _pair((first, second), own, other, between)
     if second.relative_permittivity is not None:
         value = closed_forms.beside_insulator(a, b, gap, second.relative_permittivity)
     else:
@@ -112,8 +101,7 @@ def coaxial_discs(chance: Chance, folder: Path) -> Known:
         Object(name, Disc(radius, segments), pose=Pose((0.0, 0.0, height)), potential="electrode")
         for name, height in (("a", 0.0), ("b", gap))
     )
-    values = {entry("a", "a"): own, entry("b", "b"): own, entry("a", "b"): between}
-    return Known(Scene(objects=discs), {name: _estimate(value) for name, value in values.items()})
+    return _pair(discs, own, own, between)
 
 
 def bowls(chance: Chance, folder: Path) -> Known:
@@ -148,6 +136,12 @@ def crossing_spheres(chance: Chance, folder: Path) -> Known:
     )
     length = closed_forms.crossing_spheres(a, b)
     return Known(Scene(objects=parts), {entry("a", "a"): _estimate(length)})
+
+
+def _pair(bodies: tuple[Object, ...], own: float, other: float, between: float) -> Known:
+    """Returns the scene of two bodies with their matrix."""
+    values = {entry("a", "a"): own, entry("b", "b"): other, entry("a", "b"): between}
+    return Known(Scene(objects=bodies), {name: _estimate(value) for name, value in values.items()})
 
 
 def _read(first: Object, second: Object, value: float, background: float) -> Known:

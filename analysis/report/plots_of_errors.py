@@ -59,20 +59,27 @@ def _finding_on_changes(changes: list[Row], machines: list[str], rows: list[Row]
     return f"In the change of a reading the model is {', '.join(phrases)}.{left_out}"
 
 
-def _label(machine: str) -> str:
-    return _ALONE if machine == NONE else machine
-
-
 def _errors_of_changes(rows: list[Row], what: str, machines: list[str]) -> go.Figure:
+    points = [(row.reference.value / PICOFARAD, row) for row in rows]
+    names = {machine: _ALONE if machine == NONE else machine for machine in machines}
+    return _errors(points, lambda row: row.machine, names, what, log_axis(f"{what} by the reference (pF)"))
+
+
+def _errors(
+    points: list[tuple[float, Row]],
+    group: Callable[[Row], str],
+    names: dict[str, str],
+    what: str,
+    x: dict[str, Any],
+) -> go.Figure:
+    """Plots the model errors of rows over numbers, each group of rows, whose names are given, in its own colour."""
     traces = []
-    for machine in machines:
-        members = [row for row in rows if row.machine == machine]
-        if not members:
-            continue
-        at = [row.reference.value / PICOFARAD for row in members]
-        traces.append(error_points(at, members, _label(machine), family_marker(machine, machines)))
-    y = axis(f"model error in {what} (%)", zeroline=True, zerolinewidth=2)
-    return figure(traces, log_axis(f"{what} by the reference (pF)"), y)
+    for each, name in names.items():
+        own = [(at, row) for at, row in points if group(row) == each]
+        if own:
+            marker = family_marker(each, list(names))
+            traces.append(error_points([at for at, _ in own], [row for _, row in own], name, marker))
+    return figure(traces, x, axis(f"model error in {what} (%)", zeroline=True, zerolinewidth=2))
 
 
 PERCENT = 100.0
@@ -156,22 +163,15 @@ def _error_over(
 ) -> Plot:
     described = [(value(row.set_up), row) for row in rows if row.set_up is not None]
     present = _quantities([row for _, row in described])
-    panels = [Panel(quantity, _errors(described, quantity, label, logarithmic)) for quantity in present]
-    return Plot(f"Model error over {name}", _finding(described, name), panels)
-
-
-def _errors(described: list[tuple[float, Row]], quantity: str, label: str, logarithmic: bool) -> go.Figure:
-    families = families_of([row for _, row in described])
-    traces = []
-    for family in families:
-        members = sorted(
-            ((x, row) for x, row in described if row.case.family == family and row.quantity == quantity),
-            key=lambda member: member[0],
-        )
-        marker = family_marker(family, families)
-        traces.append(error_points([x for x, _ in members], [row for _, row in members], family, marker))
+    families = {family: family for family in families_of([row for _, row in described])}
     x = log_axis(label) if logarithmic else axis(label, zeroline=False)
-    return figure(traces, x, axis(f"model error in {quantity} (%)", zeroline=True, zerolinewidth=2))
+    panels = []
+    for quantity in present:
+        points = sorted(
+            ((at, row) for at, row in described if row.quantity == quantity), key=lambda point: point[0]
+        )
+        panels.append(Panel(quantity, _errors(points, lambda row: row.case.family, families, quantity, x)))
+    return Plot(f"Model error over {name}", _finding(described, name), panels)
 
 
 def error_points(at: list[float], rows: list[Row], name: str, marker: dict[str, Any]) -> go.Scatter:

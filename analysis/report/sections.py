@@ -15,7 +15,7 @@ from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import Results
 from analysis.results.symmetry import Pair
 from analysis.results.table import CHANGE, QUANTITIES, Row
-from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN
+from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, in_sentence
 from analysis.results.units import percent, signed_percent, too
 from geometries.common.measured import PICOFARAD, picofarads
 from geometries.studies.study import NO_REFERENCE
@@ -62,17 +62,15 @@ def answered_by(results: Results, rows: list[Row]) -> str:
         for kind in (PROVEN, ESTIMATED)
     }
     told = [
-        f"{count} by {_by(method)} with {kind} errors" for (method, kind), count in counts.items() if count
+        f"{count} by {in_sentence(method)} with {kind} errors"
+        for (method, kind), count in counts.items()
+        if count
     ]
     kept = sum(row.known.field_is_proven and row.known.answered_by != FIELD for row in rows)
     proven = (
         f" The field solver proves wider intervals of {kept} of them, which table.csv keeps." if kept else ""
     )
     return f"Of {len(rows)} values, {' and '.join(told)}: the method that states less error answers.{proven}"
-
-
-def _by(method: str) -> str:
-    return f"the {method}" if method == FIELD else method
 
 
 def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Markup:

@@ -6,7 +6,7 @@ import re
 from dataclasses import dataclass
 
 from analysis.results.study_results import CaseResult, Results
-from analysis.results.truth import BOUNDARY, FIELD
+from analysis.results.truth import BOUNDARY, FIELD, in_sentence
 from geometries.studies.study import NO_REFERENCE
 
 # A line names so many of its cases.
@@ -33,11 +33,11 @@ class Refusal:
         if self.method not in (FIELD, BOUNDARY):
             return f"the model's {self.method} refuses {cases}: {self.reason}"
         verb = "refuses" if self.method == FIELD else "refuse"
-        return f"{_whole_name(self.method)} {verb} {cases}, {self._otherwise}: {self.reason}"
+        return f"{in_sentence(self.method)} {verb} {cases}, {self._otherwise}: {self.reason}"
 
     @property
     def _otherwise(self) -> str:
-        other = _whole_name(BOUNDARY if self.method == FIELD else FIELD)
+        other = in_sentence(BOUNDARY if self.method == FIELD else FIELD)
         answers = "answer" if self.method == FIELD else "answers"
         if self.answered == 0:
             return "without another answer"
@@ -92,7 +92,3 @@ def named(cases: tuple[str, ...]) -> str:
     """Names the first of some cases."""
     more = ", …" if len(cases) > _MOST_NAMED else ""
     return ", ".join(cases[:_MOST_NAMED]) + more
-
-
-def _whole_name(method: str) -> str:
-    return f"the {method}" if method == FIELD else method

@@ -16,6 +16,11 @@ FIELD, BOUNDARY = "field solver", "boundary elements"
 PROVEN, ESTIMATED = "proven", "estimated"
 
 
+def in_sentence(method: str) -> str:
+    """Returns the name of a method with its article, if it has one."""
+    return f"the {method}" if method == FIELD else method
+
+
 @dataclass(frozen=True)
 class Known:
     """What the two methods say of one value, F; at least one says something. `field_is_proven` tells whether the field solver's error

@@ -12,12 +12,12 @@ from analysis.pipeline.model_stage import knows, model_is_built
 from analysis.report import page, plots_in_space
 from analysis.report.page import is_current
 from analysis.report.plot import Panel
-from analysis.results.answers import BoundaryAnswer, Estimate, ReferenceAnswer
+from analysis.results.answers import BoundaryAnswer, Estimate, MatrixAnswer, ReferenceAnswer
 from analysis.results.commands import boundary_command, model_command, reference_command
 from analysis.results.store import write_text
 from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
-from analysis.results.truth import FIELD, Known
+from analysis.results.truth import FIELD, Known, in_sentence
 from analysis.results.units import duration, in_words, signed_percent
 from analysis.topics.errors import topic as errors_topic
 from analysis.topics.errors.set_ups import Entry
@@ -69,10 +69,8 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
         yield page.section("Numbers", *_numbers(case, rows))
     if apart is not None:
         yield page.section("The parts of the model's error", *errors_topic.of_one(apart))
-    if case.reference is not None:
-        yield page.section("Maxwell matrix", _matrix(case.reference), *_second_matrix(case.boundary))
-    elif case.boundary is not None:
-        yield page.section("Maxwell matrix", *_second_matrix(case.boundary))
+    if case.truth is not None:
+        yield page.section("Maxwell matrix", *_matrix(case.reference), *_second_matrix(case.boundary))
     yield page.section("Reproduce", *_commands(results, case))
 
 
@@ -102,7 +100,7 @@ def _without_model(whose: str, known: Known) -> str:
 
 def _by(known: Known) -> str:
     """Names the method of the best value, and the kind of its error."""
-    return f"{'the ' if known.answered_by == FIELD else ''}{known.answered_by} ({known.error_kind} error)"
+    return f"{in_sentence(known.answered_by)} ({known.error_kind} error)"
 
 
 def _numbers(case: CaseResult, rows: list[Row]) -> list[Markup]:
@@ -143,12 +141,14 @@ def _whose(row: Row) -> str:
     return " ".join(name for name in (row.quantity, row.reading or row.sensor, row.object) if name)
 
 
-def _matrix(answer: ReferenceAnswer) -> Markup:
+def _matrix(answer: ReferenceAnswer | None) -> list[Markup]:
+    if answer is None:
+        return []
     note = (
         f"pF: charge on the row's conductor per volt on the column's; {answer.unknowns:,} unknowns, {duration(answer.seconds)}, "
         f"{'within' if answer.reached else 'short of'} the asked accuracy."
     )
-    return _entries(answer) + page.soft(note)
+    return [_entries(answer), page.soft(note)]
 
 
 def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
@@ -162,7 +162,7 @@ def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
     return [page.heading("By boundary elements"), _entries(answer), page.soft(note)]
 
 
-def _entries(answer: ReferenceAnswer | BoundaryAnswer) -> Markup:
+def _entries(answer: MatrixAnswer) -> Markup:
     rows = [
         [name, *(picofarads(answer.maxwell[i, j], answer.error[i, j]) for j in range(len(answer.conductors)))]
         for i, name in enumerate(answer.conductors)

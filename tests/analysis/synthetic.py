@@ -24,6 +24,7 @@ max_seconds = 60
 methods = ["exact", "split:0", "split:4"]
 """
 PARALLEL = scenes.sweep("parallel", gap=[0.01, 0.02, 0.04])
+ONE_CASE = scenes.sweep("parallel", gap=0.02)
 EDGE = scenes.sweep("edge", gap=[0.01, 0.02], height=0)
 MACHINES = scenes.sweep("parallel", gap=0.02, machine=["none", "housing", "housing+guard"]) + scenes.sweep(
     "parallel", gap=0.02, material="floating", to_ground=1e-10, machine="housing"
@@ -53,6 +54,15 @@ def reference_document(mutual: float, delta_self: float, error: float = 0.01, **
         "error_kind": "estimate",
         "versions": VERSIONS,
     } | more
+
+
+def enclosed(document: dict[str, Any], below: float, above: float) -> dict[str, Any]:
+    """The same answer with a proven interval: each entry of the matrix is between so much below and above, in pF."""
+    ends = {
+        name: [[value + side * PICO for value in row] for row in document["maxwell"]]
+        for name, side in (("lower", -below), ("upper", above))
+    }
+    return document | ends | {"error_kind": "enclosure"}
 
 
 def boundary_document(mutual: float, delta_self: float, error: float = 0.001, **more: Any) -> dict[str, Any]:

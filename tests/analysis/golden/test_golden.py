@@ -15,7 +15,6 @@ from analysis.golden import cases, run
 from analysis.golden.cases import Case
 from analysis.golden.gate import Comparison, Recorded, compared
 from analysis.honesty.methods import ANSWERED, ENDED, REFUSED, Answer, Stated
-from analysis.pipeline import model_stage
 from analysis.results.answers import Estimate
 
 NAME, CHANGE, FREE = "machines/one/reduced:1e-2", "reading: change", "C[sensor, hand]"
@@ -87,11 +86,6 @@ def test_more_time_warns_and_fails_only_if_asked() -> None:
     words = "reduced:1e-2: takes 1.20 times the time"
     assert judged(slow, with_times=False).warnings == [words] and not judged(slow, with_times=False).faults
     assert judged(slow, with_times=True).faults == [words]
-
-
-pytestmark = pytest.mark.skipif(
-    not model_stage.model_is_built(), reason="the model's Python module is not built"
-)
 
 
 @pytest.fixture(scope="module")

@@ -25,7 +25,6 @@ from analysis.honesty.methods import (
     Answer,
     Stated,
 )
-from analysis.pipeline import model_stage
 from analysis.results.answers import Estimate
 
 CHANGE, VALUE = "front: change", "front: value"
@@ -154,9 +153,6 @@ def test_a_process_that_ends_misses_the_target() -> None:
     assert table.misses(found) == [found[0]]
 
 
-needs_model = pytest.mark.skipif(
-    not model_stage.model_is_built(), reason="the model's Python module is not built"
-)
 QUICK = {"method": "reduced"}
 PLATES = 0
 
@@ -172,7 +168,6 @@ class Ends:
         return os._exit, (3,)
 
 
-@needs_model
 def test_a_worker_answers_refuses_and_survives_what_ends_its_process(tmp_path: Path) -> None:
     scene = drawn(PLATES, tmp_path)
     with Worker() as worker:
@@ -185,14 +180,12 @@ def test_a_worker_answers_refuses_and_survives_what_ends_its_process(tmp_path: P
         assert worker.ask(scene.text, scene.has_readings, QUICK, 60, go_on).outcome == ANSWERED
 
 
-@needs_model
 def test_what_takes_too_long_has_no_answer(tmp_path: Path) -> None:
     scene = drawn(list(KINDS).index("robots"), tmp_path)
     with Worker() as worker:
         assert worker.ask(scene.text, True, METHODS["boundary-elements:1e-2"], 1e-3, go_on).outcome == LATE
 
 
-@needs_model
 def test_two_scenes_are_asked_for_once(tmp_path: Path) -> None:
     asked = run.options("plates,closed-forms", "reduced:1e-2,auto:1e-2", scenes=2, jobs=1)
     league = run.run(tmp_path, asked)
@@ -205,13 +198,11 @@ def test_two_scenes_are_asked_for_once(tmp_path: Path) -> None:
     assert (tmp_path / judging.FILE).read_text() == before
 
 
-@needs_model
 def test_an_unfinished_line_is_left_out(tmp_path: Path) -> None:
     (tmp_path / judging.FILE).write_text('{"seed": 1, "ki')
     assert judging.load(tmp_path) == {}
 
 
-@needs_model
 def test_every_option_of_the_command_acts(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

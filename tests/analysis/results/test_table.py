@@ -20,14 +20,14 @@ from analysis.results.units import in_words, of_cases, signed_percent, too
 from analysis.study import report
 from geometries.studies.study import Parameter
 from tests.analysis.synthetic import (
+    ONE_CASE,
     PARALLEL,
     empty_document,
+    enclosed,
     make_results,
     model_document,
     reference_document,
 )
-
-ONE_CASE = PARALLEL.replace("[0.01, 0.02, 0.04]", "0.02")
 
 
 def rows_of(tmp_path: Path, reference: dict[str, object], model: float) -> list[table.Row]:
@@ -51,10 +51,7 @@ def test_the_model_error_and_its_interval_computed_by_hand(tmp_path: Path) -> No
 
 def test_an_enclosure_counts_as_far_as_its_farther_end(tmp_path: Path) -> None:
     """M = [[5, −2], [−2, 5]] in pF, each entry between 0.2 below and 0.1 above: mutual 2 may be 2.2."""
-    document = reference_document(2, 1, error=0.01, error_kind="enclosure")
-    lower = [[value - 0.2e-12 for value in row] for row in document["maxwell"]]
-    upper = [[value + 0.1e-12 for value in row] for row in document["maxwell"]]
-    mutual, _ = rows_of(tmp_path, document | {"lower": lower, "upper": upper}, 1.8)
+    mutual, _ = rows_of(tmp_path, enclosed(reference_document(2, 1), 0.2, 0.1), 1.8)
     assert mutual.reference_error == pytest.approx(0.1)
 
 

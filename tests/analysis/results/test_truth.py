@@ -20,16 +20,16 @@ from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known
 from analysis.study import report, workflow
 from geometries.studies import study
 from tests.analysis.synthetic import (
+    ONE_CASE,
     PARALLEL,
     PICO,
     boundary_document,
+    enclosed,
     make_results,
     model_document,
     reference_document,
     report_text,
 )
-
-ONE_CASE = PARALLEL.replace("[0.01, 0.02, 0.04]", "0.02")
 
 
 def rows_of(folder: Path, field: float, boundary: float, method: str = study.BOTH) -> list[Row]:
@@ -67,12 +67,7 @@ def test_an_error_that_is_unknown_never_answers_if_another_is_known(error: float
 
 
 def test_a_proven_interval_is_kept_beside_a_smaller_estimate(tmp_path: Path) -> None:
-    document = reference_document(2, 1, error=0.01, error_kind="enclosure")
-    document |= {
-        name: [[value + side * PICO for value in row] for row in document["maxwell"]]
-        for name, side in (("lower", -0.2), ("upper", 0.1))
-    }
-    answers = {0: (document, model_document(1.8))}
+    answers = {0: (enclosed(reference_document(2, 1), 0.2, 0.1), model_document(1.8))}
     folder = make_results(tmp_path, ONE_CASE, answers, boundary={0: boundary_document(2, 1)})
     rows = table.rows(results.load(folder))
     record = record_of(rows)

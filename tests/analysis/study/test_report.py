@@ -20,6 +20,7 @@ from analysis.topics.trends import page as trends_page, records
 from geometries.common.errors import InputError
 from tests.analysis.synthetic import (
     corrections_document,
+    enclosed,
     make_results,
     model_document,
     reference_document,
@@ -218,10 +219,8 @@ def test_cases_short_of_the_asked_accuracy_are_named_and_counted(tmp_path: Path)
 
 
 def test_enclosures_are_told_from_estimates(tmp_path: Path) -> None:
-    document = reference_document(2, 1, error_kind="enclosure")
-    lower = [[value - 0.02e-12 for value in row] for row in document["maxwell"]]
-    enclosed = document | {"lower": lower, "upper": document["maxwell"]}
-    text = report_text(make_results(tmp_path, answers={0: (enclosed, model_document(1.8))}))
+    answers = {0: (enclosed(reference_document(2, 1), 0.02, 0), model_document(1.8))}
+    text = report_text(make_results(tmp_path, answers=answers))
     assert "In 1 solves the truth is enclosed" in text and "the mutual one to within 1.0e-02" in text
     assert "the truth is enclosed" not in report_text(make_results(tmp_path / "other"))
 
