@@ -20,7 +20,7 @@ from analysis.results import statistics, store
 from analysis.results.refusals import named
 from analysis.results.store import InUse, exclusive
 from analysis.results.study_results import Failure
-from analysis.show import make as show, readings as show_readings
+from analysis.show import data as show_data, make as show
 from analysis.study import report, workflow
 from analysis.sweep import make as sweep
 from analysis.topics.all import TOPICS
@@ -241,7 +241,7 @@ def _show(options: argparse.Namespace) -> int:
     given = {name: value for name, value in given.items() if value is not None}
     if given and not options.readings:
         raise InputError("", "", f"--{next(iter(given))} is an option of --readings, which is missing")
-    readings = show_readings.Options(**given) if options.readings else None
+    readings = show_data.Options(**given) if options.readings else None
     print(f"page: {show.make(options.scene, options.motion, options.output, readings)}")
     return ANSWERED
 
@@ -283,14 +283,8 @@ def _honesty(options: argparse.Namespace) -> int:
     from analysis.honesty import run as honesty
 
     share = 0.0 if options.no_field_solver else options.field_solver
-    given = {
-        "scenes": options.scenes,
-        "first": options.first,
-        "field_share": share,
-        "seconds": options.seconds,
-        "jobs": options.jobs,
-    }
-    more = {name: value for name, value in given.items() if value is not None}
+    given = {name: getattr(options, name) for name in ("scenes", "first", "seconds", "jobs")}
+    more = {name: each for name, each in (given | {"field_share": share}).items() if each is not None}
     asked = honesty.options(options.kinds, options.methods, **more)
     target = options.results or installation.results_folder() / honesty.FOLDER
     if options.only is not None:

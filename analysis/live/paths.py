@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from analysis.results.store import Document
-from analysis.show.readings import in_frame
+from analysis.show.data import in_frame
 from geometries.scene import poses as scene_poses
 from geometries.scene.motion import Frame, at_rest
 from geometries.scene.poses import Pose

@@ -6,7 +6,6 @@ every night makes anew, so nothing that an earlier night left there, however it 
 
 from __future__ import annotations
 
-import os
 import shlex
 import shutil
 import sys
@@ -15,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.nightly import chunks, cluster
-from analysis.pipeline.processes import Processes, forget_unfinished_forms
+from analysis.pipeline.processes import Processes, environment_of_modules, forget_unfinished_forms
 from analysis.pipeline.scheduler import Progress, parallel_jobs
 from analysis.results.store import write_text
 from analysis.results.study_results import Failure, case_folder, write_manifest
@@ -116,10 +115,11 @@ def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: 
     """Runs Snakemake to its end, with a progress bar; its output goes to a file."""
     processes, ended = Processes(), threading.Event()
     printed: list[str] = []
+    environment = environment_of_modules() | {cluster.NAME_VARIABLE: cluster.name(folder)}
 
     def snakemake() -> None:
         try:
-            finished = processes.run(command, ROOT, _environment(folder))
+            finished = processes.run(command, ROOT, environment)
             printed.extend([finished.output, finished.errors])
         finally:
             ended.set()
@@ -134,11 +134,6 @@ def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: 
     finally:
         thread.join()
     write_text(folder / LOG, "\n".join([shlex.join(command), *printed]))
-
-
-def _environment(folder: Path) -> dict[str, str]:
-    path = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
-    return os.environ | {"PYTHONPATH": path, cluster.NAME_VARIABLE: cluster.name(folder)}
 
 
 def _show(jobs: list[chunks.Chunk], folder: Path, workers: int, ended: threading.Event) -> None:

@@ -36,6 +36,12 @@ class Finished:
         return f"exit code {self.exit_code}: {self.last_line[:_LONGEST_REASON] or 'no message'}"
 
 
+def environment_of_modules() -> dict[str, str]:
+    """Returns the environment in which a process finds the project's Python modules."""
+    path = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
+    return os.environ | {"PYTHONPATH": path}
+
+
 class Stopped(Exception):
     """The processes were told to stop; nothing more is started."""
 
@@ -74,10 +80,8 @@ class Processes:
 
     def run_module(self, module: str, *arguments: str) -> Finished:
         """Runs one of the project's Python modules to its end, on one core."""
-        path = os.pathsep.join(filter(None, [str(ROOT), os.environ.get("PYTHONPATH", "")]))
-        environment = os.environ | {
+        environment = environment_of_modules() | {
             "OMP_NUM_THREADS": "1",
-            "PYTHONPATH": path,
             # The forms that the field solver compiles are kept for the next process.
             "XDG_CACHE_HOME": str(cache_folder()),
         }

@@ -10,7 +10,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.report import page
 from analysis.report.results_page import MOTION
 from analysis.results.store import Document, write_text
-from analysis.show import data as show_data, readings as show_readings
+from analysis.show import data as show_data
 from fem_reference.bodies.remarks import remarks
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, is_own, results_folder
@@ -55,7 +55,7 @@ MOTION_SUFFIX = ".motion.toml"
 
 
 def make(
-    name: str, motion_file: Path | None, target: Path | None, readings: show_readings.Options | None = None
+    name: str, motion_file: Path | None, target: Path | None, readings: show_data.Options | None = None
 ) -> Path:
     """Writes the page of a scene, a file or a name in geometries/scenes; returns where it is.
 
@@ -78,7 +78,7 @@ def make(
     along = None
     if readings:
         moved = with_frames_between(frames, readings.between)
-        along = show_readings.collect(show_data.load(path, model), moved, readings)
+        along = show_data.along(show_data.load(path, model), moved, readings)
     write_text(place, document(path.stem.replace("_", " "), inputs, data, along))
     return place
 

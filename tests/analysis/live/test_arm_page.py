@@ -46,21 +46,12 @@ SENSOR_AND_HAND = (
     + scenes.link("wheel", rotation={"axis": [0, 0, 1], "degrees": 90})
     + scenes.body("hand", "sphere", radius=0.05, link="wheel", translation=[0.1, -0.5, 0.3], target=True)
 )
-MOTION = (
-    scenes.table("frame", name="rest")
-    + scenes.table(
-        "frame",
-        name="bent",
-        joints=[{"joint": "shoulder", "position": 0.7}, {"joint": "elbow", "position": 0.9}],
-    )
-    + scenes.table(
-        "frame",
-        name="bent the other way",
-        joints=[{"joint": "shoulder", "position": -1.1}, {"joint": "elbow", "position": 0.3}],
-    )
-)
 JOINTS = ({"shoulder": 0.0, "elbow": 0.0}, {"shoulder": 0.7, "elbow": 0.9}, {"shoulder": -1.1, "elbow": 0.3})
 """Positions of the joints in the frames, in rad."""
+MOTION = scenes.table("frame", name="rest") + "".join(
+    scenes.table("frame", joints=[{"joint": joint, "position": at} for joint, at in positions.items()])
+    for positions in JOINTS[1:]
+)
 ROUNDING = 1e-9
 SAID = """
     const {scene} = window.livePage;

@@ -12,7 +12,7 @@ from plotly.offline import get_plotlyjs
 
 from analysis import __main__ as command_line
 from analysis.pipeline.model_stage import model_module
-from analysis.show import data as show_data, make as show, readings
+from analysis.show import data as show_data, make as show
 from geometries.scene import motion, reader
 from tests import scenes
 from tests.analysis.synthetic import data_of
@@ -164,7 +164,7 @@ def test_readings_along_the_motion_are_those_of_the_library(
     assert [series[name]["frames"] for name in ("model", "boundary elements")] == [[0, 1, 2], [0, 2]]
     live = model_module().Scene.load(str(show.find_scene("position_sensor")))
     live.set_joint("slide", 0.0)
-    model, solved = live.readings("exact"), live.readings("reduced", rtol=readings.RTOL_OF_REDUCED)
+    model, solved = live.readings("exact"), live.readings("reduced", rtol=show_data.RTOL_OF_REDUCED)
     for name in ("electrode 1", "electrode 3"):
         assert series["model"]["changes"][name][1] == pytest.approx(model[name].change, rel=1e-9)
         assert series["reduced"]["changes"][name][1] == pytest.approx(solved[name].change, rel=1e-9)
