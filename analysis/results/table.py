@@ -36,9 +36,11 @@ import csv
 import io
 import json
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
-from analysis.results.answers import Estimate, ModelAnswer, ModelChange, ModelValue
+from analysis.results.answers import Estimate, ModelChange
 from analysis.results.commands import COMPARED_METHOD, boundary_command, reference_command
 from analysis.results.set_up import SetUp, is_delta_self
 from analysis.results.study_results import CaseResult, Results
@@ -136,11 +138,8 @@ def rows(results: Results) -> list[Row]:
 
     Rows of mutual and delta_self need the model's answer and a reference's, rows of change a reference's alone.
     """
-    found = []
-    for case in results.compared():
-        if case.truth is not None:
-            found += _rows_of_case(results, case, case.truth)
-    return found
+    solved = [(case, case.truth) for case in results.compared() if case.truth is not None]
+    return [row for case, truth in solved for row in _rows_of_case(results, case, truth)]
 
 
 def short(results: Results, found: list[Row]) -> list[CaseResult]:
@@ -159,66 +158,39 @@ def compared(found: list[Row]) -> list[Row]:
     return [row for row in found if row.is_compared]
 
 
-def _rows_of_case(results: Results, case: CaseResult, truth: Truth) -> list[Row]:
+def _rows_of_case(results: Results, case: CaseResult, truth: Truth) -> Iterator[Row]:
+    row, model = partial(_row, results, case), case.model
+    felt: tuple[str, ...] = ()
     if is_delta_self(case.scene) or not truth.has_readings:
-        bodies = list(truth.conductors[len(case.scene.sensors) :])
-        felt = truth.sensors
+        bodies, felt = list(truth.conductors[len(case.scene.sensors) :]), truth.sensors
     else:
-        bodies, felt = _targets(case.scene), ()
-    found = []
-    if case.model is not None:
-        for sensor in (sensor.name for sensor in case.scene.sensors):
-            found += _mutual(results, case, truth, case.model, sensor, bodies)
-            if sensor in felt:
-                found.append(_delta_self(results, case, truth, case.model, sensor))
-    return found if felt else found + _changes(results, case, truth)
-
-
-def _mutual(
-    results: Results, case: CaseResult, truth: Truth, model: ModelAnswer, sensor: str, bodies: list[str]
-) -> list[Row]:
-    return [
-        _row(
-            results,
-            case,
-            (sensor, body, "", MUTUAL),
-            truth.mutual(sensor, body),
-            {
-                method: ModelChange(of.objects[body], of.errors.get(body), of.answered_by)
-                for method, of in _of_sensor(model, sensor).items()
-                if body in of.objects
-            },
-        )
-        for body in bodies
-        if body in truth.conductors and body in model.values[COMPARED_METHOD][sensor].objects
-    ]
-
-
-def _of_sensor(model: ModelAnswer, sensor: str) -> dict[str, ModelValue]:
-    """Returns what each method of the model says of a sensor."""
-    return {method: sensors[sensor] for method, sensors in model.values.items()}
-
-
-def _delta_self(results: Results, case: CaseResult, truth: Truth, model: ModelAnswer, sensor: str) -> Row:
-    totals = {
-        method: ModelChange(of.total, of.total_error, of.answered_by)
-        for method, of in _of_sensor(model, sensor).items()
-    }
-    known = truth.delta_self(sensor)
-    checked_by = FIELD if known.field is not None else BOUNDARY
-    check = _difference(truth, results.cases.get(case.empty), sensor, checked_by)
-    return _row(results, case, (sensor, "", "", DELTA_SELF), known, totals, check)
-
-
-def _changes(results: Results, case: CaseResult, truth: Truth) -> list[Row]:
-    by_model = case.model.changes if case.model is not None else {}
-    found = []
-    for reading in readings(case.scene):
-        known = truth.change(reading.name)
-        if known is not None:
-            by_methods = {method: of[reading.name] for method, of in by_model.items() if reading.name in of}
-            found.append(_row(results, case, (reading.sense, "", reading.name, CHANGE), known, by_methods))
-    return found
+        bodies = _targets(case.scene)
+    for sensor in (each.name for each in case.scene.sensors if model is not None):
+        assert model is not None
+        by_method = {method: sensors[sensor] for method, sensors in model.values.items()}
+        for body in bodies:
+            if body in truth.conductors and body in by_method[COMPARED_METHOD].objects:
+                charges = {
+                    method: ModelChange(of.objects[body], of.errors.get(body), of.answered_by)
+                    for method, of in by_method.items()
+                    if body in of.objects
+                }
+                yield row((sensor, body, "", MUTUAL), truth.mutual(sensor, body), charges)
+        if sensor in felt:
+            totals = {
+                method: ModelChange(of.total, of.total_error, of.answered_by)
+                for method, of in by_method.items()
+            }
+            known = truth.delta_self(sensor)
+            checked_by = FIELD if known.field is not None else BOUNDARY
+            check = _difference(truth, results.cases.get(case.empty), sensor, checked_by)
+            yield row((sensor, "", "", DELTA_SELF), known, totals, check)
+    for reading in readings(case.scene) if not felt else ():
+        change = truth.change(reading.name)
+        if change is not None:
+            changes = model.changes if model is not None else {}
+            by_methods = {method: of[reading.name] for method, of in changes.items() if reading.name in of}
+            yield row((reading.sense, "", reading.name, CHANGE), change, by_methods)
 
 
 def _targets(scene: Scene) -> list[str]:
