@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -122,16 +122,9 @@ def _frame(frame: Frame, scene: Scene, live: Any, model: Any) -> Document:
 
 def _transforms(frame: Frame, scene: Scene) -> list[Transform]:
     """Returns the transform from every link's frame to the world."""
-    parents = {link.name: link.parent for link in scene.links}
-    result = []
-    for link in scene.links:
-        transform = Transform.identity()
-        name: str | None = link.name
-        while name is not None:
-            transform = frame.poses[name].transform().after(transform)
-            name = parents[name]
-        result.append(transform)
-    return result
+    links = tuple(replace(link, pose=frame.poses[link.name]) for link in scene.links)
+    moved = replace(scene, links=links)
+    return [moved.transform_of_link(link.name) for link in links]
 
 
 def _matrix(transform: Transform) -> list[float]:

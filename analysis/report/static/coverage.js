@@ -1,10 +1,9 @@
 "use strict";
 // Draws a machine and, for a probe, a reading and a threshold, the points from which the probe is noticed.
 (() => {
-  const data = JSON.parse(document.getElementById("data").textContent);
+  const data = JSON.parse(byId("data").textContent);
   const BODY = "#c3c9d0", BLIND = "#d0342c";
   const places = data.points.length;
-  const control = name => document.getElementById(name);
   const unpacked = data.distances.map(text => {
     const bytes = Uint8Array.from(atob(text), c => c.charCodeAt(0));
     return new Uint16Array(bytes.buffer);
@@ -14,8 +13,8 @@
 
   /** The distances at all places for what the controls say; null where the probe cannot be held. */
   function chosen() {
-    const table = unpacked[Number(control("probe").value) * data.readings + Number(control("reading").value)];
-    const step = Number(control("threshold").value);
+    const table = unpacked[Number(byId("probe").value) * data.readings + Number(byId("reading").value)];
+    const step = Number(byId("threshold").value);
     return Array.from(table.subarray(step * places, (step + 1) * places), d => (d === data.blocked ? null : d / data.per_metre));
   }
 
@@ -30,19 +29,19 @@
     return found;
   }
 
-  const plot = control("scene");
+  const plot = byId("scene");
   const bodies = data.bodies.map(body => solid(body, data.sensors.includes(body.name) ? SENSOR : BODY));
 
   function draw() {
     const distances = chosen();
-    const seen = points(distances, d => d > 0), blind = control("blind").checked ? points(distances, d => d === 0) : points([], () => false);
+    const seen = points(distances, d => d > 0), blind = byId("blind").checked ? points(distances, d => d === 0) : points([], () => false);
     Plotly.restyle(plot, { x: [seen.x, blind.x], y: [seen.y, blind.y], z: [seen.z, blind.z], text: [seen.text, blind.text] }, [bodies.length, bodies.length + 1]);
     Plotly.restyle(plot, { "marker.color": [seen.value] }, [bodies.length]);
     const held = distances.filter(d => d !== null), sorted = held.filter(d => d > 0).sort((a, b) => a - b);
-    const factor = data.factors[Number(control("threshold").value)], own = data.thresholds[Number(control("reading").value)];
+    const factor = data.factors[Number(byId("threshold").value)], own = data.thresholds[Number(byId("reading").value)];
     const threshold = own === null ? `${factor.toPrecision(3)} times each reading's threshold` : `${(own * factor * 1e15).toPrecision(3)} fF`;
     const median = sorted.length ? `, from ${centimetres(sorted[sorted.length >> 1])} in the median` : "";
-    control("told").textContent = `Threshold: ${threshold}. Noticed at ${sorted.length} of the ${held.length} places drawn${median}.`;
+    byId("told").textContent = `Threshold: ${threshold}. Noticed at ${sorted.length} of the ${held.length} places drawn${median}.`;
   }
 
   const marks = (colour, more) => ({ type: "scatter3d", mode: "markers", x: [], y: [], z: [], text: [], hoverinfo: "text", showlegend: false, ...more, marker: { size: 3, ...colour } });
@@ -52,6 +51,6 @@
     marks({ color: BLIND, size: 2.5 }),
   ];
   const axis = name => ({ ...AXIS, title: { text: `${name} (m)`, font: { size: 11 } } });
-  for (const name of ["probe", "reading", "threshold", "blind"]) control(name).addEventListener("input", draw);
+  for (const name of ["probe", "reading", "threshold", "blind"]) byId(name).addEventListener("input", draw);
   drawScene(plot, traces, { xaxis: axis("x"), yaxis: axis("y"), zaxis: axis("z"), aspectmode: "data", camera: { eye: { x: 0.9, y: -1.5, z: 0.6 } } }, draw);
 })();

@@ -2,8 +2,7 @@
 // The live page: links are dragged, turned or slid, and every frame asks the library for the readings, distances and collisions.
 (async () => {
   const opened = performance.now();
-  const data = JSON.parse(document.getElementById("data").textContent);
-  const byId = id => document.getElementById(id);
+  const data = JSON.parse(byId("data").textContent);
   const trouble = text => { byId("trouble").hidden = false; byId("trouble").textContent = text; };
 
   // A page that was read anew for another cover goes on where it was.
@@ -27,7 +26,7 @@
   const state = { link: null, reading: 0, reduced: data.reduced, rtol: RTOL, path: null, at: 0, playing: false, reference: null, cover: kept.cover, changed: kept.cover > 0, floats: new Set(), frames: 0, told: -1e9, moved: -1e9, isCoarse: false, dirty: true, answers: {}, geometry: {} };
   const spent = {}, trace = [], along = new Map();
   let firstAnswer = null;
-  const page = { data, byId, scene, described, roles, view, state, readings, trace, along, pick, prepare };
+  const page = { data, scene, described, roles, view, state, readings, trace, along, pick, prepare };
   Object.assign(page, makeMotion(page));
   state.link = page.firstLink();
   Object.assign(page, makePicture(page));

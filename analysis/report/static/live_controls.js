@@ -4,7 +4,7 @@
 
 /** Makes the controls. Functions of other parts that they call are those of `page`. */
 function makeControls(page) {
-  const { data, byId, scene, described, roles, view, state, readings, links, setLink, whole, extent, trace, along } = page;
+  const { data, scene, described, roles, view, state, readings, links, setLink, whole, extent, trace, along } = page;
   // --- the controls ---
 
   const AXES = ["x", "y", "z"], reach = Math.max(0.6 * extent, 0.1);
@@ -151,7 +151,7 @@ function makeControls(page) {
 
 /** Makes the buttons of the paths. */
 function makePaths(page) {
-  const { data, byId, state, links, setLink, along } = page;
+  const { data, state, links, setLink, along } = page;
 
   function between(a, b, share) {
     const near = a.quaternion.reduce((sum, x, k) => sum + x * b.quaternion[k], 0) < 0 ? -1 : 1;
@@ -203,7 +203,7 @@ function makePaths(page) {
 
 /** Listens to the picture; what is dragged is moved. */
 function listen(page) {
-  const { byId, described, view, state, poseOf, shift, turn, bodies, centreOf, hover } = page;
+  const { described, view, state, poseOf, shift, turn, bodies, centreOf, hover } = page;
 
   const surface = byId("surface"), pointers = new Map();
   let held = null;

@@ -2,7 +2,7 @@
 // The picture: the bodies coloured by the charge per area, labels, and the distance sensors.
 
 /** Draws the scene. */
-function makePicture({ byId, scene, described, roles, view, state, readings, poseOf, bodies }) {
+function makePicture({ scene, described, roles, view, state, readings, poseOf, bodies }) {
   const theme = {};
   function readTheme() {
     const style = getComputedStyle(document.documentElement);

@@ -87,7 +87,7 @@ function drawChart(canvas, { from, to, ticks, lines, marks = [], threshold, now 
 }
 
 /** Tells the answers that `state` holds. */
-function makeReadings({ data, byId, state, readings, theme, recolour, trace, along, pick }) {
+function makeReadings({ data, state, readings, theme, recolour, trace, along, pick }) {
   const rows = readings.map((reading, number) => {
     const box = element("div", "reading"), title = element("div", "title"), noticed = element("span", "noticed");
     const drive = `charge on ${reading.sense}, driven: ${reading.drive.join(", ")}` + (reading.threshold ? `; threshold ${farads(reading.threshold)}` : "");

@@ -17,6 +17,8 @@ const space = {
   turn: (axis, angle) => { const u = space.unit(axis), s = Math.sin(angle / 2); return [Math.cos(angle / 2), s * u[0], s * u[1], s * u[2]]; },
 };
 
+const byId = id => document.getElementById(id);
+
 /** Makes an element of HTML. */
 function element(tag, className, text) {
   const made = document.createElement(tag);

@@ -1,8 +1,7 @@
 "use strict";
 // Shows the set-up that the address names after the #, or else the first.
 (() => {
-  const data = JSON.parse(document.getElementById("set-ups").textContent);
-  const at = id => document.getElementById(id);
+  const data = JSON.parse(byId("set-ups").textContent);
   const places = new Map(data.setUps.map((each, index) => [each.name, index]));
   const textColumns = [...document.querySelectorAll("th")].map(cell => cell.className);
 
@@ -18,7 +17,7 @@
     const [x, y, z] = setUp.aspect;
     const layout = structuredClone(data.layout);
     layout.scene.aspectratio = { x, y, z };
-    layout.height = at("scene").clientHeight;
+    layout.height = byId("scene").clientHeight;
     const meshes = setUp.bodies.map((body, index) => mesh(body, data.looks[Math.min(index, data.looks.length - 1)]));
     Plotly.react("scene", meshes, layout, QUIET);
   }
@@ -31,33 +30,33 @@
 
   function step(link, index) {
     const there = index >= 0 && index < data.setUps.length;
-    at(link).hidden = !there;
-    if (there) at(link).href = `#${data.setUps[index].name}`;
+    byId(link).hidden = !there;
+    if (there) byId(link).href = `#${data.setUps[index].name}`;
   }
 
   function show() {
     const index = places.get(decodeURIComponent(location.hash.slice(1))) ?? 0;
     const setUp = data.setUps[index];
     document.title = `${setUp.family} ${setUp.name}`;
-    at("family").textContent = setUp.family;
-    at("name").textContent = setUp.name;
-    at("description").textContent = setUp.description;
-    at("choice").value = setUp.name;
-    at("findings").replaceChildren(...setUp.findings.map(text => element("p", "finding", text)));
+    byId("family").textContent = setUp.family;
+    byId("name").textContent = setUp.name;
+    byId("description").textContent = setUp.description;
+    byId("choice").value = setUp.name;
+    byId("findings").replaceChildren(...setUp.findings.map(text => element("p", "finding", text)));
     const rows = setUp.rows.map(cells => {
       const row = element("tr");
       row.append(...cells.map((text, column) => element("td", textColumns[column], text)));
       return row;
     });
     document.querySelector("tbody").replaceChildren(...rows);
-    at("commands").textContent = commands(setUp);
+    byId("commands").textContent = commands(setUp);
     step("previous", index - 1);
     step("next", index + 1);
     draw(setUp);
   }
 
-  at("choice").append(...data.setUps.map(each => element("option", "", each.name)));
-  at("choice").addEventListener("change", event => { location.hash = event.target.value; });
+  byId("choice").append(...data.setUps.map(each => element("option", "", each.name)));
+  byId("choice").addEventListener("change", event => { location.hash = event.target.value; });
   addEventListener("hashchange", show);
   show();
 })();

@@ -1,7 +1,7 @@
 "use strict";
 // Draws a scene: bodies are fixed in the frames of their links, and every frame of the motion gives the poses of the links.
 (() => {
-  const data = JSON.parse(document.getElementById("data").textContent);
+  const data = JSON.parse(byId("data").textContent);
   const CONE = "#f0c808";
   const MARKS = { bounds: "#e69f00", collision: "#d0342c" };
   const SAID = { bounds: "only their bounds overlap", collision: "collision" };
@@ -128,7 +128,7 @@
 
   // --- the picture ---
 
-  const plot = document.getElementById("scene");
+  const plot = byId("scene");
 
   function draw() {
     const frame = data.frames[state.frame], worst = statuses(frame);
@@ -166,7 +166,7 @@
 
   const millimetres = metres => `${(1000 * metres).toPrecision(4).replace(/\.?0+$/, "")} mm`;
   function fill(id, title, parts) {
-    const section = document.getElementById(id);
+    const section = byId(id);
     section.replaceChildren(...(parts.length ? [element("h2", "", title), ...parts] : []));
   }
 
@@ -230,7 +230,7 @@
     fill("distances", "Distance sensors", distanceRows(frame));
     fill("outputs", "Capacitive sensors", outputRows(frame));
     fill("collisions", "Collisions", collisionRows(frame));
-    document.getElementById("frame-name").textContent = data.frames.length > 1 ? `${place(state.frame)}${frame.name}` : "";
+    byId("frame-name").textContent = data.frames.length > 1 ? `${place(state.frame)}${frame.name}` : "";
     document.querySelectorAll("#frames button").forEach((button, n) => button.setAttribute("aria-pressed", n * data.every === state.frame));
     readings.mark(state.frame);
     history.replaceState(null, "", `#frame=${state.frame + 1}&boxes=${state.boxes}&links=${state.links ? 1 : 0}&cones=${state.cones ? 1 : 0}`);
@@ -239,7 +239,7 @@
   // --- the controls ---
 
   const readings = makeReadings(data, frame => { stop(); go(frame); });
-  const frames = document.getElementById("frames"), play = document.getElementById("play");
+  const frames = byId("frames"), play = byId("play");
   let timer = null;
 
   function stop() {
@@ -268,8 +268,8 @@
     if (asked.get("links")) state.links = asked.get("links") === "1";
     if (asked.get("cones")) state.cones = asked.get("cones") === "1";
     document.querySelector(`#boxes input[value="${state.boxes}"]`).checked = true;
-    document.getElementById("cones").checked = state.cones;
-    document.getElementById("links").checked = state.links;
+    byId("cones").checked = state.cones;
+    byId("links").checked = state.links;
   }
 
   data.frames.filter((_, n) => n % data.every === 0).forEach((frame, n) => {
@@ -294,9 +294,9 @@
     play.textContent = "Pause";
     timer = setInterval(() => go(state.frame + 1), 1000 * FRAME_SECONDS / data.every);
   });
-  document.getElementById("boxes").addEventListener("change", event => { state.boxes = event.target.value; draw(); });
-  document.getElementById("cones").addEventListener("change", event => { state.cones = event.target.checked; draw(); });
-  document.getElementById("links").addEventListener("change", event => { state.links = event.target.checked; draw(); });
+  byId("boxes").addEventListener("change", event => { state.boxes = event.target.value; draw(); });
+  byId("cones").addEventListener("change", event => { state.cones = event.target.checked; draw(); });
+  byId("links").addEventListener("change", event => { state.links = event.target.checked; draw(); });
 
   readAddress();
   drawScene(plot, makeTraces(), { ...axes(), camera: { eye: { x: 0.77, y: -1.66, z: 0.59 }, center: { x: 0, y: 0, z: -0.05 } } }, draw);

@@ -3,9 +3,9 @@
 
 /** Draws a plot for each reading; a click on one calls `go` with the frame. Returns what marks a frame in all of them. */
 function makeReadings(data, go) {
-  const place = document.getElementById("along"), PICO = 1e12;
+  const place = byId("along"), PICO = 1e12;
   if (!place) return { mark: () => {} };
-  const along = JSON.parse(document.getElementById("along-data").textContent);
+  const along = JSON.parse(byId("along-data").textContent);
   const STYLE = {
     model: { color: "#0072b2", dash: "solid" }, formula: { color: "#c75b00", dash: "dash" },
     reduced: { color: "#24292f", dash: "dot" }, "boundary elements": { color: "#007a57", symbol: "square-open" },
