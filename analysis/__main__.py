@@ -93,19 +93,7 @@ _VERIFY = _switch(
     "also verify the reference, as the command verify does, in the folder verification beside the results",
 )
 _SCENE = _option("scene", "SCENE", "a name in geometries/scenes, or a file")
-
-
-def _topics() -> dict[str, Command]:
-    """Returns the commands of the topics."""
-    kept = "where to keep the answers (default: results/{})"
-    outputs = {name: _path("--output", "DIR", kept.format(_FOLDERS.get(name, name))) for name in TOPICS}
-    return {
-        name: (does, (outputs[name], *([] if name in _MEASURED_TOGETHER else [_jobs("answers")])))
-        for name, does in TOPICS.items()
-    }
-
-
-_COMMANDS: dict[str, Command] = {
+_BEFORE_TOPICS: dict[str, Command] = {
     "run": ("compute a study's missing answers, then report", (
         _option("study", "STUDY", "a name in geometries/studies, or a file"),
         _path("--results", "DIR", "where to keep the results (default: results/<study>, in the current folder for a study that is not the repository's)"),
@@ -137,7 +125,8 @@ _COMMANDS: dict[str, Command] = {
     "report": ("write table.csv, report.html and its pages from stored answers", (
         _path("results", "RESULTS", "a folder that `run` has filled"),
     )),
-    **_topics(),
+}  # fmt: skip
+_AFTER_TOPICS: dict[str, Command] = {
     "documentation": ("make a site of all notes, algorithms and references (the model must be built)", (
         _path("--output", "DIR", "where to write the site (default: results/documentation)"),
     )),
@@ -198,6 +187,16 @@ _COMMANDS: dict[str, Command] = {
 }  # fmt: skip
 
 
+def _topics() -> dict[str, Command]:
+    """Returns the commands of the topics."""
+    kept = "where to keep the answers (default: results/{})"
+    outputs = {name: _path("--output", "DIR", kept.format(_FOLDERS.get(name, name))) for name in TOPICS}
+    return {
+        name: (does, (outputs[name], *([] if name in _MEASURED_TOGETHER else [_jobs("answers")])))
+        for name, does in TOPICS.items()
+    }
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Runs the command line; returns the exit code."""
     options = _parser(installation.command("analysis")).parse_args(arguments)
@@ -227,7 +226,7 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "reported; 1 a case failed or has no answer by any method, a value moved, or anything else.",
     )
     commands = parser.add_subparsers(dest="command", required=True)
-    for name, (does, options) in _COMMANDS.items():
+    for name, (does, options) in (_BEFORE_TOPICS | _topics() | _AFTER_TOPICS).items():
         command = commands.add_parser(name, help=does)
         # Commands that start no jobs have no option --jobs.
         command.set_defaults(jobs=None)
