@@ -73,7 +73,9 @@ def make(name: str, motion_file: Path | None, target: Path | None, rtol: float |
     """Writes the live page of a scene, a file or a name in geometries/scenes, unless it is up to date; returns where it is.
 
     The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it. `rtol` is
-    the relative error asked of the reference readings along the paths; they are not solved if it is None. Remarks on the scene, and the progress of the reference readings, go to standard error. InputError for files that cannot be used and
+    the relative error asked of the reference readings along the paths; they are not solved if it is None.
+
+    Remarks on the scene, and the progress of the reference readings, go to standard error. InputError for files that cannot be used and
     for a page that would be too large; NoLibrary where the library for pages is missing.
     """
     path = find_scene(name)
