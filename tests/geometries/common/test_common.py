@@ -44,7 +44,7 @@ def test_other_counts_are_refused(text: str) -> None:
 
 
 IN_CPP = (REPOSITORY / "tests" / "model" / "cli" / "measured_test.cpp").read_text(encoding="utf-8")
-CASES = re.findall(r'EXPECT_EQ\(measured\((-?[\d.e+-]+), (-?[\d.e+-]+)\), "(.*)"\);', IN_CPP)
+CASES = re.findall(r'Case\{(-?[\d.e+-]+), (-?[\d.e+-]+), "(.*?)"\}', IN_CPP)
 
 
 @pytest.mark.parametrize(("value", "error", "text"), CASES)
@@ -55,7 +55,7 @@ def test_a_value_with_its_error_is_written_as_the_command_writes_it(
 
 
 def test_these_are_all_cases_of_the_command_with_finite_numbers() -> None:
-    assert len(CASES) == IN_CPP.count("EXPECT_EQ(measured(") - 3
+    assert len(CASES) == IN_CPP.count("Case{") - 3
 
 
 @pytest.mark.parametrize("error", [math.nan, math.inf])

@@ -21,8 +21,6 @@
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
-using detail::parallel_for;
-
 TEST(ParallelFor, CallsEveryTaskOnce) {
   for (const std::size_t threads : {0U, 1U, 2U})
     for (const std::size_t count : {0U, 1U, 3U, 1000U}) {
@@ -63,16 +61,10 @@ TEST(ParallelFor, EndsTheTasksOfOtherThreadsWhenTheCallingOneIsInterrupted) {
                                 std::this_thread::yield();
                               while (std::this_thread::get_id() != caller) {
                                 is_other_busy = true;
-                                detail::check_interruption();
+                                check_interruption();
                               }
                             }),
                Interrupted);
-}
-
-TEST(ParallelFor, AsksTheScopesAroundTheInnermostOne) {
-  const InterruptionScope outer([] { return true; });
-  const InterruptionScope inner([] { return false; });
-  EXPECT_THROW(detail::check_interruption(), Interrupted);
 }
 
 TEST(Scopes, OfInterruptionCountAllOnTheirOwnThread) {

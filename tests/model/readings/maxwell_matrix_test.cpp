@@ -1,18 +1,23 @@
 #include "readings/maxwell_matrix.hpp"
 
 #include <cmath>
+#include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
 #include "fringe/reading.hpp"
+#include "readings/asked_error.hpp"
+#include "readings/believed_error.hpp"
 #include "readings/matrix_readings.hpp"
 #include "readings/readings.hpp"
 #include "scenes.hpp"
 
-/// Maxwell matrices without floating conductors, and the readings by them.
+/// Maxwell matrices without floating conductors, the readings by them, the errors that an answer states, and
+/// when refinement ends.
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
@@ -68,6 +73,60 @@ TEST(MaxwellMatrices, GiveReadingsAsDifferences) {
   const ReadingAnswer& direct = all.readings.at(0);
   EXPECT_LE(std::abs(found[0].change.value.value() - direct.change.value.value()),
             found[0].change.error.value() + direct.change.error.value());
+}
+
+TEST(AskedErrors, RefinementIsInVainWhereItHardlyReducesTheExcess) {
+  Progress useful, vain;
+  double excess = 64;
+  for (std::size_t unknowns = 1000; unknowns < 100'000'000; unknowns *= 2) {
+    EXPECT_FALSE(useful.is_in_vain(excess, unknowns));
+    excess /= 2;
+  }
+  bool has_ended = false;
+  for (std::size_t unknowns = 1000; unknowns < 100'000'000; unknowns *= 2)
+    has_ended = has_ended || vain.is_in_vain(64, unknowns);
+  EXPECT_TRUE(has_ended);
+  Progress beginning;
+  EXPECT_FALSE(beginning.is_in_vain(64, 10));
+}
+
+/// Returns what is believed of an error after a refinement of the answer of one conductor without readings.
+double next(BelievedError& error, double value, double stated) {
+  ChargedBodies bodies;
+  bodies.conductors.push_back({"body", Role::grounded, {"body"}});
+  MaxwellMatrix answer;
+  answer.values = MatrixXd::Constant(1, 1, value);
+  answer.errors = MatrixXd::Constant(1, 1, stated);
+  return error.next(answer, MatrixXd::Zero(1, 1), {}, bodies);
+}
+
+TEST(BelievedErrors, AreTwiceWhatARefinementUsedOfThem) {
+  const auto believed = [](std::pair<double, double> first, std::pair<double, double> second) {
+    BelievedError error(1);
+    EXPECT_EQ(next(error, first.first, first.second), 1);
+    return next(error, second.first, second.second);
+  };
+  EXPECT_NEAR(believed({1, 0.4}, {1.08, 0.2}), 0.8, 1e-12);
+  EXPECT_EQ(believed({1, 0.4}, {1.001, 0.2}), 0.25);
+  EXPECT_EQ(believed({1, 0.4}, {1.3, 0.2}), 1);
+  EXPECT_EQ(believed({1, 0.2}, {1.001, 0.4}), 1);
+  // More than the value cannot have been missing.
+  EXPECT_NEAR(believed({0.9, 4}, {1, 0.5}), 0.4, 1e-12);
+}
+
+TEST(BelievedErrors, CountAsManyRefinementsAsAreRemembered) {
+  BelievedError error(2);
+  next(error, 1, 0.4);
+  EXPECT_EQ(next(error, 1.06, 0.2), 1) << "one refinement is too few";
+  EXPECT_NEAR(next(error, 1.061, 0.1), 0.6, 1e-9) << "the first used more";
+  EXPECT_EQ(next(error, 1.062, 0.05), 0.25);
+}
+
+TEST(AskedErrors, AreRelativeToTheLargerOfChangeAndAPartOfTheValue) {
+  EXPECT_EQ(change_scale(1, 0.5), 0.5);
+  EXPECT_EQ(change_scale(1, -0.5), 0.5);
+  EXPECT_GT(change_scale(1, 0), 0);
+  EXPECT_LT(change_scale(1, 0), 0.1);
 }
 
 }  // namespace
