@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include "evaluated.hpp"
+#include "scenes.hpp"
 
 namespace fringe::answers::FRINGE_TEST_FILE {
 namespace {
@@ -20,11 +20,7 @@ const Plate square{0.1, 0.1};
 
 /// Returns a sensor of 10 cm at the origin and a plate of the same size in front of it.
 Scene plate_at(double height) {
-  Scene scene;
-  scene.sensors.push_back({"front", {}, 2.5, 5e-12, {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}}});
-  const Eigen::Isometry3d pose(Eigen::Translation3d(0, 0, height));
-  scene.objects.push_back({"target", {}, square, pose, Grounded{}, true});
-  return scene;
+  return test::scene_of(test::square(0.1, 0), {test::object("target", square, test::at(0, 0, height))});
 }
 
 TEST(CapacitanceAnswer, HasEverySensorWithItsObjects) {
@@ -83,7 +79,7 @@ TEST(CapacitanceAnswer, TellsWhatWasAskedForAndWhoAnswered) {
 
 TEST(CollisionAnswer, NamesTheObjectsOfEveryPair) {
   Scene scene = plate_at(0);
-  scene.objects.push_back({"other", {}, square, Eigen::Isometry3d::Identity(), Grounded{}, true});
+  scene.objects.push_back(test::object("other", square, test::at(0, 0, 0)));
   EXPECT_EQ(collision_answer(collide(scene), scene)["pairs"],
             Json::array({{{"a", "target"}, {"b", "other"}, {"status", "collision"}}}));
 }
@@ -112,31 +108,19 @@ TEST(InfoAnswer, HasNoVolumeOfAnOpenSurface) {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-TEST(JsonText, BeginsWithTheVersionOfTheFormatAndKeepsTheOrderOfKeys) {
-  EXPECT_EQ(json_text({{"z", 1}, {"a", {{"y", true}, {"b", nullptr}}}}), "{\n"
-                                                                         "    \"format\": 1,\n"
-                                                                         "    \"z\": 1,\n"
-                                                                         "    \"a\": {\n"
-                                                                         "        \"y\": true,\n"
-                                                                         "        \"b\": null\n"
-                                                                         "    }\n"
-                                                                         "}");
-}
-
-TEST(JsonText, PutsEveryElementOfAnArrayOnItsOwnLine) {
-  EXPECT_EQ(json_text({{"matrix", {{1.0, 2.5}, {-3e-12, 0.0}}}}), "{\n"
-                                                                  "    \"format\": 1,\n"
-                                                                  "    \"matrix\": [\n"
-                                                                  "        [\n"
-                                                                  "            1.0,\n"
-                                                                  "            2.5\n"
-                                                                  "        ],\n"
-                                                                  "        [\n"
-                                                                  "            -3e-12,\n"
-                                                                  "            0.0\n"
-                                                                  "        ]\n"
-                                                                  "    ]\n"
-                                                                  "}");
+TEST(JsonText, BeginsWithTheVersionAndKeepsTheOrderOfKeysWithEveryElementOnItsOwnLine) {
+  EXPECT_EQ(json_text({{"z", 1}, {"a", {{"y", true}, {"b", nullptr}, {"row", {1.0, -3e-12}}}}}), R"({
+    "format": 1,
+    "z": 1,
+    "a": {
+        "y": true,
+        "b": null,
+        "row": [
+            1.0,
+            -3e-12
+        ]
+    }
+})");
 }
 
 TEST(JsonText, WritesEmptyArraysAndObjectsOnOneLine) {

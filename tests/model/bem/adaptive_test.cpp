@@ -12,7 +12,6 @@
 #include <gtest/gtest.h>
 
 #include "bem/jacobi_basis.hpp"
-#include "fringe/triangulation.hpp"
 
 /// Tests the loop of all boundary elements with a problem that counts what is asked of it, and which panels
 /// are marked for refinement. Tests which bodies induce a charge on a face or a triangle that is too narrow
@@ -102,32 +101,20 @@ using Eigen::VectorXd;
 
 constexpr std::size_t plenty = 1000;
 
-TEST(SolveAdaptively, TakesTheGroupsWithTheGreaterPartOfTheEnergy) {
-  EXPECT_THAT(marked(quartered_groups(4), Eigen::Vector4d(1, 8, 2, 1), 0, plenty), ElementsAre(0, 1, 1, 0));
-}
-
-TEST(SolveAdaptively, TakesNoMoreGroupsThanTheErrorRequires) {
+TEST(SolveAdaptively, TakesNoMoreGroupsThanTheErrorRequiresOrTheNumberOfPanelsAllows) {
+  const auto marked_of_four = [](const Eigen::Vector4d& energies, double allowed,
+                                 std::size_t most_added = plenty) {
+    return marked(quartered_groups(4), energies, allowed, most_added);
+  };
+  EXPECT_THAT(marked_of_four({1, 8, 2, 1}, 0), ElementsAre(0, 1, 1, 0)) << "the greater part of the energy";
+  EXPECT_THAT(marked_of_four({1, 8, 2, 1}, 0, 7), ElementsAre(0, 1, 0, 0));
+  EXPECT_THAT(marked_of_four({1, 8, 2, 1}, 0, 3), IsEmpty());
   // Refinement leaves 3.2 of the 8, hence 7.2 of 12 in all. The others are not worth it.
-  const VectorXd energies = (VectorXd(4) << 1e-3, 8, 4, 1e-3).finished();
-  EXPECT_THAT(marked(quartered_groups(4), energies, 7.3, plenty), ElementsAre(0, 1, 1, 0));
-  EXPECT_THAT(marked(quartered_groups(4), energies, 0, plenty), ElementsAre(0, 1, 1, 0));
-}
-
-TEST(SolveAdaptively, AddsFourTenthsOfThePanelsWhereThatIsWorthIt) {
-  const Eigen::Vector4d energies(2, 8, 1, 1);
-  EXPECT_THAT(marked(quartered_groups(4), energies, 7.3, plenty), ElementsAre(1, 1, 0, 0))
-      << "though the second alone would do";
-}
-
-TEST(SolveAdaptively, MarksGroupsOfEqualEnergyTogether) {
-  EXPECT_THAT(marked(quartered_groups(4), Eigen::Vector4d(3, 1, 2.999, 3), 8, plenty),
-              ElementsAre(1, 0, 1, 1));
-}
-
-TEST(SolveAdaptively, AddsNoMorePanelsThanAllowed) {
-  const Eigen::Vector4d energies(1, 8, 2, 1);
-  EXPECT_THAT(marked(quartered_groups(4), energies, 0, 7), ElementsAre(0, 1, 0, 0));
-  EXPECT_THAT(marked(quartered_groups(4), energies, 0, 3), IsEmpty());
+  EXPECT_THAT(marked_of_four({1e-3, 8, 4, 1e-3}, 7.3), ElementsAre(0, 1, 1, 0));
+  EXPECT_THAT(marked_of_four({1e-3, 8, 4, 1e-3}, 0), ElementsAre(0, 1, 1, 0));
+  // Four tenths of the panels are added where that is worth it, though the second group alone would do.
+  EXPECT_THAT(marked_of_four({2, 8, 1, 1}, 7.3), ElementsAre(1, 1, 0, 0));
+  EXPECT_THAT(marked_of_four({3, 1, 2.999, 3}, 8), ElementsAre(1, 0, 1, 1)) << "groups of equal energy";
 }
 
 TEST(SolveAdaptively, RepeatsStepsWhereTheChargeIsConcentrated) {

@@ -53,6 +53,22 @@ TEST_P(ChargeKernelsTest, SumTheInverseDistancesOverAFace) {
       }
 }
 
+/// Calls a kernel for the vectors from points to the corners of a triangle; returns one number a point.
+template <typename Kernel>
+std::vector<double> at_points(const Kernel& kernel, const std::array<Vector3d, 3>& corners,
+                              const std::vector<Vector3d>& points) {
+  std::array<std::vector<double>, 9> components;
+  const double* columns[9];
+  for (std::size_t k = 0; k < 9; ++k) {
+    for (const Vector3d& point : points)
+      components[k].push_back((corners[k / 3] - point)[static_cast<Index>(k % 3)]);
+    columns[k] = components[k].data();
+  }
+  std::vector<double> result(points.size());
+  kernel(columns, points.size(), result.data());
+  return result;
+}
+
 /// Points in front of the triangle, in its plane, on a side, and at a corner; also for a sliver.
 TEST_P(ChargeKernelsTest, ComputeThePotentialOfATriangleAnywhere) {
   test::Random random(3);
@@ -62,15 +78,7 @@ TEST_P(ChargeKernelsTest, ComputeThePotentialOfATriangleAnywhere) {
                                  2 * corners[1], Vector3d(0.5, 0.2 * height, 1e-7)};
     while (points.size() < 40)
       points.emplace_back(random.in_box({-2, -2, -2}, {2, 2, 2}));
-    std::array<std::vector<double>, 9> components;
-    const double* columns[9];
-    for (std::size_t k = 0; k < 9; ++k) {
-      for (const Vector3d& point : points)
-        components[k].push_back((corners[k / 3] - point)[static_cast<Index>(k % 3)]);
-      columns[k] = components[k].data();
-    }
-    std::vector<double> potentials(points.size());
-    kernels_.triangle_potentials(columns, points.size(), potentials.data());
+    const std::vector<double> potentials = at_points(kernels_.triangle_potentials, corners, points);
     for (std::size_t k = 0; k < points.size(); ++k) {
       const double wanted =
           2 * kernel(corners[0] - points[k], corners[1] - points[k], corners[2] - points[k]);
@@ -85,19 +93,13 @@ TEST_P(ChargeKernelsTest, SeeAClosedSurfaceUnderTheWholeSolidAngleFromInsideOnly
   const std::array<std::array<std::size_t, 3>, 4> faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
   const std::vector<Vector3d> points{{0.3, 0.3, 1e-4}, {0.1, 0.1, 5e-4}, {0.3, 0.3, 1e-2}, {0.2, 0.3, -1e-4},
                                      {2, 1, 0},        {-1, 3, 0.5},     {0.9, 0.9, 1e-4}, {0, 0, -3}};
-  std::vector<double> sums(points.size(), 0.0), angles(points.size());
-  for (const auto& face : faces) {
-    std::array<std::vector<double>, 9> components;
-    const double* columns[9];
-    for (std::size_t k = 0; k < 9; ++k) {
-      for (const Vector3d& point : points)
-        components[k].push_back((corners[face[k / 3]] - point)[static_cast<Index>(k % 3)]);
-      columns[k] = components[k].data();
-    }
-    kernels_.solid_angles(columns, points.size(), angles.data());
+  std::vector<double> sums(points.size(), 0.0);
+  for (const auto& [a, b, c] : faces) {
+    const std::vector<double> angles =
+        at_points(kernels_.solid_angles, {corners[a], corners[b], corners[c]}, points);
     for (std::size_t k = 0; k < points.size(); ++k) {
       sums[k] += angles[k];
-      if (points[k].z() == 0 && face[2] == 1) {
+      if (points[k].z() == 0 && c == 1) {
         EXPECT_EQ(angles[k], 0) << "in the plane of the face, point " << k;
       }
     }

@@ -10,7 +10,6 @@
 #include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
-#include "fringe/error.hpp"
 #include "fringe/reading.hpp"
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
@@ -24,19 +23,17 @@ using test::object;
 
 constexpr double rtol = 1e-3;
 
-Object target(Object object, const ElectricalRole& role = Grounded{}) {
+Object target(Object object) {
   object.target = true;
-  object.role = role;
   return object;
 }
 
 /// Returns a square sensor of 3 cm before a housing, with a guard between them, and a hand before it.
 Scene machine(const ElectricalRole& hand = Grounded{}) {
-  Scene scene;
-  scene.sensors = {test::sensor("front", {test::square(0.03, 0)})};
-  scene.objects = {object("guard", Plate{0.05, 0.05}, at(0, 0, -0.004), Electrode{}),
-                   box("housing", {-4, -4, -5}, {4, 4, -1}),
-                   target(box("hand", {-2, -3, 3}, {2, 3, 4}), hand)};
+  Scene scene = test::scene_of(test::square(0.03, 0),
+                               {object("guard", Plate{0.05, 0.05}, at(0, 0, -0.004), Electrode{}),
+                                box("housing", {-4, -4, -5}, {4, 4, -1}),
+                                target(box("hand", {-2, -3, 3}, {2, 3, 4}, hand))});
   scene.readings = {{"self", "front", {"front"}},
                     {"guarded", "front", {"front", "guard"}},
                     {"transmitted", "front", {"guard"}}};
@@ -92,11 +89,8 @@ TEST(Readings, AreThoseOfSolutionsWithAndWithoutAGroundedTarget) {
   expect_readings_of_separate_solutions(machine());
 }
 
-TEST(ReadingsAtLength, AreThoseOfSolutionsWithAndWithoutAFloatingTarget) {
+TEST(ReadingsAtLength, AreThoseOfSolutionsWithAndWithoutAFloatingTargetAlsoWithACapacitor) {
   expect_readings_of_separate_solutions(machine(Floating{}));
-}
-
-TEST(ReadingsAtLength, AreThoseOfSolutionsWithAndWithoutATargetThatACapacitorGrounds) {
   expect_readings_of_separate_solutions(machine(Floating{2e-12}));
 }
 
@@ -109,14 +103,13 @@ TEST(Readings, AreThoseOfSolutionsWithAndWithoutATargetOfTriangles) {
 
 TEST(Readings, KeepTheSurfaceThatATargetCovers) {
   // The hand lies on a table: without it, the table is charged where it lay.
-  Scene scene;
-  scene.sensors = {test::sensor("front", {test::square(0.03, 0)})};
-  scene.objects = {box("table", {-3, -3, 1}, {3, 3, 2}), target(box("hand", {-1, -1, 0.5}, {1, 1, 1}))};
+  Scene scene = test::scene_of(test::square(0.03, 0), {box("table", {-3, -3, 1}, {3, 3, 2}),
+                                                       target(box("hand", {-1, -1, 0.5}, {1, 1, 1}))});
   scene.readings = {{"self", "front", {"front"}}};
   expect_readings_of_separate_solutions(scene, 1e-2);
 }
 
-TEST(ReadingsAtLength, ChangesAreKnownBetterThanTheirParts) {
+TEST(ReadingsAtLength, OfChangesAreKnownBetterThanTheirPartsAndOnlySelfReadingsAreLowerBounds) {
   const MaxwellMatrix answer = maxwell(machine(), {.rtol = 1e-2}), finer = maxwell(machine(), {.rtol = 1e-4});
   for (std::size_t k = 0; k < answer.readings.size(); ++k) {
     const ReadingAnswer& reading = answer.readings[k];
@@ -124,13 +117,8 @@ TEST(ReadingsAtLength, ChangesAreKnownBetterThanTheirParts) {
     expect_within_errors(reading.change, *finer.readings[k].change.value, *finer.readings[k].change.error,
                          reading.name);
   }
-}
-
-TEST(ReadingsAtLength, BoundTheSelfReadingsFromBelowAndNoOther) {
-  const MaxwellMatrix answer = maxwell(machine(), {.rtol = rtol});
   EXPECT_TRUE(answer.readings[0].value.lower && answer.readings[0].background.lower);
-  EXPECT_FALSE(answer.readings[1].value.lower);
-  EXPECT_FALSE(answer.readings[0].change.lower);
+  EXPECT_FALSE(answer.readings[1].value.lower || answer.readings[0].change.lower);
 }
 
 /// The parts of two machines far from each other hardly feel each other. No reading depends on these entries.
@@ -150,8 +138,7 @@ TEST(Readings, MayBeAskedForAlone) {
     expect_within_errors(reading.value, *truth.value.value, *truth.value.error, reading.name);
     expect_within_errors(reading.change, *truth.change.value, *truth.change.error, reading.name);
   }
-  EXPECT_TRUE(
-      ((alone.values - finer.values).array().abs() <= alone.errors.array() + finer.errors.array()).all());
+  EXPECT_TRUE(test::covers(alone, finer));
 }
 
 TEST(Readings, OfAMachineWithoutTargetsMayBeAskedForAlone) {
@@ -183,26 +170,6 @@ TEST(Readings, AreNoneInASceneOfTargetsWithoutASensor) {
   EXPECT_TRUE(maxwell(scene, {.rtol = rtol}).readings.empty());
 }
 
-TEST(Readings, ThatNameNoConductorAreRefused) {
-  Scene scene = machine();
-  scene.readings = {{"hum", "front", {"front", "hand"}}};
-  try {
-    maxwell(scene, {.rtol = rtol});
-    FAIL() << "a grounded hand was driven";
-  } catch (const InputError& error) {
-    EXPECT_STREQ(error.what(),
-                 R"(reading "hum": "hand" is neither a sensor nor the conductor of an electrode)");
-  }
-}
-
-TEST(ReadingsAtLength, OfAFloatingTargetAreThoseOfAGroundedOneForALargeCapacitor) {
-  const MaxwellMatrix grounded = maxwell(machine(), {.rtol = rtol});
-  const MaxwellMatrix connected = maxwell(machine(Floating{1.0}), {.rtol = rtol});
-  for (std::size_t k = 0; k < grounded.readings.size(); ++k)
-    EXPECT_NEAR(*connected.readings[k].change.value, *grounded.readings[k].change.value,
-                rtol * std::abs(*grounded.readings[k].change.value));
-}
-
 TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(0, 1);
@@ -213,7 +180,7 @@ TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
     scene.objects = {box("housing", {-4, -4, -5}, {4, 4, -1 - 2 * uniform(random)})};
     const auto change = [&](const ElectricalRole& role, double size) {
       Scene with = scene;
-      with.objects.push_back(target(box("hand", {x - size, -size, z}, {x + size, size, z + size}), role));
+      with.objects.push_back(target(box("hand", {x - size, -size, z}, {x + size, size, z + size}, role)));
       return maxwell(with, {.rtol = rtol}).readings.front().change;
     };
     std::vector<Estimate> changes;
@@ -240,9 +207,8 @@ TEST(Readings, BeforeAWallForWhichTheMostFunctionsAreTooFewReachWhatIsAskedFor) 
 }
 
 TEST(Readings, OfAGapThatIsNotResolvedHaveTheErrorOfTheirChange) {
-  Scene scene;
-  scene.sensors = {test::sensor("front", {test::square(0.1, 0)})};
-  scene.objects = {target(object("hand", Sphere{0.02, 16}, at(0, 0, 0.020001)))};
+  Scene scene =
+      test::scene_of(test::square(0.1, 0), {target(object("hand", Sphere{0.02, 16}, at(0, 0, 0.020001)))});
   // Boundary elements with more unknowns reach rtol at 15.757 ± 0.043 pF. The series of images gives 13.07 pF
   // between the ball and an infinite plane 1 µm below it; the rest is what the sensor has to infinity.
   constexpr double truth = 15.757e-12, known_to = 0.043e-12;

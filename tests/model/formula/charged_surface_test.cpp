@@ -3,12 +3,14 @@
 
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
+#include "scenes.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
@@ -33,8 +35,7 @@ TEST(ChargedSurface, OfANeedleHasTheOwnCapacitanceThatBoundaryElementsGiveIt) {
     for (const double foot : {0.0, 0.13, 0.5, 0.787}) {
       const Triangle needle{{{0, 0, 0}, {1, 0, 0}, {foot, height, 0}}};
       Scene scene;
-      scene.objects = {
-          {"needle", {}, Mesh{"", 1, {needle}}, Eigen::Isometry3d::Identity(), Grounded{}, true}};
+      scene.objects = {test::object("needle", Mesh{"", 1, {needle}}, test::at(0, 0, 0))};
       const double expected = maxwell(scene, {.rtol = 1e-2}).values(0, 0) / vacuum_permittivity;
       EXPECT_NEAR(make_charged_surface({needle}).own_capacitance, expected, 0.03 * expected)
           << height << ' ' << foot;

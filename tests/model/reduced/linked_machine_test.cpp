@@ -1,33 +1,37 @@
 #include <cmath>
-#include <numbers>
 #include <string>
-#include <utility>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "fringe/error.hpp"
 #include "fringe/live_scene.hpp"
 #include "fringe/pose.hpp"
 #include "reduced/surrounded.hpp"
+#include "scenes.hpp"
 
 /// The readings of machines whose links move against each other (model/CORRECTIONS.md,
 /// section 8, "Links that move").
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-constexpr double accuracy = 5e-2;
+using test::at;
+using test::expect_agreement;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
 
-Eigen::Isometry3d at(double x, double y, double z) {
-  return pose_from_axis({0, 0, 1}, 0, {x, y, z});
-}
+constexpr double accuracy = 5e-2;
 
 Eigen::Isometry3d turned(double degrees, const Eigen::Vector3d& place) {
   return pose_from_axis({0, 1, 0}, degrees, place);
 }
 
 Object part_of(const std::string& name, std::size_t link, const Shape& shape, const Eigen::Isometry3d& pose) {
-  return {name, link, shape, pose, Grounded{}, true};
+  Object part = test::object(name, shape, pose);
+  part.link = link;
+  return part;
 }
 
 /// A foot, an upper arm and a forearm that overlap in two joints, sensors on the arms, and a hand.
@@ -43,11 +47,8 @@ Scene arm() {
                    part_of("hand", 3, Cuboid{0.03, 0.09, 0.1}, at(0, 0, 0))};
   scene.objects.back().target = true;
   const auto add = [&](const std::string& name, std::size_t link, double x, double z) {
-    Sensor sensor;
-    sensor.name = name;
-    sensor.link = link;
-    sensor.plates = {{{x, -0.025, z}, {0, 0.05, 0}, {0, 0, 0.08}}};
-    scene.sensors.push_back(sensor);
+    scene.sensors.push_back(test::sensor(name, {{{x, -0.025, z}, {0, 0.05, 0}, {0, 0, 0.08}}}));
+    scene.sensors.back().link = link;
   };
   add("above", 2, 0.035, 0.08);
   add("below", 1, 0.04, 0.07);
@@ -69,20 +70,6 @@ std::vector<Frame> motion(const Scene& scene, int frames = 10) {
   return result;
 }
 
-/// Expects readings within what is stated of them and of the others.
-void expect_within_stated(const std::vector<ReadingAnswer>& found, const std::vector<ReadingAnswer>& known) {
-  ASSERT_EQ(found.size(), known.size());
-  for (std::size_t k = 0; k < found.size(); ++k) {
-    for (const auto& [one, other] :
-         {std::pair{found[k].change, known[k].change}, std::pair{found[k].background, known[k].background},
-          std::pair{found[k].value, known[k].value}}) {
-      EXPECT_LE(std::abs(one.value.value() - other.value.value()), one.error.value() + other.error.value())
-          << found[k].name;
-      EXPECT_GT(one.error.value(), 0) << found[k].name;
-    }
-  }
-}
-
 std::vector<ReadingAnswer> alone(const Scene& scene, const Frame& frame) {
   test::Surrounded live(scene);
   live.set_poses(frame.poses);
@@ -98,7 +85,7 @@ TEST(LinkedMachineAtLength, IsNearBoundaryElementsInEveryPose) {
     LiveScene there(scene);
     there.set_poses(frames[frame].poses);
     const std::vector<ReadingAnswer> truth = there.readings({.method = BoundaryElements{}, .rtol = 2e-2});
-    expect_within_stated(found[frame], truth);
+    expect_agreement(found[frame], truth);
     for (std::size_t k = 0; k < truth.size(); ++k) {
       const double change = truth[k].change.value.value(), background = truth[k].background.value.value();
       EXPECT_NEAR(found[frame][k].change.value.value(), change, 0.04 * std::abs(change)) << truth[k].name;
@@ -113,11 +100,11 @@ TEST(LinkedMachine, AnswersAsTheSceneByItself) {
   const std::vector<Frame> frames = motion(scene);
   const std::vector<ReadingAnswer> known = alone(scene, frames[5]);
   test::Surrounded motion_of_one(scene), live(scene);
-  expect_within_stated(motion_of_one.answers_of({frames[5]}, accuracy, 1).front(), known);
+  expect_agreement(motion_of_one.answers_of({frames[5]}, accuracy, 1).front(), known);
   // Once its links have moved, a live scene does not prepare them again.
   live.answers(accuracy);
   live.set_poses(frames[5].poses);
-  expect_within_stated(live.answers(accuracy), known);
+  expect_agreement(live.answers(accuracy), known);
 }
 
 TEST(LinkedMachineAtLength, HasTheSameBitsForAnyNumberOfThreads) {
@@ -185,7 +172,7 @@ TEST(LinkedMachine, KnowsConductorsThatFloat) {
   scene.objects[3].role = Floating{1e-12};
   const std::vector<Frame> frames = motion(scene, 2);
   test::Surrounded live(scene);
-  expect_within_stated(live.answers_of(frames, accuracy, 1)[1], alone(scene, frames[1]));
+  expect_agreement(live.answers_of(frames, accuracy, 1)[1], alone(scene, frames[1]));
 }
 
 TEST(LinkedMachine, RefusesContactOfLinksAtDifferentPotentials) {
@@ -194,13 +181,8 @@ TEST(LinkedMachine, RefusesContactOfLinksAtDifferentPotentials) {
   // The sensor on the forearm, folded, passes through the upper arm.
   frames[1].poses[2] = turned(160, {0, 0, 0.2});
   test::Surrounded live(scene);
-  try {
-    live.answers_of(frames, accuracy, 1);
-    FAIL();
-  } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("sensor \"above\""), std::string::npos) << error.what();
-    EXPECT_NE(std::string(error.what()).find("upper arm"), std::string::npos) << error.what();
-  }
+  EXPECT_THAT([&] { live.answers_of(frames, accuracy, 1); },
+              ThrowsMessage<InputError>(AllOf(HasSubstr("sensor \"above\""), HasSubstr("upper arm"))));
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 
 #include "reduced/moving_solver.hpp"
 
-#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -13,7 +12,6 @@
 #include "fringe/capacitance.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/reading.hpp"
-#include "geometry.hpp"
 #include "reduced/link_tables.hpp"
 #include "reduced/linked_machine.hpp"
 #include "scenes.hpp"
@@ -22,7 +20,6 @@
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
-using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
@@ -128,34 +125,6 @@ TEST_F(MovingSolverTest, DoesNotDependOnWhereEverythingIsNorOnEarlierPoses) {
   EXPECT_NEAR(change(moved), first, 1e-4 * first);
   EXPECT_NEAR(nearness(machine, target, moved), nearness(machine, target, poses[0]), 1e-9);
   EXPECT_GT(nearness(machine, target, poses[0]), nearness(machine, target, poses[2]));
-}
-
-TEST_F(MovingSolverTest, HasWrenchesThatAddUpToNothing) {
-  tables.extend(machine, target, poses, 1);
-  change(poses[0]);
-  // The target's own derivative by central differences of its place.
-  constexpr double step = 5e-4;
-  Vector3d difference;
-  for (int axis = 0; axis < 3; ++axis) {
-    double sum = 0;
-    for (const double sign : {1.0, -1.0}) {
-      PoseOfMachine there = poses[0];
-      there.target.pretranslate(sign * step * Vector3d::Unit(axis));
-      tables.extend(machine, target, std::vector{there}, 1);
-      sum += sign * change(there) / (2 * step);
-    }
-    difference[axis] = sum;
-  }
-  change(poses[0]);
-  Vector3d of_target = Vector3d::Zero();
-  for (const GroupWrenches& pair : solver.wrenches(machine, tables, target, poses[0])) {
-    const Vector3d force = pair.of_readings[0].force;
-    if (pair.first == LinkedMachine::none)
-      of_target += force;
-    else if (pair.second == LinkedMachine::none)
-      of_target -= force;
-  }
-  EXPECT_LT((of_target - difference).norm(), 0.03 * difference.norm());
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include <gtest/gtest.h>
 
+#include "fringe/machine_potentials.hpp"
 #include "fringe/reading.hpp"
 #include "geometry.hpp"
 #include "reduced/charge_functions.hpp"
@@ -30,9 +31,8 @@ using Eigen::Vector3d;
 class OutsidePotentialsTest : public testing::Test {
  protected:
   static Scene scene() {
-    Scene result;
-    result.sensors = {test::sensor("sensor", {test::square(0.06, 0)})};
-    result.objects = {test::object("housing", Cuboid{0.1, 0.08, 0.03}, test::at(0, 0, -0.03))};
+    Scene result = test::scene_of(test::square(0.06, 0),
+                                  {test::object("housing", Cuboid{0.1, 0.08, 0.03}, test::at(0, 0, -0.03))});
 
     return result;
   }
@@ -132,6 +132,27 @@ TEST_F(OutsidePotentialsTest, ATableHasTheirGradients) {
   table.clear();
   EXPECT_EQ(table.count(), 0U);
   EXPECT_FALSE(table.find(point));
+}
+
+// tests/model/test_machine_potentials.py compares them with images in a ball.
+TEST(MachinePotentials, ChangesHaveTheSameBitsForAnyNumberOfThreads) {
+  Scene scene;
+  scene.sensors = {test::sensor("front", {test::square(0.1, 0)})};
+  const MachinePotentials machine(scene);
+  const MachinePotentials::Body body{{{0, 0, 0}, {0.01, 0, 0}},
+                                     (Eigen::Matrix2d() << 200, 100, 100, 200).finished()};
+  std::vector<Eigen::Isometry3d> poses;
+  for (int k = 0; k < 300; ++k)
+    poses.emplace_back(Eigen::Translation3d(0.001 * k - 0.15, 0.02, 0.05 + 0.0005 * k));
+  std::vector<Eigen::Vector3d> places;
+  for (const Eigen::Isometry3d& pose : poses)
+    places.emplace_back(pose.translation());
+  const auto by = [&](std::size_t threads) {
+    return machine.changes(body, poses, machine.answers(places, threads), {}, threads);
+  };
+  const MachinePotentials::Changes alone = by(1), together = by(3);
+  EXPECT_GT(alone.values.minCoeff(), 0);
+  EXPECT_EQ(alone.values, together.values);
 }
 
 TEST(MortonsCurve, VisitsEveryPointOnceAndNeighboursTogether) {

@@ -10,6 +10,7 @@
 #include "fringe/progress.hpp"
 #include "io/prepared_files.hpp"
 #include "reduced/surrounded.hpp"
+#include "scenes.hpp"
 #include "temporary_folder.hpp"
 
 /// Tests that preparations of readings with the conductors around them are kept in a folder and found again.
@@ -18,24 +19,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+using test::at;
+
 constexpr double rtol = 0.2;
 
-Eigen::Isometry3d at(double x, double y, double z) {
-  return pose_from_axis({0, 0, 1}, 0, {x, y, z});
-}
-
-/// A sensor before a housing, an arm that may turn against both, and a hand.
+/// A sensor before a housing, a hand, and an arm that may turn against both.
 Scene machine() {
-  Scene scene;
-  scene.links = {{"arm", std::nullopt, at(0.2, 0, 0)}, {"hand", std::nullopt, at(0, 0, 0.1)}};
-  Sensor sensor;
-  sensor.name = "sensor";
-  sensor.plates = {{{-0.03, -0.04, 0}, {0.06, 0, 0}, {0, 0.08, 0}}};
-  scene.sensors = {sensor};
-  scene.objects = {{"housing", std::nullopt, Cuboid{0.2, 0.12, 0.05}, at(0, 0, -0.03), Grounded{}, true},
-                   {"arm", 0, Cuboid{0.06, 0.06, 0.1}, at(0, 0, 0), Grounded{}, true},
-                   {"hand", 1, Cuboid{0.05, 0.09, 0.02}, at(0, 0, 0), Grounded{}, true}};
-  scene.objects.back().target = true;
+  Scene scene = test::hand_before_housing(0.09);
+  scene.links.push_back({"arm", {}, at(0.2, 0, 0)});
+  scene.objects.push_back(test::object("arm", Cuboid{0.06, 0.06, 0.1}, at(0, 0, 0)));
+  scene.objects.back().link = 1;
   return scene;
 }
 
@@ -45,7 +38,7 @@ std::vector<Frame> motion(bool turns) {
   for (int k = 0; k < 3; ++k)
     frames.push_back(
         {std::to_string(k),
-         {pose_from_axis({0, 1, 0}, turns ? 20.0 * k : 0, {0.2, 0, 0}), at(0, 0, 0.1 - 0.02 * k)}});
+         {at(0, 0, 0.1 - 0.02 * k), pose_from_axis({0, 1, 0}, turns ? 20.0 * k : 0, {0.2, 0, 0})}});
   return frames;
 }
 
@@ -115,7 +108,7 @@ TEST_P(PreparedDataTest, AChangedSceneIsNotTakenForAnother) {
   changed.objects[0].shape = Cuboid{0.2, 0.12, 0.04};
   expect_same_bits(answers(changed, kept_in), answers(changed, std::nullopt));
   changed = machine();
-  changed.objects[2].shape = Cuboid{0.05, 0.08, 0.02};
+  changed.objects[1].shape = Cuboid{0.05, 0.08, 0.02};
   expect_same_bits(answers(changed, kept_in), answers(changed, std::nullopt));
 }
 

@@ -1,182 +1,94 @@
 #include "reduced/reduced_capacitance.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <limits>
-#include <string>
-#include <utility>
+#include <optional>
+#include <vector>
 
-#include <Eigen/Cholesky>
-#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "fringe/error.hpp"
+#include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
-#include "random_poses.hpp"
+#include "geometry.hpp"
+#include "reduced/body_gap.hpp"
+#include "reduced/prepared_mesh.hpp"
 #include "scenes.hpp"
 
-/// Tests the reduced method against the boundary elements that it reduces, and properties of every
-/// answer; and that invalid input is refused with the element and the reason.
+/// Tests the reduced method against the boundary elements that it reduces, where something moves, is near or
+/// far, or consists of triangles. What holds of every matrix is in
+/// tests/model/scene/matrices_by_method_test.cpp.
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
+using Eigen::Isometry3d;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using test::at;
 using test::covers;
 using test::object;
-using test::per_length;
 using test::Random;
 using test::sensor;
 using test::square;
-using test::turned_at;
 
-/// Relative error that single precision leaves in an invariance.
-constexpr double rounding = 1e-5;
+/// Options for which few triangles suffice, so that bodies are prepared quickly.
+const ReducedOptions loose{.rtol = 0.1};
 
-double relative_difference(const MatrixXd& a, const MatrixXd& b) {
-  return ((a - b).array() / b.array()).abs().maxCoeff();
+Scene plate_above_sensor(double gap) {
+  Scene scene = test::plate_above_sensor();
+  scene.objects[0].pose = at(0, 0, gap);
+  return scene;
 }
 
-/// Returns a scene of a sensor of one plate, a sensor of two plates, a box on the link "hand" and a fixed
-/// plate.
-Scene hand_above_sensors() {
-  Scene scene;
-  scene.links = {{"hand", {}, Eigen::Isometry3d::Identity()}};
-  scene.sensors = {sensor("left", {{{-0.06, -0.05, 0}, {0.05, 0, 0}, {0, 0.1, 0}}}),
-                   sensor("right", {{{0.01, -0.05, 0}, {0.05, 0, 0}, {0, 0.04, 0}},
-                                    {{0.01, 0.01, 0}, {0.05, 0, 0}, {0, 0.04, 0}}})};
-  Eigen::Isometry3d turned = at(0.02, 0.01, 0.05);
-  turned.rotate(Eigen::AngleAxisd(0.4, Vector3d(1, 2, 0.5).normalized()));
-  scene.objects = {object("box", Cuboid{0.04, 0.06, 0.02}, turned),
-                   object("plate", Plate{0.08, 0.05}, at(-0.05, 0, -0.02))};
+/// Returns a target on the link "arm", above a sensor of 10 cm.
+Scene on_arm(const Shape& shape, const Isometry3d& pose) {
+  Scene scene = plate_above_sensor(0);
+  scene.links = {{"arm", {}, pose}};
+  scene.objects[0].shape = shape;
   scene.objects[0].link = 0;
   return scene;
 }
 
-Scene plate_above_sensor(double gap) {
-  Scene scene;
-  scene.sensors = {sensor("front", {square(0.1, 0)})};
-  scene.objects = {object("target", Plate{0.1, 0.1}, at(0, 0, gap))};
-  return scene;
+/// Returns a pose at a point, turned by up to half a turn about a nearly horizontal axis.
+Eigen::Isometry3d turned_at(const Eigen::Vector3d& point, Random& random) {
+  const double angle = random.uniform(0, 3);
+  Eigen::Isometry3d pose(Eigen::Translation3d{point});
+  pose.rotate(Eigen::AngleAxisd(angle, random.in_box({-1, -1, 0.3}, {1, 1, 0.3}).normalized()));
+  return pose;
 }
 
-TEST(Reduced, AgreesWithBoundaryElements) {
-  const MaxwellMatrix truth = maxwell(hand_above_sensors(), {.rtol = 1e-4});
-  for (const double rtol : {1e-2, 1e-3, 3e-4}) {
-    const ReducedOptions options{.rtol = rtol};
-    const MaxwellMatrix answer = reduced_capacitance(hand_above_sensors(), options);
-    EXPECT_EQ(answer.conductors, truth.conductors);
-    EXPECT_TRUE(answer.reached);
-    EXPECT_TRUE(covers(answer, truth));
-    EXPECT_LT(relative_difference(answer.values, truth.values), rtol);
-    EXPECT_LT(relative_difference(answer.delta_self, truth.delta_self), rtol);
-  }
-}
-
-/// C/4πεa of the square plate and of the cube (BOUNDARY_ELEMENTS.md, section 7).
-TEST(Reduced, GivesTheCapacitanceOfABodyAlone) {
-  Scene plate, cube;
-  plate.sensors = {sensor("plate", {square(0.1, 0)})};
-  cube.objects = {object("cube", Cuboid{2, 2, 2}, at(0.3, 0, 0))};
-  for (const auto& [scene, length, truth] :
-       {std::tuple(plate, 0.1, 0.366788), std::tuple(cube, 2.0, 0.66067815)}) {
-    const MaxwellMatrix answer = reduced_capacitance(scene, {.rtol = 3e-4});
-    const double error = per_length(answer.errors(0, 0), length);
-    EXPECT_TRUE(answer.reached);
-    EXPECT_NEAR(per_length(answer.values(0, 0), length), truth, error);
-    EXPECT_LT(error, 3e-4 * truth);
-  }
-}
-
-TEST(Reduced, ExactlyReciprocalAndPositiveDefinite) {
-  const MaxwellMatrix answer = reduced_capacitance(hand_above_sensors(), {.rtol = 1e-3});
-  EXPECT_LT(relative_difference(answer.values, answer.values.transpose()), 1e-14);
-  EXPECT_EQ(answer.values.llt().info(), Eigen::Success);
-  EXPECT_FALSE(answer.lower_bounds[0]);
-}
-
-TEST(Reduced, InvariantUnderRigidMotion) {
-  const Scene scene = hand_above_sensors();
-  Scene turned = scene;
-  Eigen::Isometry3d motion = at(0.3, -0.2, 0.1);
-  motion.rotate(Eigen::AngleAxisd(1.1, Vector3d(0.3, -1, 0.4).normalized()));
-  turned.links.push_back({"everything", {}, motion});
-  turned.links[0].parent = 1;
-  for (Sensor& sensor : turned.sensors)
-    sensor.link = 1;
-  turned.objects[1].link = 1;
-  EXPECT_LT(relative_difference(reduced_capacitance(turned, {.rtol = 1e-3}).values,
-                                reduced_capacitance(scene, {.rtol = 1e-3}).values),
-            rounding);
-}
-
-TEST(Reduced, GrowsWithTheScale) {
-  const auto scaled = [](double scale) {
-    Scene scene;
-    scene.sensors = {sensor("front", {square(scale, 0)})};
-    scene.objects = {
-        object("box", Cuboid{0.5 * scale, 0.7 * scale, 0.2 * scale}, at(0.2 * scale, 0, 0.5 * scale))};
-    return reduced_capacitance(scene, {.rtol = 1e-3}).values;
-  };
-  const MatrixXd one = scaled(1);
-  EXPECT_EQ(scaled(0x1p-20), 0x1p-20 * one);
-  for (const double scale : {1e-6, 1e4})
-    EXPECT_LT(relative_difference(scaled(scale), scale * one), rounding);
-}
-
-TEST(Reduced, GrowsWithThePermittivity) {
-  Scene scene = plate_above_sensor(0.02);
-  const MatrixXd vacuum = reduced_capacitance(scene, {.rtol = 1e-3}).values;
-  scene.medium.relative_permittivity = 3;
-  EXPECT_LT(relative_difference(reduced_capacitance(scene, {.rtol = 1e-3}).values, 3 * vacuum), 1e-14);
-}
-
-TEST(Reduced, ExchangingTheConductorsExchangesTheEntries) {
-  const Scene scene = hand_above_sensors();
-  Scene exchanged = scene;
-  std::swap(exchanged.sensors[0], exchanged.sensors[1]);
-  std::swap(exchanged.objects[0], exchanged.objects[1]);
-  Eigen::PermutationMatrix<4> order;
-  order.indices() << 1, 0, 3, 2;
-  const MaxwellMatrix answer = reduced_capacitance(scene, {.rtol = 1e-3}),
-                      other = reduced_capacitance(exchanged, {.rtol = 1e-3});
-  const MatrixXd permuted = order * other.values * order;
-  EXPECT_LT(relative_difference(permuted, answer.values), 1e-4);
-}
-
-TEST(Reduced, AMovedLinkGivesWhatASceneThereGives) {
-  Scene scene = hand_above_sensors();
-  ReducedEvaluator evaluator(scene, {.rtol = 1e-3});
-  evaluator.maxwell();
-  for (const double height : {0.03, 0.0, 0.1}) {
-    scene.links[0].pose = at(0.01, 0, height);
-    evaluator.set_pose("hand", scene.links[0].pose);
-    EXPECT_EQ(evaluator.maxwell().values, reduced_capacitance(scene, {.rtol = 1e-3}).values);
-  }
-  EXPECT_EQ(evaluator.maxwell().values, reduced_capacitance(scene, {.rtol = 1e-3}).values) << "nothing moved";
-  EXPECT_THROW(evaluator.set_pose("nobody", at(0, 0, 0)), InputError);
-}
-
-TEST(Reduced, AContactThatIsLeftAgainIsForgotten) {
-  Scene scene = hand_above_sensors();
-  ReducedEvaluator evaluator(scene, {.rtol = 1e-3});
+/// Expects the answers to be those of scenes whose first link is there, also after a contact.
+void expect_to_follow(Scene scene, const ReducedOptions& options, const std::vector<Isometry3d>& poses,
+                      const Isometry3d& in_contact) {
+  const Link start = scene.links[0];
+  SCOPED_TRACE(start.name);
+  ReducedEvaluator evaluator(scene, options);
   const MatrixXd before = evaluator.maxwell().values;
-  evaluator.set_pose("hand", at(0, 0, -0.05));
+  for (const Isometry3d& pose : poses) {
+    scene.links[0].pose = pose;
+    evaluator.set_pose(start.name, pose);
+    EXPECT_EQ(evaluator.maxwell().values, reduced_capacitance(scene, options).values);
+  }
+  evaluator.set_pose(start.name, in_contact);
   EXPECT_THROW(evaluator.maxwell(), InputError);
-  evaluator.set_pose("hand", at(0, 0, 0));
+  evaluator.set_pose(start.name, start.pose);
   EXPECT_EQ(evaluator.maxwell().values, before);
+  EXPECT_EQ(evaluator.maxwell().values, before) << "nothing moved";
+  EXPECT_THROW(evaluator.set_pose("nobody", in_contact), InputError);
 }
 
-TEST(Reduced, AFloatingObjectHasNoChargeAndNoRow) {
-  Scene scene = hand_above_sensors();
-  scene.objects[0].role = Floating{};
-  const MaxwellMatrix answer = reduced_capacitance(scene, {.rtol = 1e-3}),
-                      truth = maxwell(scene, {.rtol = 1e-4});
-  EXPECT_EQ(answer.conductors, truth.conductors);
-  EXPECT_EQ(answer.floating, truth.floating);
-  EXPECT_TRUE(answer.reached && covers(answer, truth));
+TEST(Reduced, FollowsALinkAsASceneThereAndForgetsContacts) {
+  expect_to_follow(test::hand_above_sensors(), {.rtol = 1e-3},
+                   {at(0.01, 0, 0.03), at(0.01, 0, 0), at(0.01, 0, 0.1)}, at(0, 0, -0.05));
+  expect_to_follow(on_arm(Sphere{0.02, 10}, at(0, 0, 0.2)), loose, {at(0.01, 0, 0.05), at(0.01, 0, 0.03)},
+                   at(0, 0, 0.01));
+  // A sensor that moves before two bodies that touch.
+  Scene joined = test::above_sensor(test::foot_and_leg());
+  joined.links = {{"sensor", {}, at(0, 0, 0)}};
+  joined.sensors[0].link = 0;
+  expect_to_follow(joined, loose, {pose_from_axis({1, 1, 0}, 20, {0.01, 0, -0.01})}, at(0.01, 0.01, 0.02));
 }
 
 /// In single precision, the difference of numbers that agree to eight digits would be lost.
@@ -254,89 +166,131 @@ class RandomTarget {
   Scene scene_;
 };
 
+/// Counts answers that are right, and those that are useful.
+struct Comparison {
+  void add(const MaxwellMatrix& answer, const MaxwellMatrix& truth, double rtol) {
+    ++answered;
+    covered += covers(answer, truth);
+    if (!answer.reached)
+      return;
+    ++reached;
+    EXPECT_TRUE(((answer.values - truth.values).array().abs() <=
+                 truth.errors.array() + rtol * truth.values.array().abs())
+                    .all());
+  }
+  void expect(int at_least, double share_reached) const {
+    EXPECT_GT(answered, at_least);
+    EXPECT_GE(covered, 0.99 * answered);
+    EXPECT_GE(reached, share_reached * answered) << "an honest answer that is none is of little use";
+  }
+
+  int answered = 0, covered = 0, reached = 0;
+};
+
+/// Returns the truth, if the pose is not in contact.
+std::optional<MaxwellMatrix> truth_of(const Scene& scene, const BoundaryElementOptions& options) {
+  try {
+    return maxwell(scene, options);
+  } catch (const InputError&) {
+    return std::nullopt;
+  }
+}
+
 TEST(ReducedAtLength, TheStatedErrorCoversNinetyNinePerCentOfRandomPoses) {
-  /// Largest number of unknowns. With more, the truth for one of the poses takes as long as for all others.
-  constexpr std::size_t most_unknowns = 2000;
-  int answered = 0, reached = 0;
-  std::array<int, 2> covered{};
+  constexpr std::array<double, 2> rtols{1e-2, 1e-3};
+  std::array<Comparison, 2> comparisons;
   for (unsigned target = 1; target <= 8; ++target) {
     RandomTarget poses(target);
-    std::array<ReducedEvaluator, 2> evaluators{ReducedEvaluator(poses.next(), {.rtol = 1e-2}),
-                                               ReducedEvaluator(poses.next(), {.rtol = 1e-3})};
+    std::array<ReducedEvaluator, 2> evaluators{ReducedEvaluator(poses.next(), {.rtol = rtols[0]}),
+                                               ReducedEvaluator(poses.next(), {.rtol = rtols[1]})};
     for (int pose = 0; pose < 25; ++pose) {
       const Scene& scene = poses.next();
-      MaxwellMatrix truth;
-      try {
-        truth = maxwell(scene, {.rtol = 1e-3, .most_unknowns = most_unknowns});
-      } catch (const InputError&) {
+      // With more unknowns, the truth for one of the poses takes as long as for all others.
+      const auto truth = truth_of(scene, {.rtol = 1e-3, .most_unknowns = 2000});
+      if (!truth)
         continue;
-      }
-      ++answered;
       for (std::size_t k = 0; k < 2; ++k) {
         evaluators[k].set_pose("arm", scene.links[0].pose);
-        const MaxwellMatrix& answer = evaluators[k].maxwell();
-        covered[k] += covers(answer, truth);
-        if (!answer.reached)
-          continue;
-        ++reached;
-        const double allowed = k == 0 ? 1e-2 : 1e-3;
-        EXPECT_TRUE(((answer.values - truth.values).array().abs() <=
-                     truth.errors.array() + allowed * truth.values.array().abs())
-                        .all());
+        comparisons[k].add(evaluators[k].maxwell(), *truth, rtols[k]);
       }
     }
   }
-  EXPECT_GT(answered, 150);
-  EXPECT_GE(covered[0], 0.99 * answered);
-  EXPECT_GE(covered[1], 0.99 * answered);
-  EXPECT_GE(reached, 0.8 * 2 * answered) << "an honest answer that is none is of little use";
+  for (const Comparison& each : comparisons)
+    each.expect(150, 0.8);
 }
 
-using testing::HasSubstr;
+TEST(ReducedMeshesAtLength, TheStatedErrorCoversThatOfABoxInRandomPoses) {
+  constexpr int count = 12;
+  const Cuboid box{0.06, 0.04, 0.02};
+  Random random(1);
+  Comparison comparison;
+  ReducedEvaluator evaluator(on_arm(Mesh{"", 1, triangulate(box)}, at(0, 0, 1)), {.rtol = 1e-2});
+  for (int k = 0; k < count; ++k) {
+    const Isometry3d pose = turned_at(random.in_box({-0.08, -0.08, 0.015}, {0.08, 0.08, 0.065}), random);
+    const auto truth = truth_of(on_arm(box, pose), {.rtol = 1e-3});
+    if (!truth)
+      continue;
+    evaluator.set_pose("arm", pose);
+    comparison.add(evaluator.maxwell(), *truth, 1e-2);
+  }
+  comparison.expect(count / 2, 0.7);
 
-std::string refusal(const std::function<void(Scene&)>& change, const ReducedOptions& options = {}) {
-  return test::refusal(change, [&](const Scene& scene) { reduced_capacitance(scene, options); });
+  // Near contact the answer is right, or says that the accuracy was not reached.
+  for (const double gap : {4e-3, 1e-3, 1e-4, 1e-6}) {
+    const Isometry3d pose = at(0, 0, 0.01 + gap);
+    evaluator.set_pose("arm", pose);
+    const MaxwellMatrix& answer = evaluator.maxwell();
+    if (gap >= 1e-3)
+      EXPECT_TRUE(covers(answer, maxwell(on_arm(box, pose), {.rtol = 1e-3}))) << gap;
+    else
+      EXPECT_FALSE(answer.reached) << gap;
+  }
 }
 
-TEST(ReducedRefusals, TooManyTrianglesByName) {
-  EXPECT_THAT(refusal([](Scene& scene) {
-                scene.objects[0].shape = Sphere{0.01, 72};
-              }),
-              HasSubstr("object \"target\" has 5040 triangles"));
+TEST(ReducedMeshes, TheStatedErrorContainsTheFacetsOfBalls) {
+  // Series of images (Lekner 2011): balls of 1 and 2 cm, 5 cm apart, in pF.
+  const Eigen::Matrix2d exact{{1.2305175015, -0.4945667562}, {-0.4945667562, 2.4315431141}};
+  Scene scene;
+  scene.objects = {object("small", Sphere{0.01, 16}, at(0, 0, 0), Electrode{}),
+                   object("large", Sphere{0.02, 16}, at(0.05, 0, 0), Electrode{})};
+  ReducedEvaluator evaluator(scene, loose);
+  const MaxwellMatrix& found = evaluator.maxwell();
+  for (Eigen::Index row = 0; row < 2; ++row)
+    for (Eigen::Index column = 0; column < 2; ++column)
+      EXPECT_NEAR(1e12 * found.values(row, column), exact(row, column), 1e12 * found.errors(row, column));
+  EXPECT_LE(found.errors(0, 0), 0.06 * found.values(0, 0));
 }
 
-TEST(ReducedRefusals, Rooms) {
-  EXPECT_THAT(refusal([](Scene& scene) { scene.has_room = true; }), HasSubstr("room"));
+TEST(ReducedMeshesAtLength, SeveralBodiesTogether) {
+  Scene scene = on_arm(Sphere{0.02, 12}, at(-0.02, 0, 0.035));
+  scene.objects.push_back(object("cylinder", Cylinder{0.015, 0.05, 12}, at(0.05, 0.01, 0.05)));
+  scene.objects.push_back(object("box", Cuboid{0.03, 0.04, 0.02}, at(0, 0.07, 0.04), Floating{}));
+  const MaxwellMatrix answer = reduced_capacitance(scene, {.rtol = 1e-2});
+  const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-2});
+  EXPECT_EQ(answer.conductors, truth.conductors);
+  EXPECT_TRUE(covers(answer, truth));
+  EXPECT_TRUE((answer.errors.diagonal().array() < 0.1 * answer.values.diagonal().array()).all());
+  EXPECT_LT((answer.values - answer.values.transpose()).cwiseAbs().maxCoeff(), 1e-12 * answer.values.norm());
 }
 
-TEST(ReducedRefusals, ConductorsThatTouchOrCrossByName) {
-  const auto named = HasSubstr("sensor \"front\" plates[0] and object \"target\" touch or cross");
-  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(0.02, 0, 0); }), named);
-  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(0.1, 0, 0); }), named);
-  EXPECT_THAT(refusal([](Scene& scene) {
-                scene.objects[0].pose = at(0, 0, 0.02);
-                scene.objects[0].pose.rotate(Eigen::AngleAxisd(1, Eigen::Vector3d::UnitX()));
-              }),
-              named);
-}
-
-TEST(ReducedRefusals, ScenesWithoutAnyConductorThatHasARow) {
-  EXPECT_THAT(refusal([](Scene& scene) {
-                scene.sensors.clear();
-                scene.objects[0].role = Floating{};
-              }),
-              HasSubstr("neither a sensor nor a grounded object"));
-}
-
-TEST(ReducedRefusals, PosesThatAreNotFinite) {
-  EXPECT_THAT(refusal([](Scene& scene) { scene.objects[0].pose = at(NAN, 0, 0); }),
-              HasSubstr("object \"target\": its pose is not finite"));
-}
-
-TEST(ReducedRefusals, OptionsOutOfRange) {
-  const auto same = [](Scene&) {};
-  EXPECT_THAT(refusal(same, {.rtol = 1e-5}), HasSubstr("rtol 1e-05 must be from 0.0001 to 0.5"));
-  EXPECT_THAT(refusal(same, {.rtol = NAN}), HasSubstr("rtol nan must be from"));
+TEST(ReducedMeshes, TheGapIsNoMoreThanTheDistance) {
+  using detail::PlacedBody;
+  const detail::PreparedShape ball({{triangulate(Sphere{1, 10})}}, 0.02);
+  const detail::PreparedShape plate(detail::plate_at_origin(1, 1));
+  Random random(3);
+  int known = 0;
+  for (int k = 0; k < 200; ++k) {
+    const Isometry3d pose = turned_at(random.in_box({-2, -2, -2}, {2, 2, 2}), random), back = pose.inverse();
+    double distance = 1e9;
+    for (const Triangle& triangle : ball.mesh()->surfaces()[0].triangles)
+      for (const Vector3d& corner : triangle)
+        distance = std::min(distance, ((back * corner).cwiseAbs() - Vector3d(1, 1, 0)).cwiseMax(0).norm());
+    const double gap = detail::body_gap(PlacedBody{&ball, 1, Vector3d::Zero(), Eigen::Matrix3d::Identity()},
+                                        PlacedBody{&plate, 1, pose.translation(), pose.linear()});
+    EXPECT_LE(gap, distance + 1e-9) << k;
+    known += gap > 0;
+  }
+  EXPECT_GT(known, 60);
 }
 
 }  // namespace

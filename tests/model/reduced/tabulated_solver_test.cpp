@@ -1,6 +1,7 @@
 #include "reduced/tabulated_solver.hpp"
 
-#include <cmath>
+#include <array>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -9,6 +10,7 @@
 
 #include "fringe/pose.hpp"
 #include "fringe/reading.hpp"
+#include "scenes.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
@@ -18,25 +20,17 @@ using Eigen::MatrixXd;
 using Eigen::MatrixXf;
 using Eigen::Vector3d;
 
-Object object_of(const char* name, const Shape& shape, const Vector3d& place) {
-  return {name, std::nullopt, shape, pose_from_axis({0, 0, 1}, 0, place), Grounded{}, true};
-}
-
 /// A sensor 3 mm before a housing, and a hand at the origin.
 class TabulatedSolverTest : public testing::Test {
  protected:
   static Scene machine_scene() {
-    Scene scene;
-    Sensor sensor;
-    sensor.name = "sensor";
-    sensor.plates = {{{-0.03, -0.04, 0}, {0.06, 0, 0}, {0, 0.08, 0}}};
-    scene.sensors = {sensor};
-    scene.objects = {object_of("housing", Cuboid{0.2, 0.12, 0.05}, {0, 0, -0.028})};
+    Scene scene = test::hand_before_housing(0);
+    scene.objects.pop_back();
     return scene;
   }
   static Scene hand_scene() {
     Scene scene;
-    scene.objects = {object_of("hand", Cuboid{0.05, 0.09, 0.02}, {0, 0, 0})};
+    scene.objects = {test::object("hand", Cuboid{0.05, 0.09, 0.02}, test::at(0, 0, 0))};
     return scene;
   }
 
@@ -149,7 +143,7 @@ TEST_F(TabulatedSolverTest, IsGalerkinsAnswer) {
 TEST_F(TabulatedSolverTest, HasRoomForEveryPointOfAFunction) {
   Scene scene = hand_scene();
   scene.objects[0].shape = RoundedCuboid{0.03, 0.09, 0.18, 0.01, 24};
-  const Eigen::Isometry3d near = pose_from_axis({0, 0, 1}, 0, {0.02, 0.01, 0.094});
+  const Eigen::Isometry3d near = test::at(0.02, 0.01, 0.094);
   const TargetAtRest rounded(charged_bodies(scene), {5e-2, 1000, 16}, approach(near));
   ASSERT_GT(rounded.functions().most_points(), ChargeFunctions::points_per_function.back());
   TabulatedMachine tabulated(whole, rounded);
@@ -164,7 +158,7 @@ TEST_F(TabulatedSolverTest, HasRoomForEveryPointOfAFunction) {
 
 TEST_F(TabulatedSolverTest, HasForcesWhereNoPointLiesInACell) {
   // Within the housing nothing is clear of the machine.
-  const Eigen::Isometry3d inside = pose_from_axis({0, 0, 1}, 0, {0, 0, -0.028});
+  const Eigen::Isometry3d inside = test::at(0, 0, -0.028);
   Scene scene = hand_scene();
   scene.objects[0].shape = Cuboid{0.002, 0.002, 0.002};
   const TargetAtRest grain(charged_bodies(scene), {5e-2, 1000, 16}, approach(inside));

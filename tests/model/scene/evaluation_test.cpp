@@ -2,38 +2,30 @@
 
 #include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 
-#include "evaluated.hpp"
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "reduced/reduced_capacitance.hpp"
 #include "scene/expected_seconds.hpp"
+#include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
+using test::at;
+using test::hand_before_housing;
+using test::object;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-Object object_of(const std::string& name, const Shape& shape, const Eigen::Vector3d& place) {
-  return {name, std::nullopt, shape, pose_from_axis({0, 0, 1}, 0, place), Grounded{}, true};
-}
-
 /// Returns a body above the middle of a square sensor.
 Scene before_sensor(const Shape& shape, double height) {
-  Scene scene;
-  Sensor sensor;
-  sensor.name = "sensor";
-  sensor.plates = {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}};
-  scene.sensors = {sensor};
-  scene.objects = {object_of("target", shape, {0.01, 0.02, height})};
-  return scene;
+  return test::scene_of(test::square(0.1, 0), {object("target", shape, at(0.01, 0.02, height))});
 }
 
 const Scene& plates() {
@@ -64,6 +56,9 @@ TEST(Evaluation, ByAMatrixIsItsMutualAndItsError) {
     ASSERT_TRUE(answer.matrix);
     EXPECT_EQ(answer.matrix->values, matrix.values);
     EXPECT_EQ(target(answer).capacitance, matrix.mutual(0, 1));
+    const SensorCapacitance& sensor = answer.capacitance.sensors.at(0);
+    EXPECT_EQ(sensor.total, matrix.mutual(0, 1));
+    EXPECT_EQ(sensor.voltage, divider_voltage(plates().sensors[0], sensor.total));
     EXPECT_EQ(target(answer).error, matrix.errors(0, 1));
     EXPECT_EQ(target(answer).answered_by, method);
     EXPECT_EQ(answer.answered_by, method);
@@ -73,14 +68,6 @@ TEST(Evaluation, ByAMatrixIsItsMutualAndItsError) {
   expect(evaluate(plates(), options), maxwell(plates(), {.rtol = 1e-2}), "boundary-elements");
   options.method = Reduced{};
   expect(evaluate(plates(), options), reduced_capacitance(plates(), {.rtol = 1e-2}), "reduced");
-}
-
-TEST(Evaluation, ByTheFormulaStatesNoErrorOfAPair) {
-  const Evaluation formula = evaluate(plates(), {.method = Formula{}});
-  EXPECT_EQ(target(formula).answered_by, "formula");
-  EXPECT_EQ(target(formula).error, std::nullopt);
-  EXPECT_TRUE(formula.reached);
-  EXPECT_THROW(evaluate(plates(), {.method = Formula{}, .rtol = 0.5}), InputError);
 }
 
 TEST(Evaluation, IsPromisedForValueAndChangeOfEveryReading) {
@@ -173,13 +160,13 @@ TEST(Auto, OnContactIsCertainlyInfinite) {
   EXPECT_TRUE(answer.reached);
 }
 
-TEST(Auto, AnswersForADielectricBallOfManyTriangles) {
-  Scene scene = before_sensor(Sphere{0.05, 36}, 0.1);
+TEST(Auto, AnswersForADielectricBall) {
+  Scene scene = before_sensor(Sphere{0.05, 24}, 0.1);
   scene.objects[0].role = Dielectric{3};
-  const Evaluation answer = evaluate(scene, {.rtol = 0.05});
+  const Evaluation answer = evaluate(scene, {.rtol = 0.1});
   EXPECT_EQ(answer.answered_by, "boundary-elements");
   const Estimate change = answer.readings.at(0).change;
-  EXPECT_LT(change.error.value(), 0.05 * change.value.value());
+  EXPECT_LT(change.error.value(), 0.1 * change.value.value());
 }
 
 TEST(ExpectedSeconds, OfManyBoxesAreThoseOfTheNearestFew) {
@@ -189,28 +176,18 @@ TEST(ExpectedSeconds, OfManyBoxesAreThoseOfTheNearestFew) {
   };
   const double few = seconds();
   for (int k = 0; k < 200; ++k)
-    scene.objects.push_back(object_of("box" + std::to_string(k), Cuboid{0.01, 0.01, 0.01}, {0, 0, 1.0 + k}));
+    scene.objects.push_back(object("box" + std::to_string(k), Cuboid{0.01, 0.01, 0.01}, at(0, 0, 1.0 + k)));
   EXPECT_GT(seconds(), few);
   EXPECT_LT(seconds(), 60);
 }
 
-TEST(Auto, KnowsFloatingConductorsAsTheMatricesDo) {
-  Scene scene = plates();
-  scene.objects.push_back(object_of("foil", Plate{0.1, 0.1}, {0, 0, 0.06}));
-  scene.objects.back().role = Floating{};
-  const Evaluation answer = evaluate(scene, {.method = Auto{}});
-  EXPECT_TRUE(answer.reached);
-  EXPECT_EQ(answer.matrix.value().floating, std::vector<std::string>{"foil"});
-  EXPECT_EQ(answer.capacitance.sensors.front().objects.size(), 1);
-}
-
 TEST(Auto, AnswersForBodiesInContactOnOneLinkAndOnSeveral) {
   Scene scene = before_sensor(Cuboid{0.02, 0.02, 0.02}, 0.05);
-  scene.objects.push_back(object_of("upon it", Cuboid{0.02, 0.02, 0.02}, {0.01, 0.02, 0.07}));
+  scene.objects.push_back(object("upon it", Cuboid{0.02, 0.02, 0.02}, at(0.01, 0.02, 0.07)));
   const auto answered = [&] { return evaluate(scene, {.rtol = 0.05, .entries = Entries::of_sensors}); };
   const Evaluation together = answered();
   EXPECT_EQ(together.matrix.value().members.at(1), (std::vector<std::string>{"target", "upon it"}));
-  scene.links = {{"hand", std::nullopt, pose_from_axis({0, 0, 1}, 0, {0, 0, 0})}};
+  scene.links = {{"hand", {}, at(0, 0, 0)}};
   scene.objects[1].link = 0;
   const Evaluation on_links = answered();
   EXPECT_TRUE(together.reached && on_links.reached);
@@ -226,16 +203,10 @@ TEST(Auto, RefusesWhatAllMethodsRefuseWithTheReasons) {
               ThrowsMessage<InputError>(AllOf(HasSubstr("room"), HasSubstr("floating"))));
 }
 
-Object electrode(const std::string& name, const Shape& shape, const Eigen::Vector3d& place) {
-  Object result = object_of(name, shape, place);
-  result.role = Electrode{};
-  return result;
-}
-
 TEST(Auto, AnswersForElectrodesWithoutSensors) {
   Scene scene;
-  scene.objects = {electrode("a", Cuboid{0.1, 0.1, 0.1}, {0, 0, 0}),
-                   electrode("b", Cuboid{0.1, 0.1, 0.1}, {0, 0, 0.5})};
+  scene.objects = {object("a", Cuboid{0.1, 0.1, 0.1}, at(0, 0, 0), Electrode{}),
+                   object("b", Cuboid{0.1, 0.1, 0.1}, at(0, 0, 0.5), Electrode{})};
   const MaxwellMatrix known = maxwell(scene, {.rtol = 1e-2});
   for (const ElectricalRole& role : {ElectricalRole(Electrode{}), ElectricalRole(Grounded{})}) {
     scene.objects[1].role = role;
@@ -254,27 +225,17 @@ TEST(Auto, HasNotReachedWhatItKnowsNothingOf) {
   // faces alone have 112.7 pF.
   Scene scene;
   const Mesh hexagon{"", 1, triangulate(Cylinder{0.007, 0.001, 6})};
-  scene.objects = {electrode("a", hexagon, {0, 0, 0}), electrode("b", hexagon, {0, 0, 0.00101})};
+  scene.objects = {object("a", hexagon, at(0, 0, 0), Electrode{}),
+                   object("b", hexagon, at(0, 0, 0.00101), Electrode{})};
   const Evaluation answer = evaluate(scene, {.method = Auto{}, .rtol = 0.1});
   ASSERT_TRUE(answer.matrix);
   EXPECT_TRUE(answer.matrix->errors.allFinite());
   EXPECT_NEAR(answer.matrix->values(0, 1), -113.5e-12, answer.matrix->errors(0, 1) + 0.8e-12);
 }
 
-/// A sensor before a housing, and a hand on a link.
-Scene housing_and_hand() {
-  Scene scene = before_sensor(Cuboid{0.05, 0.09, 0.02}, 0.06);
-  scene.links = {{"hand", std::nullopt, Eigen::Isometry3d::Identity()}};
-  scene.objects[0].link = 0;
-  scene.objects[0].target = true;
-  scene.objects.push_back(object_of("housing", Cuboid{0.2, 0.12, 0.05}, {0, 0, -0.03}));
-  scene.objects.back().target = false;
-  return scene;
-}
-
 TEST(Auto, DoesNotAnswerByTheFormulaWhereThatKnowsNoError) {
-  Scene scene = housing_and_hand();
-  scene.objects[0].shape = Plate{10, 10};
+  Scene scene = hand_before_housing(0.05);
+  scene.objects[1].shape = Plate{10, 10};
   EXPECT_FALSE(evaluate(scene, {.method = Formula{}}).readings.at(0).change.error);
   const Evaluation answer = evaluate(scene, {.rtol = 1e-2});
   EXPECT_TRUE(answer.reached);
@@ -283,24 +244,23 @@ TEST(Auto, DoesNotAnswerByTheFormulaWhereThatKnowsNoError) {
 }
 
 TEST(Auto, AnswersAMotionAsItsFrames) {
-  LiveScene together(housing_and_hand()), one_by_one(housing_and_hand());
+  LiveScene together(hand_before_housing(0.05)), one_by_one(hand_before_housing(0.05));
   std::vector<Frame> motion;
   for (int k = 0; k < 3; ++k)
-    motion.push_back({std::to_string(k), {pose_from_axis({0, 0, 1}, 0, {0, 0, 0.01 * k})}});
+    motion.push_back({std::to_string(k), {at(0, 0, 0.06 + 0.01 * k)}});
   const auto answers = together.readings_of(motion, {.rtol = 2e-2});
   for (std::size_t frame = 0; frame < motion.size(); ++frame) {
     one_by_one.set_poses(motion[frame].poses);
-    const Estimate known = one_by_one.readings({.rtol = 2e-2}).at(0).change;
-    const Estimate found = answers[frame].at(0).change;
-    EXPECT_NEAR(*found.value, *known.value, *found.error + *known.error);
-    EXPECT_LE(*found.error, 2e-2 * *found.value);
+    test::expect_agreement(answers[frame], one_by_one.readings({.rtol = 2e-2}));
+    const Estimate change = answers[frame].at(0).change;
+    EXPECT_LE(change.error.value(), 2e-2 * change.value.value());
   }
 }
 
 TEST(Auto, LeavesTheSceneInItsPosesAfterAMotion) {
-  LiveScene live(housing_and_hand());
+  LiveScene live(hand_before_housing(0.05));
   const auto present = live.scene().links.at(0).pose.matrix();
-  const std::vector<Frame> motion{{"away", {pose_from_axis({0, 0, 1}, 0, {0, 0, 0.01})}}};
+  const std::vector<Frame> motion{{"away", {at(0, 0, 0.07)}}};
   live.readings_of(motion, {.method = Formula{}});
   EXPECT_EQ(live.scene().links.at(0).pose.matrix(), present);
   // Also when a frame cannot be used.
@@ -309,7 +269,7 @@ TEST(Auto, LeavesTheSceneInItsPosesAfterAMotion) {
 }
 
 TEST(Auto, EndsInTimeWithTheBestAnswerSoFar) {
-  const Evaluation answer = evaluate(housing_and_hand(), {.rtol = 1e-6, .max_seconds = 0.3});
+  const Evaluation answer = evaluate(hand_before_housing(0.05), {.rtol = 1e-6, .max_seconds = 0.3});
   EXPECT_FALSE(answer.reached);
   EXPECT_GT(answer.readings.at(0).change.error.value(), 0);
 }

@@ -1,38 +1,30 @@
 #include "fringe/remarks.hpp"
 #include "fringe/scene_info.hpp"
 
-#include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "evaluated.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
+#include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
+using test::at;
+using test::object;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::StartsWith;
 
-Object object_of(const std::string& name, const Shape& shape, const Eigen::Vector3d& place) {
-  return {name, std::nullopt, shape, pose_from_axis({0, 0, 1}, 0, place), Grounded{}, true};
-}
-
 /// Returns a square sensor of 10 cm and a box of as many 5 cm above it.
 Scene sensor_and_box() {
-  Scene scene;
-  Sensor sensor;
-  sensor.name = "front";
-  sensor.plates = {{{-0.05, -0.05, 0}, {0.1, 0, 0}, {0, 0.1, 0}}};
-  scene.sensors = {sensor};
-  scene.objects = {object_of("hand", Cuboid{0.1, 0.1, 0.1}, {0, 0, 0.1})};
-  return scene;
+  return test::scene_of(test::square(0.1, 0), {object("hand", Cuboid{0.1, 0.1, 0.1}, at(0, 0, 0.1))});
 }
 
 std::vector<std::string> remarks_on(const Scene& scene, const EvaluationOptions& options) {
@@ -63,7 +55,7 @@ TEST(Remarks, SayThatARoomIsNotKnown) {
 TEST(Remarks, AskAboutLengthsThatMayBeInMillimetres) {
   Scene scene = sensor_and_box();
   scene.sensors[0].plates.push_back({{100, 0, 0}, {40, 0, 0}, {0, 30, 0}});
-  scene.objects.push_back(object_of("arm", Mesh{"body.stl", 1, triangulate(Cuboid{1, 179, 1})}, {300, 0, 0}));
+  scene.objects.push_back(object("arm", Mesh{"body.stl", 1, triangulate(Cuboid{1, 179, 1})}, {300, 0, 0}));
   EXPECT_THAT(
       remarks(scene),
       ElementsAre("sensor \"front\": plates[1] is 40 m long: is it in millimetres? Then write units = \"mm\" "
@@ -75,9 +67,9 @@ TEST(Remarks, AskAboutLengthsThatMayBeInMillimetres) {
 TEST(Remarks, AskAboutASceneThatIsTiny) {
   Scene scene = sensor_and_box();
   scene.sensors[0].plates = {{{0, 0, 0}, {1e-4, 0, 0}, {0, 1e-4, 0}}};
-  scene.objects = {object_of("hand", Sphere{5e-5, 8}, {0, 0, 2e-4})};
+  scene.objects = {object("hand", Sphere{5e-5, 8}, {0, 0, 2e-4})};
   EXPECT_THAT(remarks(scene), ElementsAre(StartsWith("all of the scene is 0.00025 m long")));
-  scene.objects.push_back(object_of("table", Plate{1, 1}, {0, 0, -0.1}));
+  scene.objects.push_back(object("table", Plate{1, 1}, {0, 0, -0.1}));
   EXPECT_THAT(remarks(scene), IsEmpty());
 }
 
@@ -97,14 +89,14 @@ TEST(Remarks, NameTrianglesThatDoNotCountAndMeshesThatFaceInwards) {
 TEST(Remarks, NameObjectsInsideOthers) {
   Scene scene = sensor_and_box();
   for (const char* name : {"a", "b", "c", "d", "e"})
-    scene.objects.push_back(object_of(name, Sphere{0.01, 8}, {0, 0, 0.1}));
-  scene.objects[5].pose = pose_from_axis({0, 0, 1}, 0, {0, 0, 0.145});
+    scene.objects.push_back(object(name, Sphere{0.01, 8}, {0, 0, 0.1}));
+  scene.objects[5].pose = at(0, 0, 0.145);
   EXPECT_THAT(remarks(scene),
               ElementsAre(HasSubstr("object \"hand\" contains \"a\", \"b\", \"c\" and 1 more: ")))
       << "one reaches through the surface";
   // In the hollow of a ring.
-  scene.objects = {object_of("ring", Arc{0.05, 0.06, 0.1, 360, 24}, {0, 0, 0.1}),
-                   object_of("ball", Sphere{0.01, 8}, {0, 0, 0.1})};
+  scene.objects = {object("ring", Arc{0.05, 0.06, 0.1, 360, 24}, {0, 0, 0.1}),
+                   object("ball", Sphere{0.01, 8}, {0, 0, 0.1})};
   EXPECT_THAT(remarks(scene), IsEmpty());
 }
 
@@ -122,7 +114,7 @@ TEST(Remarks, SayThatThereIsNoSensor) {
 
 TEST(Remarks, NameSheetsOfWhichOnlyBacksAreSeen) {
   Scene scene = sensor_and_box();
-  scene.objects = {object_of("sheet", Mesh{"body.stl", 1, triangulate(Plate{0.1, 0.1})}, {0, 0, 0.05})};
+  scene.objects = {object("sheet", Mesh{"body.stl", 1, triangulate(Plate{0.1, 0.1})}, {0, 0, 0.05})};
   EXPECT_THAT(remarks_on(scene, {.faces = FaceRule::facing}),
               ElementsAre(StartsWith("sensor \"front\" sees only backs of the triangles of \"sheet\"")));
   EXPECT_THAT(remarks_on(scene, {}), IsEmpty());
@@ -132,27 +124,27 @@ TEST(Remarks, NameSheetsOfWhichOnlyBacksAreSeen) {
 
 TEST(Remarks, NameObjectsThatShieldOthersWhereTheMethodDoesNotKnowIt) {
   Scene scene = sensor_and_box();
-  scene.objects.push_back(object_of("arm", Cuboid{0.2, 0.1, 0.1}, {0, 0, -0.052}));
+  scene.objects.push_back(object("arm", Cuboid{0.2, 0.1, 0.1}, {0, 0, -0.052}));
   const auto remark =
       StartsWith("sensor \"front\": \"arm\" is close to it or in between, and the method exact knows "
                  "nothing of shielding: what it says of \"hand\" may");
   EXPECT_THAT(remarks_on(scene, {}), ElementsAre(remark));
   EXPECT_THAT(remarks_on(scene, {.method = BoundaryElements{}, .rtol = 0.05}), IsEmpty());
   // Far from the sensor, but in between.
-  scene.objects[0].pose = pose_from_axis({0, 0, 1}, 0, {0, 0, 1});
-  scene.objects[1].pose = pose_from_axis({0, 0, 1}, 0, {0, 0, 0.5});
+  scene.objects[0].pose = at(0, 0, 1);
+  scene.objects[1].pose = at(0, 0, 0.5);
   EXPECT_THAT(remarks_on(scene, {}), ElementsAre(remark));
   // Far from the sensor, and beside.
-  scene.objects[1].pose = pose_from_axis({0, 0, 1}, 0, {0.5, 0, 0.5});
+  scene.objects[1].pose = at(0.5, 0, 0.5);
   EXPECT_THAT(remarks_on(scene, {}), IsEmpty());
 }
 
 TEST(SceneInfo, CountsAndMeasuresTheObjectsInTheWorld) {
   Scene scene;
   scene.links.push_back({"table", std::nullopt, pose_from_axis({0, 0, 1}, 90, {0, 0, 1})});
-  scene.objects.push_back({"box", 0, Cuboid{2, 4, 6}, Eigen::Isometry3d::Identity(), Grounded{}, true});
-  scene.objects.push_back(
-      {"sheet", std::nullopt, Plate{1, 3}, Eigen::Isometry3d::Identity(), Floating{}, true});
+  scene.objects = {object("box", Cuboid{2, 4, 6}, at(0, 0, 0)),
+                   object("sheet", Plate{1, 3}, at(0, 0, 0), Floating{})};
+  scene.objects[0].link = 0;
   const SceneInfo info = scene_info(scene);
 
   EXPECT_EQ(info.links, 1U);
@@ -175,11 +167,11 @@ TEST(SceneInfo, CountsAndMeasuresTheObjectsInTheWorld) {
 
 TEST(Remarks, NameObjectsThatAllButTouch) {
   Scene scene = sensor_and_box();
-  scene.objects = {object_of("speck", Plate{1e-20, 1e-20}, {0, 0, 0.03})};
+  scene.objects = {object("speck", Plate{1e-20, 1e-20}, {0, 0, 0.03})};
   EXPECT_THAT(remarks_on(scene, {.method = Formula{}}), IsEmpty());
   for (const char* method : {"exact", "formula"})
     for (const double gap : {1e-18, 1e-8}) {
-      scene.objects = {object_of("hand", Plate{0.1, 0.1}, {0, 0, gap})};
+      scene.objects = {object("hand", Plate{0.1, 0.1}, {0, 0, gap})};
       const std::vector<std::string> found = remarks_on(scene, {.method = parse_method(method)});
       if (gap < 1e-9)
         EXPECT_THAT(found, ElementsAre(StartsWith("sensor \"front\": less than 1e-09 m from \"hand\"")))

@@ -14,12 +14,10 @@ namespace {
 using Eigen::Vector3d;
 using test::above_sensor;
 using test::at;
-using test::box;
 using test::object;
 
 TEST(HiddenSurface, IsWhatIsInsideOrLiesOnAnEarlierBody) {
-  const detail::ChargedBodies bodies = detail::charged_bodies(
-      above_sensor({box("foot", {0, 0, 0}, {6, 2, 2}), box("leg", {0, 2, 0}, {2, 5, 2})}));
+  const detail::ChargedBodies bodies = detail::charged_bodies(above_sensor(test::foot_and_leg()));
   const detail::HiddenSurface hidden(bodies);
   const auto at_height = [](double x, double y) {
     return Triangle{Vector3d(x, y, 0.005), Vector3d(x + 0.004, y, 0.005), Vector3d(x, y, 0.011)};

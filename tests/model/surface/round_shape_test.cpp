@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -25,23 +26,17 @@ double missing_volume(const Shape& shape) {
   return sum;
 }
 
-double volume(const Shape& shape) {
-  const std::vector<Triangle> triangles = triangulate(shape);
-  return signed_volume(triangles);
-}
-
-/// Expects the depths to add up to the volume that the polyhedron lacks, to first order.
-void expect_depths(const Shape& shape, double round) {
-  const double lacks = round - volume(shape);
-  EXPECT_NEAR(missing_volume(shape), lacks, 0.05 * lacks);
-}
-
 TEST(RoundShape, TheDepthsOfFacetsAddUpToTheVolumeThatThePolyhedronLacks) {
-  expect_depths(Cylinder{0.02, 0.05, 24}, pi * 0.02 * 0.02 * 0.05);
-  expect_depths(Cone{0.02, 0.05, 24}, pi * 0.02 * 0.02 * 0.05 / 3);
-  expect_depths(Sphere{0.02, 24}, 4 * pi / 3 * 0.02 * 0.02 * 0.02);
-  expect_depths(Ellipsoid{0.03, 0.02, 0.01, 32}, 4 * pi / 3 * 0.03 * 0.02 * 0.01);
-  expect_depths(Capsule{0.02, 0.03, 24}, pi * 0.02 * 0.02 * (0.03 + 4.0 / 3 * 0.02));
+  const std::vector<std::pair<Shape, double>> volumes{
+      {Cylinder{0.02, 0.05, 24}, pi * 0.02 * 0.02 * 0.05},
+      {Cone{0.02, 0.05, 24}, pi * 0.02 * 0.02 * 0.05 / 3},
+      {Sphere{0.02, 24}, 4 * pi / 3 * 0.02 * 0.02 * 0.02},
+      {Ellipsoid{0.03, 0.02, 0.01, 32}, 4 * pi / 3 * 0.03 * 0.02 * 0.01},
+      {Capsule{0.02, 0.03, 24}, pi * 0.02 * 0.02 * (0.03 + 4.0 / 3 * 0.02)}};
+  for (const auto& [shape, round] : volumes) {
+    const double lacks = round - signed_volume(triangulate(shape));
+    EXPECT_NEAR(missing_volume(shape), lacks, 0.05 * lacks) << "to first order";
+  }
 }
 
 TEST(RoundShape, OnAnArcTheDepthsOfBothSidesAddUp) {

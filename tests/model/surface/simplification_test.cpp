@@ -26,10 +26,8 @@ constexpr std::size_t any_number = 1'000'000;
 
 /// Returns a ball of so many segments, and a sensor of 3 cm at a distance of 1 cm.
 Scene ball_beside_sensor(int segments) {
-  Scene scene;
-  scene.sensors = {test::sensor("front", {test::square(0.03, -0.01 - radius)})};
-  scene.objects = {object("ball", Sphere{radius, segments}, at(0, 0, 0))};
-  return scene;
+  return test::scene_of(test::square(0.03, -0.01 - radius),
+                        {object("ball", Sphere{radius, segments}, at(0, 0, 0))});
 }
 
 std::size_t triangles_of_ball(const detail::ChargedBodies& bodies) {

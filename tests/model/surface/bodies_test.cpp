@@ -1,8 +1,12 @@
+/// Tests what charged bodies are made of: meshes without what carries no charge, and the rows and columns of
+/// readings.
+
 #include "surface/charged_readings.hpp"
 
 #include <string>
 #include <vector>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "fringe/error.hpp"
@@ -11,6 +15,27 @@
 
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
+
+using Eigen::Vector3d;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+TEST(CleanedMeshes, LeaveOutTrianglesWithoutAreaSliversAndDuplicates) {
+  const Triangle triangle{Vector3d(0, 0, 0), Vector3d(0.01, 0, 0), Vector3d(0, 0.01, 0)};
+  const Triangle turned{triangle[1], triangle[2], triangle[0]}, back{triangle[1], triangle[0], triangle[2]};
+  const Triangle flat{Vector3d(0, 0, 0), Vector3d(0.01, 0, 0), Vector3d(0.02, 0, 0)};
+  const Triangle needle{Vector3d(0, 0, 0), Vector3d(0.01, 0, 0), Vector3d(0.004, 5e-13, 0)};
+  EXPECT_EQ(cleaned("mesh", std::vector<Triangle>{triangle, flat, turned, needle, back}),
+            std::vector<Triangle>{triangle});
+}
+
+TEST(CleanedMeshes, HaveCornersWeldedThatDifferByRounding) {
+  const Triangle one{Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0)};
+  const Triangle other{Vector3d(1, 1e-15, 0), Vector3d(1, 1, 0), Vector3d(-1e-15, 1, 0)};
+  EXPECT_EQ(cleaned("mesh", std::vector<Triangle>{one, other}),
+            (std::vector<Triangle>{one, {one[1], other[1], one[2]}}));
+}
 
 /// A sensor, an electrode, and a grounded and a floating object that cannot be driven.
 ChargedBodies four_kinds() {
@@ -33,13 +58,11 @@ TEST(ChargedReadings, SenseAndDriveByTheRowsOfSensorsAndElectrodes) {
 }
 
 TEST(ChargedReadings, OfWhatCannotBeDrivenAreRefusedByName) {
-  try {
-    charged_readings({{"own", "front", {"target"}}}, drivable_conductors(four_kinds()));
-    FAIL();
-  } catch (const InputError& error) {
-    for (const char* part : {"own", "target"})
-      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
-  }
+  EXPECT_THAT(
+      [] {
+        charged_readings({{"own", "front", {"target"}}}, drivable_conductors(four_kinds()));
+      },
+      ThrowsMessage<InputError>(AllOf(HasSubstr("own"), HasSubstr("target"))));
 }
 
 }  // namespace
