@@ -11,9 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array, Flags
 
 LEAST_RATIO = 1.5
 """Least ratio of successive differences at which values count as converging: 2 in theory, and rather more on coarse meshes."""
@@ -39,7 +38,7 @@ class Estimate:
 
     value: Array
     error: Array
-    extrapolated: NDArray[np.bool_]
+    extrapolated: Flags
 
 
 def estimate(levels: Sequence[Array]) -> Estimate:
@@ -72,12 +71,12 @@ def estimate(levels: Sequence[Array]) -> Estimate:
     )
 
 
-def _converges(before: Array, after: Array) -> NDArray[np.bool_]:
+def _converges(before: Array, after: Array) -> Flags:
     """Whether two successive differences have one sign and a ratio of at least LEAST_RATIO; without a division, since both may be 0."""
     return np.asarray(before * np.sign(after) >= LEAST_RATIO * np.abs(after))
 
 
-def _has_grown(levels: Sequence[Array]) -> NDArray[np.bool_]:
+def _has_grown(levels: Sequence[Array]) -> Flags:
     """Whether any difference of successive levels exceeds the one before it by more than the shared error."""
     sizes = np.abs(np.diff(np.array(levels), axis=0))
     return np.asarray((sizes[1:] > sizes[:-1] + SHARED_ERROR * np.abs(levels[-1])).any(axis=0))

@@ -10,7 +10,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.answer.convergence import Estimate
 from fem_reference.answer.readings import readings_contradict
@@ -20,8 +19,7 @@ from fem_reference.bodies.conductors import Conductors
 from fem_reference.bodies.symmetry import exchanges
 from fem_reference.solve.enclosure import Enclosure, contradict, intersection, with_left_out
 from fem_reference.solve.level import Level
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 LEAST_NARROWING = 1.5
 """Least ratio of two interval widths at which the value is extrapolated; in theory each halving of the edge size gives 2. Below it

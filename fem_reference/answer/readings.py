@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.answer.convergence import Estimate, estimate
 from fem_reference.answer.shared_errors import SharedErrors
@@ -16,8 +15,7 @@ from fem_reference.solve.enclosure import Enclosure, contradict, intersection
 from fem_reference.solve.level import Level
 from fem_reference.solve.readings import LevelReadings
 from fem_reference.solve.two_sided import TwoSided
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,6 @@ from typing import Literal
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from fem_reference.answer.convergence import Estimate
@@ -39,10 +38,10 @@ from fem_reference.mesh.marks import (
 from fem_reference.mesh.size_rules import Sizing, sizing_for
 from fem_reference.solve.enclosure import Enclosure
 from fem_reference.solve.level import Level, solve_level
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene.scene import Scene
 
-Array = NDArray[np.float64]
 ErrorKind = Literal["enclosure", "estimate"]
 
 LEVELS_BEFORE_CHECK = 3
@@ -419,11 +418,7 @@ def _stopped_by_wraps(answer: Reference) -> str | None:
         return None
     changes = np.array([reading.change.value for reading in answer.readings])
     least = answer.geometry.least_error(
-        answer.maxwell.value,
-        answer.delta_self.value,
-        answer.problem.readings,
-        changes,
-        answer.only_readings,
+        answer.maxwell.value, answer.delta_self.value, answer.problem.readings, changes, answer.only_readings
     )
     if least <= answer.rtol:
         return None

@@ -5,15 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from fem_reference.answer.wrapped import GeometryError
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.mesh.tagged_mesh import OUTER_RADIUS
 from fem_reference.solve.level import Level
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 
 @dataclass(frozen=True)

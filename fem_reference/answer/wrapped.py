@@ -6,16 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.answer.convergence import Estimate
 from fem_reference.bodies.conductors import Conductors, Measured
 from fem_reference.bodies.wrapping import Wrap
 from fem_reference.solve.enclosure import Enclosure
 from fem_reference.solve.level import Level
-
-Array = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from geometries.common.arrays import Array, Flags
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,6 @@ from itertools import combinations
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from fem_reference.bodies.contacts import refuse_contact, refuse_outside
@@ -18,11 +17,10 @@ from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, PlanePolygon, Rectangle, bounding_sphere, rectangle
 from fem_reference.bodies.symmetry import Plane
 from fem_reference.bodies.wrapping import Geometry, Wrap, member_names
+from geometries.common.arrays import Array, Indices
 from geometries.common.errors import InputError
 from geometries.scene.readings import readings, targets
 from geometries.scene.scene import Object, Scene
-
-Array = NDArray[np.float64]
 
 AnyBody = TypeVar("AnyBody", bound=Body)
 POINTS = frozenset(("centre", "vertices", "samples"))

@@ -12,7 +12,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle, separation
@@ -20,8 +19,7 @@ from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
 from fem_reference.bodies.soup import Soup, Surface
 from fem_reference.bodies.triangle_distances import soup_distance
-
-Vector = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 MAY_TOUCH = (Rectangle, Disc, PlanePolygon, Cuboid, Cylinder, Cone)
 """The shapes that may touch a dielectric body: with plane faces, and convex but for polygons."""
@@ -52,12 +50,12 @@ ARC_TOLERANCE = 1e-4
 class Piece:
     """The convex hull of points (n, 3), circles (centre, two radius vectors) and ellipsoids (centre, three), thickened by `radius`."""
 
-    points: Vector
-    circles: tuple[tuple[Vector, ...], ...] = ()
+    points: Array
+    circles: tuple[tuple[Array, ...], ...] = ()
     radius: float = 0.0
 
     @property
-    def centre(self) -> Vector:
+    def centre(self) -> Array:
         """The mean of the points and of the centres of circles and ellipsoids."""
         centres = [self.points, *(circle[0][None] for circle in self.circles)]
         return np.asarray(np.concatenate(centres).mean(axis=0))
@@ -71,7 +69,7 @@ class Piece:
             far.append(float(np.linalg.norm(centre - middle) + max(np.linalg.norm(u) for u in radii)))
         return max(far) + self.radius
 
-    def extreme(self, direction: Vector) -> Vector:
+    def extreme(self, direction: Array) -> Array:
         """The support point: the point of the hull, not thickened, that is farthest in a direction."""
         found = [self.points[np.argmax(self.points @ direction)]] if len(self.points) else []
         for centre, *radii in self.circles:
@@ -81,7 +79,7 @@ class Piece:
             found.append(centre + tip)
         return max(found, key=lambda point: float(point @ direction))
 
-    def ends_in_face(self, direction: Vector) -> bool:
+    def ends_in_face(self, direction: Array) -> bool:
         """Whether the points farthest in a unit direction form a plane face rather than a line or a point."""
         tolerance = FLAT * self.reach
         farthest = float(self.extreme(direction) @ direction)
@@ -117,7 +115,7 @@ def distance(first: Surface, second: Surface) -> float:
     return float(best)
 
 
-def _from_triangles(triangles: Vector, piece: Piece) -> float:
+def _from_triangles(triangles: Array, piece: Piece) -> float:
     """The distance of triangles (n, 3, 3) from a convex piece.
 
     A plane between the piece and the nearest triangle so far bounds all distances from below, so that few triangles are looked at.
@@ -139,7 +137,7 @@ def _from_triangles(triangles: Vector, piece: Piece) -> float:
         least[k] = np.inf
 
 
-def triangles_of(body: Surface) -> Vector | None:
+def triangles_of(body: Surface) -> Array | None:
     """The triangles (n, 3, 3) of the surface of a body without round surfaces; None for other bodies."""
     if isinstance(body, Soup):
         return body.triangles
@@ -191,7 +189,7 @@ def touch_with_faces(first: Surface, second: Surface) -> bool:
     return True
 
 
-def _shrunk(piece: Piece, about: Vector, share: float) -> Piece:
+def _shrunk(piece: Piece, about: Array, share: float) -> Piece:
     """The piece, shrunk about a point by a share of its size."""
     return Piece(
         about + (1 - share) * (piece.points - about),
@@ -226,7 +224,7 @@ def holds(outer: Surface, inner: Surface) -> bool:
     return all(any(_piece_distance(piece, point) == 0 for piece in solid) for point in points)
 
 
-def _one_point_of_each_part(body: Surface) -> Vector:
+def _one_point_of_each_part(body: Surface) -> Array:
     """One point (n, 3) of each part of a body, the parts of a mesh in any state being unknown."""
     if isinstance(body, Polyhedron):
         return np.asarray(body.vertices[body.triangles[[part[0] for part in body.parts], 0]])
@@ -293,7 +291,7 @@ def _piece_distance(first: Piece, second: Piece) -> float:
     return _distance_and_direction(first, second)[0]
 
 
-def _distance_and_direction(first: Piece, second: Piece) -> tuple[float, Vector]:
+def _distance_and_direction(first: Piece, second: Piece) -> tuple[float, Array]:
     """The distance that `_piece_distance` returns, and the unit vector along it from the second piece to the first.
 
     Both are 0 when the pieces meet.
@@ -316,7 +314,7 @@ def _distance_and_direction(first: Piece, second: Piece) -> tuple[float, Vector]
     return max(bound - thickness, 0.0), nearest / length
 
 
-def _nearest_in_hull(points: Vector, scale: float) -> Vector:
+def _nearest_in_hull(points: Array, scale: float) -> Array:
     """The point of the convex hull of points p_i (n, 3) that is nearest to the origin.
 
     Minimising |Σ w_i p_i|² + scale²·(Σ w_i − 1)² over w ≥ 0 gives the weights of this point up to a common factor (Wolfe 1976).

@@ -6,14 +6,12 @@ from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.bodies.shapes import Body, bounding_sphere
 from fem_reference.bodies.distances import gap_to_walls
 from fem_reference.bodies.round_bodies import Sphere
 from fem_reference.bodies.conductors import Conductors, scaled
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 SHARE = 0.1
 """Share of the requested accuracy that all bodies left out may use up together."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.bodies.boxes import cuboid_of
 from fem_reference.bodies.contacts import SMALLEST_GAP, groups, meet, refuse_contact
@@ -17,13 +16,13 @@ from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sp
 from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Disc, PlanePolygon, Rectangle
 from fem_reference.bodies.soup import Soup, Surface
 from fem_reference.bodies.wrapping import ALPHA_OF_EXTENT, Geometry, containing_triangles, wrap
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene import polygons, shapes
 from geometries.scene.person import Person
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import MeshShape, PlateShape
 
-Array = NDArray[np.float64]
 ClosedFormShape = PlateShape | shapes.Polygon | shapes.Cuboid | shapes.RoundShape
 
 MOST_TRIANGLES = 5000

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from fem_reference.bodies.polyhedron import FLAT_DEGREES, Polyhedron
+from geometries.common.arrays import Array, Indices
 
-Indices = NDArray[np.int64]
 Face = list[list[int]]
 """Loops of vertex numbers: first the outline, then the holes."""
 
@@ -79,7 +78,7 @@ def _outlines(triangles: list[list[int]]) -> list[list[int]] | None:
     return loops
 
 
-def _area(loop: NDArray[np.float64], normal: NDArray[np.float64]) -> float:
+def _area(loop: Array, normal: Array) -> float:
     """Twice the area inside a plane loop (n, 3); negative when it runs clockwise around the normal."""
     centred = loop - loop[0]
     return float(np.cross(centred, np.roll(centred, -1, axis=0)).sum(axis=0) @ normal)

@@ -7,15 +7,12 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
 
 from fem_reference.bodies.triangle_distances import winding_number
-
-Vector = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from geometries.common.arrays import Array, Flags, Indices
 
 MOST_NORMALS = 5000
 """Largest number of triangles whose normals are tried to find the smallest width of a solid."""
@@ -39,7 +36,7 @@ class Polyhedron:
     """A solid bounded by triangles, each anticlockwise seen from outside; lengths in metres."""
 
     name: str
-    vertices: Vector
+    vertices: Array
     """(n, 3)."""
     triangles: Indices
     """(m, 3): numbers of vertices."""
@@ -50,7 +47,7 @@ class Polyhedron:
     is_solid: ClassVar[bool] = True
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         return self.vertices
 
     @property
@@ -63,7 +60,7 @@ class Polyhedron:
         return np.asarray(pairs[convex & (angle > SHARP_DEGREES)])
 
     @property
-    def rounded(self) -> NDArray[np.bool_]:
+    def rounded(self) -> Flags:
         """Which triangles (m,) belong to a faceted round surface: those that meet others at an angle neither flat nor sharp."""
         _, faces, angle = self.folds
         found = np.zeros(len(self.triangles), dtype=bool)
@@ -71,7 +68,7 @@ class Polyhedron:
         return found
 
     @property
-    def folds(self) -> tuple[Indices, Indices, Vector]:
+    def folds(self) -> tuple[Indices, Indices, Array]:
         """All edges (k, 2), the two triangles (k, 2) at each edge, and the angle (k,) in degrees between their normals."""
         normals = _normals(self.vertices[self.triangles])
         pairs, faces = _edges_with_faces(self.triangles)
@@ -79,12 +76,12 @@ class Polyhedron:
         sine = np.linalg.norm(np.cross(normals[faces[:, 0]], normals[faces[:, 1]]), axis=1)
         return pairs, faces, np.degrees(np.arctan2(sine, cosine))
 
-    def holds(self, points: Vector) -> NDArray[np.bool_]:
+    def holds(self, points: Array) -> Flags:
         """Whether each of the points (n, 3) is inside: the surface subtends the solid angle 4π there, and 0 outside."""
         return np.asarray(winding_number(self.vertices[self.triangles], points) > 0.5)
 
 
-def polyhedron(name: str, triangles: Vector) -> Polyhedron:
+def polyhedron(name: str, triangles: Array) -> Polyhedron:
     """The solid that triangles (m, 3, 3) bound, each anticlockwise seen from outside.
 
     Vertices in the same place are merged, and triangles of which only two vertices remain are dropped. Raises NotASolid when the
@@ -112,7 +109,7 @@ def polyhedron(name: str, triangles: Vector) -> Polyhedron:
     return Polyhedron(name, vertices, corners, tuple(parts), smallest_width(vertices, corners, parts))
 
 
-def smallest_width(vertices: Vector, corners: Indices, parts: Sequence[Indices]) -> float:
+def smallest_width(vertices: Array, corners: Indices, parts: Sequence[Indices]) -> float:
     """The smallest width of one of the parts at right angles to one of its faces."""
     return min(_least_extent(vertices[corners[part]]) for part in parts)
 
@@ -126,7 +123,7 @@ def connected_parts(corners: Indices) -> list[Indices]:
     return [np.flatnonzero(label == part) for part in range(count)]
 
 
-def _merged(triangles: Vector, tolerance: float) -> tuple[Vector, Indices]:
+def _merged(triangles: Array, tolerance: float) -> tuple[Array, Indices]:
     """Merge vertices within `tolerance`: returns the vertices (n, 3) and the triangles as their numbers (m, 3)."""
     points = triangles.reshape(-1, 3)
     close = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
@@ -136,7 +133,7 @@ def _merged(triangles: Vector, tolerance: float) -> tuple[Vector, Indices]:
     return points[first], numbers.reshape(-1, 3).astype(np.int64)
 
 
-def _refuse_needles(triangles: Vector, tolerance: float) -> None:
+def _refuse_needles(triangles: Array, tolerance: float) -> None:
     """Raise NotASolid when a vertex of a triangle lies on the opposite side, so that the triangle has no area."""
     sides = np.linalg.norm(np.roll(triangles, -1, axis=1) - triangles, axis=2).max(axis=1)
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
@@ -145,7 +142,7 @@ def _refuse_needles(triangles: Vector, tolerance: float) -> None:
         raise NotASolid(f"has a triangle without area around {_place(triangles[flat.argmax()].mean(axis=0))}")
 
 
-def _refuse_open(vertices: Vector, corners: Indices) -> None:
+def _refuse_open(vertices: Array, corners: Indices) -> None:
     """Raise NotASolid unless every directed edge occurs exactly once, and once in the other direction."""
     directed = corners[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
     known, count = np.unique(directed, axis=0, return_counts=True)
@@ -162,7 +159,7 @@ def _refuse_open(vertices: Vector, corners: Indices) -> None:
             raise NotASolid(f"is open at the edge around {_place(vertices[[start, end]].mean(axis=0))}")
 
 
-def _refuse_crossing(vertices: Vector, corners: Indices, tolerance: float) -> None:
+def _refuse_crossing(vertices: Array, corners: Indices, tolerance: float) -> None:
     """Raise NotASolid when an edge of a triangle meets another triangle with which it shares no vertex."""
     pairs = np.array(list(_close_pairs(vertices[corners])), dtype=np.int64).reshape(-1, 2)
     for edge in ((0, 1), (1, 2), (2, 0)):
@@ -178,7 +175,7 @@ def _refuse_crossing(vertices: Vector, corners: Indices, tolerance: float) -> No
                 raise NotASolid(f"meets itself around {place}: triangles {first} and {second}")
 
 
-def _close_pairs(triangles: Vector) -> Iterator[tuple[int, int]]:
+def _close_pairs(triangles: Array) -> Iterator[tuple[int, int]]:
     """Pairs of triangles whose bounding boxes meet."""
     low, high = triangles.min(axis=1), triangles.max(axis=1)
     for k in range(len(triangles) - 1):
@@ -186,7 +183,7 @@ def _close_pairs(triangles: Vector) -> Iterator[tuple[int, int]]:
         yield from ((k, k + 1 + int(other)) for other in np.flatnonzero(meets))
 
 
-def _segment_meets(segments: Vector, triangles: Vector, tolerance: float) -> NDArray[np.bool_]:
+def _segment_meets(segments: Array, triangles: Array, tolerance: float) -> Flags:
     """Whether each segment (n, 2, 3) comes within `tolerance` of its triangle (n, 3, 3)."""
     if not len(segments):
         return np.zeros(0, dtype=bool)
@@ -201,9 +198,7 @@ def _segment_meets(segments: Vector, triangles: Vector, tolerance: float) -> NDA
     return np.asarray(pierces | (crosses & flat & _overlap_in_plane(segments, triangles, normal, tolerance)))
 
 
-def _overlap_in_plane(
-    segments: Vector, triangles: Vector, normal: Vector, tolerance: float
-) -> NDArray[np.bool_]:
+def _overlap_in_plane(segments: Array, triangles: Array, normal: Array, tolerance: float) -> Flags:
     """Whether segments in the planes of their triangles meet them: no line parallel to a side or to the segment separates them."""
     apart = np.zeros(len(segments), dtype=bool)
     sides = np.concatenate(
@@ -219,7 +214,7 @@ def _overlap_in_plane(
     return ~apart
 
 
-def _outside(points: Vector, triangles: Vector, normal: Vector) -> Vector:
+def _outside(points: Array, triangles: Array, normal: Array) -> Array:
     """How far each point, in the plane of its triangle, is beyond one of the triangle's sides; negative inside."""
     sides = np.roll(triangles, -1, axis=1) - triangles
     outward = np.cross(sides, normal[:, None])
@@ -235,25 +230,25 @@ def _edges_with_faces(corners: Indices) -> tuple[Indices, Indices]:
     return directed[order][::2], face[order].reshape(-1, 2)
 
 
-def _normals(triangles: Vector) -> Vector:
+def _normals(triangles: Array) -> Array:
     """Unit normals (m, 3) of triangles (m, 3, 3)."""
     normals = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     return np.asarray(normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300))
 
 
-def _is_cavity(triangles: Vector, part: Indices) -> bool:
+def _is_cavity(triangles: Array, part: Indices) -> bool:
     """Whether a part of a closed surface (m, 3, 3), whose triangles face inwards, is inside of the rest."""
     rest = np.delete(triangles, part, axis=0)
     return bool(len(rest) and (winding_number(rest, triangles[part[:1], 0]) > 0.5).all())
 
 
-def _volume(triangles: Vector) -> float:
+def _volume(triangles: Array) -> float:
     """The signed volume that a closed surface bounds; negative when it is inside out."""
     centred = triangles - triangles.mean(axis=(0, 1))
     return float(np.einsum("ij,ij->", centred[:, 0], np.cross(centred[:, 1], centred[:, 2])) / 6)
 
 
-def _least_extent(triangles: Vector) -> float:
+def _least_extent(triangles: Array) -> float:
     """The smallest distance between two planes parallel to one of the triangles with the whole surface between them.
 
     Of more than MOST_NORMALS triangles, that many of the largest ones are tried.
@@ -270,6 +265,6 @@ def _least_extent(triangles: Vector) -> float:
     return min(widths)
 
 
-def _place(point: Vector) -> str:
+def _place(point: Array) -> str:
     """The coordinates of a point as text for messages."""
     return "(" + ", ".join(f"{coordinate:.4g}" for coordinate in point) + ") m"

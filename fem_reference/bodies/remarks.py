@@ -9,14 +9,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.bodies.triangle_distances import winding_number
+from geometries.common.arrays import Array, Indices
 from geometries.scene.poses import Transform
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import MeshShape
 
-Vector = NDArray[np.float64]
 
 # Longest plate of a sensor without a remark, in metres: the electrodes of proximity sensors are centimetres long, so that those written
 # in millimetres seem to be more than 10 m.
@@ -38,15 +37,15 @@ class _Surface:
     """The triangles (n, 3, 3) of an object in its own frame and in the world, in metres."""
 
     body: Object
-    own: Vector
-    triangles: Vector
+    own: Array
+    triangles: Array
 
     @property
-    def low(self) -> Vector:
+    def low(self) -> Array:
         return np.asarray(self.triangles.min(axis=(0, 1)))
 
     @property
-    def high(self) -> Vector:
+    def high(self) -> Array:
         return np.asarray(self.triangles.max(axis=(0, 1)))
 
     @cached_property
@@ -153,7 +152,7 @@ def _listed(names: list[str]) -> str:
     return " and ".join(filter(None, [", ".join(quoted[:-1]), quoted[-1]]))
 
 
-def _doubled_areas(triangles: Vector) -> Vector:
+def _doubled_areas(triangles: Array) -> Array:
     """Returns twice the areas (n,), from the two shorter edges, which carry the smallest rounding error into the cross product."""
     edges = triangles[:, [2, 0, 1]] - triangles[:, [1, 2, 0]]
     longest = np.argmax(np.einsum("ijk,ijk->ij", edges, edges), axis=1)
@@ -163,18 +162,18 @@ def _doubled_areas(triangles: Vector) -> Vector:
     )
 
 
-def _vertices(triangles: Vector) -> NDArray[np.int64]:
+def _vertices(triangles: Array) -> Indices:
     """Returns the vertices' numbers (n, 3); vertices are the same if their coordinates are."""
     inverse = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)[1]
     return np.asarray(inverse, dtype=np.int64).reshape(-1, 3)
 
 
-def _different(triangles: Vector) -> int:
+def _different(triangles: Array) -> int:
     """Counts the triangles that have different vertices, in any order."""
     return len(np.unique(np.sort(_vertices(triangles), axis=1), axis=0)) if len(triangles) else 0
 
 
-def _is_closed(triangles: Vector) -> bool:
+def _is_closed(triangles: Array) -> bool:
     """Tells whether every edge is used as often in one direction as in the other."""
     corners = _vertices(triangles)
     starts, ends = corners.ravel(), np.roll(corners, -1, axis=1).ravel()
@@ -185,6 +184,6 @@ def _is_closed(triangles: Vector) -> bool:
     return not balance.any()
 
 
-def _volume(triangles: Vector) -> float:
+def _volume(triangles: Array) -> float:
     sides = triangles - triangles[0, 0]
     return float(np.einsum("ij,ij->", sides[:, 0], np.cross(sides[:, 1], sides[:, 2]))) / 6

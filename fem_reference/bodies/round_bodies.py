@@ -10,9 +10,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-Vector = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -20,8 +19,8 @@ class Placed:
     """A body with a frame of its own; lengths in metres."""
 
     name: str
-    centre: Vector
-    axes: Vector
+    centre: Array
+    axes: Array
     is_solid: ClassVar[bool] = True
 
 
@@ -30,7 +29,7 @@ class Sphere:
     """A ball; lengths in metres."""
 
     name: str
-    centre: Vector
+    centre: Array
     radius: float
     is_solid: ClassVar[bool] = True
 
@@ -39,7 +38,7 @@ class Sphere:
         return 2 * self.radius
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         """The corners (8, 3) of the cube around the ball."""
         return _box(self.centre, np.eye(3), (self.radius, self.radius, self.radius))
 
@@ -55,7 +54,7 @@ class Ellipsoid(Placed):
         return 2 * min(self.semi_axes)
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         """The corners (8, 3) of the box around the ellipsoid."""
         return _box(self.centre, self.axes, self.semi_axes)
 
@@ -72,13 +71,13 @@ class Swept(Placed):
         return 2 * (min(self.core) + self.radius)
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         """The corners (8, 3) of the box around the body."""
         x, y, z = self.core
         return _box(self.centre, self.axes, (x + self.radius, y + self.radius, z + self.radius))
 
     @property
-    def core_corners(self) -> Vector:
+    def core_corners(self) -> Array:
         """The corners (n, 3) of the box that the ball sweeps: eight, four, two or one."""
         return np.unique(_box(self.centre, self.axes, self.core), axis=0)
 
@@ -95,7 +94,7 @@ class _OnCircularBase(Placed):
         return min(2 * self.radius, self.height)
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         """The corners (8, 3) of the box around the body."""
         return _box(self.centre, self.axes, (self.radius, self.radius, self.height / 2))
 
@@ -130,7 +129,7 @@ class Arc(Placed):
         return min(width, length)
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         """The corners (8, 3) of the box around the sector."""
         low = min(math.cos(self.half_angle) * radius for radius in (self.inner_radius, self.outer_radius))
         high = self.outer_radius * math.sin(min(self.half_angle, math.pi / 2))
@@ -142,7 +141,7 @@ RoundBody = Sphere | Ellipsoid | Swept | Cylinder | Cone | Arc
 ROUND_BODIES = (Sphere, Ellipsoid, Swept, Cylinder, Cone, Arc)
 
 
-def _box(centre: Vector, axes: Vector, half_widths: tuple[float, float, float]) -> Vector:
+def _box(centre: Array, axes: Array, half_widths: tuple[float, float, float]) -> Array:
     """The corners (8, 3) of a box."""
     signs = np.array([[a, b, c] for c in (-1, 1) for b in (-1, 1) for a in (-1, 1)])
     return np.asarray(centre + (signs * np.asarray(half_widths)) @ axes)

@@ -10,13 +10,11 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.round_bodies import Placed, RoundBody
-
-Vector = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 
 @dataclass(frozen=True)
@@ -32,12 +30,12 @@ class Rectangle(Placed):
         return 2 * min(self.half_widths)
 
     @property
-    def spans(self) -> Vector:
+    def spans(self) -> Array:
         """Edge vectors (2, 3): the body is corners[0] + Σ s_i·spans[i] with s_i in [0, 1]."""
         return 2 * np.asarray(self.half_widths)[:, None] * self.axes[:2]
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         """The four corners (4, 3) in order around the rectangle."""
         u, v = self.spans
         origin = self.centre - (u + v) / 2
@@ -56,7 +54,7 @@ class Disc(Placed):
         return 2 * self.radius
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         """The corners (4, 3) of the square around the disc."""
         u, v = self.radius * self.axes[:2]
         return np.array([self.centre - u - v, self.centre + u - v, self.centre + u + v, self.centre - u + v])
@@ -66,9 +64,9 @@ class Disc(Placed):
 class PlanePolygon(Placed):
     """A simple polygon without thickness, with the normal axes[2]; lengths in metres."""
 
-    outline: Vector
+    outline: Array
     """The vertices (n, 2), anticlockwise, along axes[0] and axes[1] from `centre`."""
-    ears: Vector
+    ears: Array
     """The triangles (n − 2, 3, 2) that it consists of, in the same coordinates."""
     is_solid: ClassVar[bool] = False
 
@@ -81,12 +79,12 @@ class PlanePolygon(Placed):
         return 2 * doubled / float(np.linalg.norm(sides, axis=1).sum())
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         """The vertices (n, 3)."""
         return np.asarray(self.centre + self.outline @ self.axes[:2])
 
     @property
-    def triangles(self) -> Vector:
+    def triangles(self) -> Array:
         """The triangles (n − 2, 3, 3)."""
         return np.asarray(self.centre + self.ears @ self.axes[:2])
 
@@ -102,12 +100,12 @@ class Cuboid(Placed):
         return 2 * min(self.half_widths)
 
     @property
-    def spans(self) -> Vector:
+    def spans(self) -> Array:
         """Edge vectors (3, 3): the body is corners[0] + Σ s_i·spans[i] with s_i in [0, 1]."""
         return 2 * np.asarray(self.half_widths)[:, None] * self.axes
 
     @property
-    def corners(self) -> Vector:
+    def corners(self) -> Array:
         """The eight corners (8, 3); corner number a + 2b + 4c is on the positive side of the axes whose bits a, b, c are 1."""
         u, v, w = self.spans
         origin = self.centre - (u + v + w) / 2
@@ -120,7 +118,7 @@ SHEETS = (Rectangle, Disc, PlanePolygon)
 Body = Sheet | Cuboid | RoundBody | Polyhedron
 
 
-def rectangle(name: str, corner: Vector, edge_u: Vector, edge_v: Vector) -> Rectangle:
+def rectangle(name: str, corner: Array, edge_u: Array, edge_v: Array) -> Rectangle:
     """The rectangle corner + a·edge_u + b·edge_v with a and b in [0, 1]; the edges are at right angles, lengths in metres."""
     widths = float(np.linalg.norm(edge_u)), float(np.linalg.norm(edge_v))
     first, second = edge_u / widths[0], edge_v / widths[1]
@@ -128,7 +126,7 @@ def rectangle(name: str, corner: Vector, edge_u: Vector, edge_v: Vector) -> Rect
     return Rectangle(name, corner + (edge_u + edge_v) / 2, axes, (widths[0] / 2, widths[1] / 2))
 
 
-def bounding_sphere(bodies: Sequence[Body]) -> tuple[Vector, float]:
+def bounding_sphere(bodies: Sequence[Body]) -> tuple[Array, float]:
     """Centre (3,) and radius (m) of a sphere around all bodies; its centre is that of their bounding box."""
     corners = np.concatenate([body.corners for body in bodies])
     centre = (corners.min(axis=0) + corners.max(axis=0)) / 2

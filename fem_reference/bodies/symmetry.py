@@ -11,13 +11,11 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Disc, PlanePolygon, Rectangle
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 ROOM = -1
 """The owner number of a room's walls, which no conductor has."""

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-Vector = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from geometries.common.arrays import Array, Flags, Indices
 
 CHUNK = 20_000
 """Number of pairs of triangles whose distances are computed at a time."""
@@ -21,7 +19,7 @@ TINY = 1e-300
 """Squared length that takes the place of 0 in a division."""
 
 
-def soup_distance(first: Vector, second: Vector) -> float:
+def soup_distance(first: Array, second: Array) -> float:
     """The shortest distance between triangles (n, 3, 3) and triangles (m, 3, 3); 0 where two of them meet.
 
     The nearest of pairs with close centroids bounds it from above, so that only triangles near the other box have to be looked at. Each
@@ -45,14 +43,14 @@ def soup_distance(first: Vector, second: Vector) -> float:
     return best
 
 
-def _near_box(triangles: Vector, others: Vector, reach: float) -> Vector:
+def _near_box(triangles: Array, others: Array, reach: float) -> Array:
     """The triangles (n, 3, 3) whose bounding boxes are at most `reach` from that of others (m, 3, 3)."""
     low, high = others.min(axis=(0, 1)), others.max(axis=(0, 1))
     apart = np.maximum(triangles.min(axis=1) - high, low - triangles.max(axis=1))
     return np.asarray(triangles[apart.max(axis=1) <= reach * (1 + ROUNDING)])
 
 
-def _at_least(first: Vector, second: Vector) -> Vector:
+def _at_least(first: Array, second: Array) -> Array:
     """Lower bounds (n,) of the distances of pairs of triangles (n, 3, 3): between their bounding boxes, and from the plane of each."""
     apart = np.maximum(first.min(axis=1) - second.max(axis=1), second.min(axis=1) - first.max(axis=1))
     found = np.linalg.norm(np.maximum(apart, 0), axis=1)
@@ -68,11 +66,11 @@ def _at_least(first: Vector, second: Vector) -> Vector:
 class _Balls:
     """The balls around the centroids of triangles."""
 
-    def __init__(self, triangles: Vector) -> None:
+    def __init__(self, triangles: Array) -> None:
         self.centres = triangles.mean(axis=1)
         self.radii = np.linalg.norm(triangles - self.centres[:, None], axis=2).max(axis=1)
 
-    def pairs_within(self, other: _Balls, reach: float) -> tuple[Indices, Vector]:
+    def pairs_within(self, other: _Balls, reach: float) -> tuple[Indices, Array]:
         """The pairs of balls (k, 2) at most `reach` apart, in the order of these distances (k,), which are negative where they overlap.
 
         The balls of `other` are grouped by their size, so that a few large ones do not make all of them candidates.
@@ -100,7 +98,7 @@ class _Balls:
         return pairs[order], apart[order]
 
 
-def _distances(first: Vector, second: Vector) -> Vector:
+def _distances(first: Array, second: Array) -> Array:
     """Distances (n,) of pairs of triangles (n, 3, 3): those of their sides, and of the corners of each from the other; 0 where a side
     passes through the other triangle."""
     squared = np.full(len(first), np.inf)
@@ -117,7 +115,7 @@ def _distances(first: Vector, second: Vector) -> Vector:
     return np.asarray(np.sqrt(squared))
 
 
-def _corner_to_face(points: Vector, triangles: Vector) -> Vector:
+def _corner_to_face(points: Array, triangles: Array) -> Array:
     """Squared distances (n,) of points (n, 3) from the planes of triangles above whose inside they lie; infinite elsewhere."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     normal = np.cross(b - a, c - a)
@@ -130,7 +128,7 @@ def _corner_to_face(points: Vector, triangles: Vector) -> Vector:
     return np.where(inside, height**2 / np.where(inside, length, 1.0), np.inf)
 
 
-def _passes_through(start: Vector, end: Vector, triangles: Vector) -> NDArray[np.bool_]:
+def _passes_through(start: Array, end: Array, triangles: Array) -> Flags:
     """Whether segments pass through the inside of triangles: their ends are on both sides, and the line winds around no side."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]
     normal = np.cross(b - a, c - a)
@@ -141,7 +139,7 @@ def _passes_through(start: Vector, end: Vector, triangles: Vector) -> NDArray[np
     return np.asarray(crosses & np.isfinite(_corner_to_face(at, triangles)))
 
 
-def _between_segments(p: Vector, q: Vector, r: Vector, s: Vector) -> Vector:
+def _between_segments(p: Array, q: Array, r: Array, s: Array) -> Array:
     """Squared distances (n,) of the segments from p to q and from r to s (Ericson 2005, section 5.1.9)."""
     u, v, w = q - p, s - r, p - r
     a, e = (np.maximum((x**2).sum(axis=1), TINY) for x in (u, v))
@@ -157,7 +155,7 @@ def _between_segments(p: Vector, q: Vector, r: Vector, s: Vector) -> Vector:
     return np.asarray(((w + along[:, None] * u - across[:, None] * v) ** 2).sum(axis=1))
 
 
-def winding_number(triangles: Vector, points: Vector) -> Vector:
+def winding_number(triangles: Array, points: Array) -> Array:
     """The solid angle (n,) that triangles (m, 3, 3) subtend at points (n, 3), over 4π (Van Oosterom & Strackee 1983)."""
     found = np.empty(len(points))
     for k, point in enumerate(points):

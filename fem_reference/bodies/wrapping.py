@@ -14,19 +14,16 @@ from pathlib import Path
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fem_reference.bodies.shapes import Body
 from fem_reference.bodies.polyhedron import Polyhedron, connected_parts, smallest_width
 from fem_reference.bodies.triangle_distances import soup_distance
 from geometries.common import installation
+from geometries.common.arrays import Array, Indices
 from geometries.common.children import ending_with_this, temporary_folder
 from geometries.scene import shapes
 from geometries.scene.shapes import Shape
-
-Vector = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 ALPHA_SHARE = 0.4
 """Alpha, the radius of the narrowest hollow that the wrap follows, over the distance to what has another potential. Near such a body alpha
@@ -90,7 +87,7 @@ class Wrap(Polyhedron):
 
     members: tuple[str, ...]
     """The names of these bodies."""
-    samples: Vector
+    samples: Array
     """Points (n, 3) on their surfaces."""
     labels: Indices
     """(n,): the position in `members` of the body that each point is on."""
@@ -115,12 +112,12 @@ class LocalLength:
     least: float
     most: float
 
-    def at(self, distances: Vector) -> Vector:
+    def at(self, distances: Array) -> Array:
         """The length at places with these distances."""
         return np.clip(self.share * distances, self.least, self.most)
 
 
-def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geometry) -> Wrap:
+def wrap(members: Sequence[tuple[str, Array]], others: Array, geometry: Geometry) -> Wrap:
     """Wrap the triangles (n, 3, 3) of bodies, named, of one conductor; `others` (m, 3, 3) are those of everything else, in metres.
 
     Raises RuntimeError when the program fails or is missing.
@@ -129,7 +126,7 @@ def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geomet
     alpha, offset = _lengths(triangles, others, geometry)
     samples, labels = spread_points([own for _, own in members])
 
-    def wrapped() -> tuple[Vector, Indices, float]:
+    def wrapped() -> tuple[Array, Indices, float]:
         vertices, corners = _run(triangles, others, alpha, offset)
         return vertices, corners, _closed(vertices[corners], samples, others, offset)
 
@@ -160,7 +157,7 @@ def wrap(members: Sequence[tuple[str, Vector]], others: Vector, geometry: Geomet
     )
 
 
-def _lengths(triangles: Vector, others: Vector, geometry: Geometry) -> tuple[LocalLength, LocalLength]:
+def _lengths(triangles: Array, others: Array, geometry: Geometry) -> tuple[LocalLength, LocalLength]:
     """Alpha and the offset."""
     extent = float(np.linalg.norm(np.ptp(triangles.reshape(-1, 3), axis=0)))
     gap = soup_distance(triangles, others) if len(others) else math.inf
@@ -175,7 +172,7 @@ def _lengths(triangles: Vector, others: Vector, geometry: Geometry) -> tuple[Loc
     return LocalLength(geometry.coarseness * ALPHA_SHARE, narrow, wide), offset
 
 
-def _closed(wrapped: Vector, samples: Vector, others: Vector, offset: LocalLength) -> float:
+def _closed(wrapped: Array, samples: Array, others: Array, offset: LocalLength) -> float:
     """The largest distance from `samples` of points on a wrap (n, 3, 3) that are farther away than it was allowed to be simplified; 0 if none
     are. The distance of points on the wrapped bodies from the nearest sample counts as nothing."""
     points, _ = spread_points([wrapped])
@@ -192,9 +189,7 @@ def _closed(wrapped: Vector, samples: Vector, others: Vector, offset: LocalLengt
     return float(away[far].max(initial=0.0))
 
 
-def _run(
-    triangles: Vector, others: Vector, alpha: LocalLength, offset: LocalLength
-) -> tuple[Vector, Indices]:
+def _run(triangles: Array, others: Array, alpha: LocalLength, offset: LocalLength) -> tuple[Array, Indices]:
     """Run fringe-wrap; returns the vertices and triangles of its surface."""
     program = installation.wrap_program()
     lengths = [number for own in (alpha, offset) for number in (own.least, own.share, own.most)]
@@ -214,7 +209,7 @@ def _run(
         return _read_off(names[2])
 
 
-def _write_off(path: Path, triangles: Vector) -> None:
+def _write_off(path: Path, triangles: Array) -> None:
     points, numbers = np.unique(triangles.reshape(-1, 3), axis=0, return_inverse=True)
     faces = np.column_stack([np.full(len(triangles), 3), numbers.reshape(-1, 3)])
     with open(path, "w", encoding="ascii") as file:
@@ -223,7 +218,7 @@ def _write_off(path: Path, triangles: Vector) -> None:
         np.savetxt(file, faces, fmt="%d")
 
 
-def _read_off(path: Path) -> tuple[Vector, Indices]:
+def _read_off(path: Path) -> tuple[Array, Indices]:
     numbers = path.read_text(encoding="ascii").split()[1:]
     points, faces = int(numbers[0]), int(numbers[1])
     vertices = np.array(numbers[3 : 3 + 3 * points], dtype=np.float64).reshape(-1, 3)
@@ -231,7 +226,7 @@ def _read_off(path: Path) -> tuple[Vector, Indices]:
     return vertices, corners
 
 
-def spread_points(bodies: Sequence[Vector]) -> tuple[Vector, Indices]:
+def spread_points(bodies: Sequence[Array]) -> tuple[Array, Indices]:
     """Points spread over the triangles of each body, in proportion to their areas, with the number of the body."""
     random = np.random.default_rng(1)
     areas = [np.linalg.norm(np.cross(t[:, 1] - t[:, 0], t[:, 2] - t[:, 0]), axis=1) / 2 for t in bodies]
@@ -247,7 +242,7 @@ def spread_points(bodies: Sequence[Vector]) -> tuple[Vector, Indices]:
     return np.concatenate(points), np.concatenate(labels)
 
 
-def containing_triangles(shape: Shape, tolerance: float) -> Vector:
+def containing_triangles(shape: Shape, tolerance: float) -> Array:
     """Triangles (n, 3, 3) of a shape, in its frame; those of a round one contain it, and exceed it by at most about `tolerance`."""
 
     def sides(radius: float, degrees: float = 360.0) -> int:

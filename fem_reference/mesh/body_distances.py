@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.bodies.shapes import Cuboid, Disc, PlanePolygon, Rectangle, Sheet
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, RoundBody, Sphere, Swept
 from fem_reference.mesh.tape import Point, Quantity, smallest
+from geometries.common.arrays import Array
 
 ClosedFormBody = Sheet | Cuboid | RoundBody
 """The bodies whose distances have closed forms."""
@@ -49,7 +49,7 @@ def surface_distance(body: ClosedFormBody, point: Point) -> Quantity:
     return _norm([_beyond(c, w) for c, w in zip((x, y, z), widths)])
 
 
-def distance_from_surface(body: RoundBody, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def distance_from_surface(body: RoundBody, points: Array) -> Array:
     """The distances (n,) of points (3, n) from the surface of a round body, also of points inside; to an ellipsoid, to first order."""
     if not isinstance(body, Arc):
         return np.asarray(surface_distance(body, points))
@@ -111,7 +111,7 @@ def curvature_radius(body: ClosedFormBody, point: Point) -> Quantity | None:
     return None
 
 
-def focal_curve(ellipsoid: Ellipsoid) -> NDArray[np.float64]:
+def focal_curve(ellipsoid: Ellipsoid) -> Array:
     """The segments (n, 2, 3) of a closed curve whose distance is, where the surface is bent most, the smaller radius of curvature there.
 
     It is the border of the ellipsoid's medial surface, an ellipse with the semi-axes a − c²/a and b − c²/b in the plane of a and b, if c is

@@ -11,7 +11,6 @@ import dolfinx
 import numpy as np
 from dolfinx.cpp.common import IndexMap
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from fem_reference.bodies.round_bodies import ROUND_BODIES
 from fem_reference.bodies.shapes import Body, Disc
@@ -19,9 +18,7 @@ from fem_reference.mesh.body_distances import distance_from_surface, edge_distan
 from fem_reference.mesh.distributed import summed
 from fem_reference.mesh.edges import ALONG_EDGE
 from fem_reference.mesh.quarter_points import CORNERS, FACES, TETRAHEDRON_EDGES, second_order, straighten
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int32]
+from geometries.common.arrays import Array, Flags, Integers
 
 SECOND_ORDER_NODES = np.concatenate([CORNERS, CORNERS[TETRAHEDRON_EDGES].mean(axis=1)])
 """The ten nodes of the reference tetrahedron."""
@@ -34,7 +31,7 @@ ON_SURFACE = 1e-6
 """Largest distance of a corner on a surface, over the size of the body."""
 
 
-def curved_cells(nodes: Array, cells: NDArray[np.int32], centre: Array, radius: float) -> NDArray[np.bool_]:
+def curved_cells(nodes: Array, cells: Integers, centre: Array, radius: float) -> Flags:
     """Which cells (n,) have bent sides, except those at the outer sphere (centre, radius)."""
     straight = nodes[cells[:, TETRAHEDRON_EDGES]].mean(axis=2)
     bent = np.linalg.norm(nodes[cells[:, 4:]] - straight, axis=2).max(axis=1)
@@ -43,9 +40,7 @@ def curved_cells(nodes: Array, cells: NDArray[np.int32], centre: Array, radius: 
     return np.asarray((bent > 1e-9 * length) & inside)
 
 
-def straighten_inverted(
-    nodes: Array, cells: NDArray[np.int32], shared: IndexMap, comm: MPI.Intracomm
-) -> None:
+def straighten_inverted(nodes: Array, cells: Integers, shared: IndexMap, comm: MPI.Intracomm) -> None:
     """Straighten the cells whose map is inverted (its determinant changes sign) at one of their ten nodes, in place.
 
     Slivers on a curved surface sometimes have such maps. Straightening a cell moves nodes that its neighbours share, also on other processes

@@ -14,12 +14,12 @@ from dolfinx.cpp.common import IndexMap
 from mpi4py import MPI
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from geometries.common.arrays import Array, Flags, Indices
+
 Number = TypeVar("Number", bound=np.generic)
 
 
-def whole_numbers(entities: IndexMap) -> Integers:
+def whole_numbers(entities: IndexMap) -> Indices:
     """The numbers (n,) in the whole mesh of the entities that this process holds."""
     count = entities.size_local + entities.num_ghosts
     return np.asarray(entities.local_to_global(np.arange(count, dtype=np.int32)), dtype=np.int64)
@@ -44,7 +44,7 @@ def _scattered(entities: IndexMap, values: Array, add: bool) -> Array:
     return np.array(vector.array).reshape(values.shape)
 
 
-def numbered(entities: IndexMap, comm: MPI.Intracomm, chosen: NDArray[np.bool_]) -> tuple[Integers, int]:
+def numbered(entities: IndexMap, comm: MPI.Intracomm, chosen: Flags) -> tuple[Indices, int]:
     """Number the `chosen` (n,) ones of the entities that this process holds without gaps over all processes.
 
     Returns the numbers (n,), of which only those of chosen entities count, and how many chosen ones the process owns.

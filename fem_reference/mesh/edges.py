@@ -5,16 +5,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body
 from fem_reference.mesh.body_distances import edge_distance
 from fem_reference.mesh.size_function import SizeFunction
 from fem_reference.mesh.tape import Tape
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from geometries.common.arrays import Array, Flags, Indices, Integers
 
 ON_EDGE = 1e-7
 """Largest distance of a vertex on an edge, over the size of the body."""
@@ -23,7 +20,7 @@ ALONG_EDGE = 0.15
 side along a circular edge is a chord, and one across a right-angled corner is 0.35 of its length away."""
 
 
-def on_edges(bodies: Sequence[Body], nodes: Array, used: NDArray[np.int32]) -> NDArray[np.bool_]:
+def on_edges(bodies: Sequence[Body], nodes: Array, used: Integers) -> Flags:
     """Which of the nodes (n, 3) lie on an edge of one of the bodies; only those with the numbers `used` are looked at."""
     found = np.zeros(len(nodes), dtype=bool)
     for body in bodies:
@@ -33,7 +30,7 @@ def on_edges(bodies: Sequence[Body], nodes: Array, used: NDArray[np.int32]) -> N
     return found
 
 
-def sides_along_edges(bodies: Sequence[Body], nodes: Array, cells: NDArray[np.int32]) -> Integers:
+def sides_along_edges(bodies: Sequence[Body], nodes: Array, cells: Integers) -> Indices:
     """The sides (n, 2) of tetrahedra that lie along the edges of bodies, by the numbers of their vertices."""
     used = np.unique(cells)
     found = [np.zeros((0, 2), dtype=np.int64)]

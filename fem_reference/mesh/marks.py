@@ -12,7 +12,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fem_reference.bodies.shapes import Body
@@ -21,9 +20,7 @@ from fem_reference.mesh.size_function import SizeFunction
 from fem_reference.mesh.size_rules import AdaptedSizes
 from fem_reference.mesh.sizing import distance_on_tape
 from fem_reference.mesh.tape import Tape
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
+from geometries.common.arrays import Array, Indices, Integers
 
 REACH = 3.0
 """Distance from an edge, over the size of the cells there, up to which cells count as next to it: their sizes grow from that at the edge."""
@@ -54,7 +51,7 @@ class Marks:
 
     sides: Array
     """(s, 2, 3): the sides of cells along edges."""
-    ends: Integers
+    ends: Indices
     """(s, 2): the numbers of the vertices at their ends."""
     sizes: Array
     """(v,): the mean length of the sides at each vertex."""
@@ -64,7 +61,7 @@ class Marks:
     """(v,): the length of edge for which each vertex stands."""
     at_edges: Array
     """(v, q): the errors of the cells next to each vertex."""
-    cells_at: Integers
+    cells_at: Indices
     """(v,): the number of cells whose size grows from that at each vertex."""
     cells: int
     """Number of all cells."""
@@ -83,12 +80,7 @@ class Marks:
 
 
 def marks(
-    bodies: Sequence[Body],
-    owner: Sequence[int],
-    nodes: Array,
-    cells: NDArray[np.int32],
-    errors: Array,
-    totals: Array,
+    bodies: Sequence[Body], owner: Sequence[int], nodes: Array, cells: Integers, errors: Array, totals: Array
 ) -> Marks:
     """Collect the errors (cells, q) of the cells (n, 4) of a mesh, whose sums are at most the `totals` (q,).
 

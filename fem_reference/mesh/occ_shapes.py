@@ -8,7 +8,6 @@ from itertools import product
 
 import gmsh
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 from fem_reference.bodies.distances import CUBOID_FACES
@@ -17,8 +16,8 @@ from fem_reference.bodies.plane_faces import plane_faces
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, RoundBody, Sphere, Swept
 from fem_reference.bodies.symmetry import Plane
+from geometries.common.arrays import Array
 
-Vector = NDArray[np.float64]
 Entity = tuple[int, int]
 """(dimension, tag)."""
 
@@ -40,7 +39,7 @@ def add_body(body: Body) -> list[Entity]:
     return _round(body)
 
 
-def add_ball(centre: Vector, radius: float, planes: Sequence[Plane]) -> Entity:
+def add_ball(centre: Array, radius: float, planes: Sequence[Plane]) -> Entity:
     """Add the part of a ball that lies on the side of all planes to which their normals point.
 
     The planes go through the centre at right angles. The part is built as a sector with flat faces of its own, since OpenCASCADE fails
@@ -55,7 +54,7 @@ def add_ball(centre: Vector, radius: float, planes: Sequence[Plane]) -> Entity:
 
 
 def cut_to(
-    shapes: Sequence[Sequence[Entity]], centre: Vector, size: float, planes: Sequence[Plane]
+    shapes: Sequence[Sequence[Entity]], centre: Array, size: float, planes: Sequence[Plane]
 ) -> list[list[Entity]]:
     """Cut each shape to the part that lies on the side of all planes to which their normals point.
 
@@ -83,7 +82,7 @@ def united(first: Sequence[Entity], others: Sequence[Entity]) -> list[Entity]:
     return [(int(dimension), int(tag)) for dimension, tag in union]
 
 
-def _frame(planes: Sequence[Plane]) -> Vector:
+def _frame(planes: Sequence[Plane]) -> Array:
     """Right-handed axes (3, 3), as rows, that include the planes' normals.
 
     The normal of a single plane is the third axis, those of two planes are the first two, and those of three are all axes.
@@ -95,7 +94,7 @@ def _frame(planes: Sequence[Plane]) -> Vector:
     return axes if np.linalg.det(axes) > 0 else axes[[1, 0, 2]]
 
 
-def _place(entities: list[Entity], axes: Vector, centre: Vector) -> None:
+def _place(entities: list[Entity], axes: Array, centre: Array) -> None:
     """Rotate entities so that x, y and z become the axes, then move them to `centre`; spheres, cylinders … stay of their kind."""
     turn = Rotation.from_matrix(axes.T).as_rotvec()
     angle = float(np.linalg.norm(turn))

@@ -13,9 +13,8 @@ from functools import cache
 
 import basix
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array, Flags, Indices, Integers
 
 CORNERS = np.array(basix.geometry(basix.CellType.tetrahedron))
 """The vertices of the reference tetrahedron."""
@@ -29,13 +28,13 @@ RADIAL_DEGREE = 23
 at s = −1, so that n points leave an error of about 5.8^(−2n): with 12 points it is rounding error."""
 
 
-def straighten(nodes: Array, cells: NDArray[np.int32]) -> None:
+def straighten(nodes: Array, cells: Integers) -> None:
     """Put the middle node of every side half way between its ends, in place."""
     for k, (i, j) in enumerate(TETRAHEDRON_EDGES):
         nodes[cells[:, 4 + k]] = (nodes[cells[:, i]] + nodes[cells[:, j]]) / 2
 
 
-def pull(nodes: Array, cells: NDArray[np.int32], on_edge: NDArray[np.bool_]) -> None:
+def pull(nodes: Array, cells: Integers, on_edge: Flags) -> None:
     """Move the middle node of every side with one end on a plate's edge to a quarter of the side from this end, in place."""
     straight = nodes.copy()
     for k, (i, j) in enumerate(TETRAHEDRON_EDGES):
@@ -45,12 +44,12 @@ def pull(nodes: Array, cells: NDArray[np.int32], on_edge: NDArray[np.bool_]) -> 
             nodes[cells[pulled, 4 + k]] = 0.75 * ends[0] + 0.25 * ends[1]
 
 
-def is_pulled(on_edge: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def is_pulled(on_edge: Flags) -> Flags:
     """Which cells (n,) are quarter-point elements: some, but not all, of their four vertices (n, 4) are on a plate's edge."""
     return np.asarray(on_edge.any(axis=1) & ~on_edge.all(axis=1))
 
 
-def patterns(on_edge: NDArray[np.bool_]) -> Iterator[tuple[frozenset[int], NDArray[np.int64]]]:
+def patterns(on_edge: Flags) -> Iterator[tuple[frozenset[int], Indices]]:
     """Group the cells by their vertices on a plate's edge (n, 4), towards which the quarter-point map collapses.
 
     Yields the vertices and the numbers of the cells; straight cells have no such vertices.

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from fem_reference.mesh.tape import Expression
 from geometries.common import installation
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 
 class SizeFunction:

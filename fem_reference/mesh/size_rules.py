@@ -5,16 +5,17 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from geometries.common.arrays import Array
 
 
 @dataclass(frozen=True)
 class AdaptedSizes:
     """Sizes that the errors of a mesh before ask for (`marks`)."""
 
-    triangles: NDArray[np.float64]
+    triangles: Array
     """(n, 3, 3): sides along edges and points, as triangles with equal corners."""
-    sizes: NDArray[np.float64]
+    sizes: Array
     """(n,): the sizes there, from which the size grows."""
     growth_of_cells: float
     """Predicted ratio of the number of cells to that of the mesh before."""

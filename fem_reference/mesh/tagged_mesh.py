@@ -11,7 +11,6 @@ import gmsh
 import numpy as np
 from dolfinx.io import gmshio
 from mpi4py import MPI
-from numpy.typing import NDArray
 
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, bounding_sphere
@@ -29,6 +28,7 @@ from fem_reference.mesh.quarter_points import is_pulled, pull, straighten
 from fem_reference.mesh.sizing import Sizing, size_function
 from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
+from geometries.common.arrays import Array, Flags, Integers
 
 OUTER_SURFACE = 1
 """Tag of the facets at which the mesh ends: the outer sphere or the walls of a room."""
@@ -82,9 +82,9 @@ class TaggedMesh:
     cells: dolfinx.mesh.MeshTagsMetaClass
     facets: dolfinx.mesh.MeshTagsMetaClass
     near_edge: dolfinx.mesh.MeshTagsMetaClass
-    on_edge: NDArray[np.bool_]
+    on_edge: Flags
     """(cells, 4): which vertices of each cell lie on the edge of a plate."""
-    curved: NDArray[np.bool_]
+    curved: Flags
     """(cells,): which cells follow a curved surface. The other cells have straight sides; some of them are quarter-point elements."""
     curved_faces: CurvedFaces
     """The faces on curved surfaces, and how far they are from these."""
@@ -93,7 +93,7 @@ class TaggedMesh:
     everywhere that of the worst side."""
     mean_rim_error: float
     """The same for the mean over the sides, for errors that are estimates."""
-    centre: NDArray[np.float64]
+    centre: Array
     """Centre of the outer sphere."""
     radius: float
     """Radius of the outer sphere."""
@@ -116,7 +116,7 @@ class TaggedMesh:
         """Number of the process's own ones, which come first; the others are ghosts."""
         return int(self.mesh.topology.index_map(3).size_local)
 
-    def corners(self) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    def corners(self) -> tuple[Array, Integers]:
         """The nodes (n, 3) of the whole mesh, and the numbers (cells, 4) of those at the corners of its cells, on every process."""
         geometry = self.mesh.geometry
         own = geometry.x[: geometry.index_map().size_local]
@@ -255,7 +255,7 @@ def _errors_of_meshing() -> list[str]:
     return errors or _without_volume(_corners())
 
 
-def _corners() -> NDArray[np.float64]:
+def _corners() -> Array:
     """The corners (n, 4, 3) of the tetrahedra of the current gmsh model."""
     tags, points, _ = gmsh.model.mesh.getNodes()
     place = np.zeros(int(tags.max()) + 1, dtype=np.int64)
@@ -264,7 +264,7 @@ def _corners() -> NDArray[np.float64]:
     return np.asarray(points.reshape(-1, 3)[place[nodes]].reshape(-1, 4, 3))
 
 
-def _without_volume(corners: NDArray[np.float64]) -> list[str]:
+def _without_volume(corners: Array) -> list[str]:
     """Error messages about flat cells among those with corners (n, 4, 3): none, or one that says where they are."""
     edges = corners[:, 1:] - corners[:, :1]
     volume = np.abs(np.linalg.det(edges))
@@ -275,7 +275,7 @@ def _without_volume(corners: NDArray[np.float64]) -> list[str]:
     return [f"tetrahedra without volume at {places[:3]}"]
 
 
-def _refuse_flat_cells(corners: NDArray[np.float64]) -> None:
+def _refuse_flat_cells(corners: Array) -> None:
     """Raise RuntimeError when one of the cells (n, 4, 3) has no volume, since the equations would be meaningless."""
     errors = _without_volume(corners)
     if MPI.COMM_WORLD.allreduce(bool(errors), op=MPI.LOR):
@@ -300,7 +300,7 @@ def _gmsh_model() -> Iterator[None]:
 def _build_geometry(
     bodies: Sequence[Body],
     owner: Sequence[int],
-    centre: NDArray[np.float64],
+    centre: Array,
     radius: float,
     planes: Sequence[Plane],
     room: Cuboid | None,

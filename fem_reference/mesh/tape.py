@@ -14,9 +14,11 @@ import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
+
 Quantity = Any
 """An array, or an expression of a tape: whatever numpy's functions accept and return."""
-Point = Sequence[Quantity] | NDArray[np.float64]
+Point = Sequence[Quantity] | Array
 """The three coordinates of one or many points."""
 
 COORDINATES = 3
@@ -43,9 +45,9 @@ class Tape:
     steps: list[tuple[int, int, int]] = field(default_factory=list)
     """Each step's operation and its operands: registers, or the number of the constant or of the surface."""
     constants: list[float] = field(default_factory=list)
-    surfaces: list[NDArray[np.float64]] = field(default_factory=list)
+    surfaces: list[Array] = field(default_factory=list)
     """Triangles (n, 3, 3), to which the tape has distances; those with two equal corners are segments."""
-    offsets: list[NDArray[np.float64]] = field(default_factory=list)
+    offsets: list[Array] = field(default_factory=list)
     """(n,): what is added to the distance from each of the triangles of a surface."""
     known: dict[tuple[Any, ...], int] = field(default_factory=dict)
     """The registers of steps, and of constants."""
@@ -62,9 +64,7 @@ class Tape:
             self.known["constant", value] = self._record(CONSTANT, len(self.constants) - 1, 0)
         return Expression(self, self.known["constant", value])
 
-    def distance(
-        self, triangles: NDArray[np.float64], offsets: NDArray[np.float64] | None = None
-    ) -> Expression:
+    def distance(self, triangles: Array, offsets: Array | None = None) -> Expression:
         """The distance of the point from the nearest of triangles (n, 3, 3), or the least sum of a distance and an offset (n,)."""
         self.surfaces.append(triangles)
         self.offsets.append(np.zeros(len(triangles)) if offsets is None else offsets)

@@ -13,17 +13,14 @@ import meshio
 import numpy as np
 import ufl
 from dolfinx import fem
-from numpy.typing import NDArray
 
 from fem_reference.bodies.conductors import Conductors, conductors
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.mesh.tagged_mesh import FIRST_BODY, TaggedMesh, tagged_mesh
 from fem_reference.solve.field_problem import COMPILATION, FieldProblem, first_sensor_driven
+from geometries.common.arrays import Array, Indices
 from geometries.common.files import whole_file
 from geometries.scene.scene import Scene
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 POINTS = 121
 """Number of points along each side of the picture."""

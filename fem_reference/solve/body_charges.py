@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from mpi4py import MPI
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from fem_reference.bodies.conductors import Conductors
@@ -16,18 +15,14 @@ from fem_reference.bodies.symmetry import Plane, orbits
 from fem_reference.bodies.wrapping import Wrap, member_names, spread_points
 from fem_reference.mesh.body_distances import surface_distance
 from fem_reference.solve.field_problem import FieldProblem, with_floating
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 AS_NEAR = 1e-6
 """Difference of the distances, over the scene's unit of length, up to which a place is as near to one body as to another."""
 
 
 def body_charges(
-    problem: Conductors,
-    system: FieldProblem,
-    potentials: Sequence[Array],
-    planes: Sequence[Plane] = (),
+    problem: Conductors, system: FieldProblem, potentials: Sequence[Array], planes: Sequence[Plane] = ()
 ) -> tuple[Array, ...]:
     """For each conductor with a row the charges (members, n) on its bodies, per volt on each of these conductors (ε = 1).
 

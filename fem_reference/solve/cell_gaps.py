@@ -16,7 +16,6 @@ from functools import cache
 
 import basix
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.mesh.distributed import gathered
 from fem_reference.mesh.quarter_points import CORNERS, FACES
@@ -28,12 +27,7 @@ from fem_reference.solve.field_problem import (
     without_floating,
 )
 from fem_reference.solve.flux import CondensedCells, flux_energies, with_field
-from fem_reference.solve.reference_flux import (
-    ORDERS,
-    face_polynomials,
-    in_order,
-    polynomials_on_face,
-)
+from fem_reference.solve.reference_flux import ORDERS, face_polynomials, in_order, polynomials_on_face
 from fem_reference.solve.surface_shift import surface_shift
 from fem_reference.solve.upper_energy import (
     CELLS_AT_A_TIME,
@@ -42,8 +36,7 @@ from fem_reference.solve.upper_energy import (
     nodal_values,
     upper_energies,
 )
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array, Indices, Integers
 
 
 @dataclass(frozen=True)
@@ -110,7 +103,7 @@ def _gaps(
     potentials: Array,
     multipliers: Array,
     permittivities: Mapping[int, float],
-    cells: NDArray[np.int64],
+    cells: Indices,
 ) -> Array:
     """The gaps (cells, n, n) between the energies of potentials (n, unknowns) and of the fluxes of multipliers (n, faces, m) in some cells."""
     own = condensed.cells.at(cells)
@@ -138,7 +131,7 @@ def _on_faces(system: FieldProblem, condensed: CondensedCells, potentials: Array
     return found
 
 
-def _face_values(at_nodes: Array, orders: NDArray[np.int32], degree: int) -> Array:
+def _face_values(at_nodes: Array, orders: Integers, degree: int) -> Array:
     """Project potentials (cells, n, nodes) to the polynomials of each face: coefficients (cells, n, 4·m)."""
     projections = _projections(degree)
     found = np.empty((*at_nodes.shape[:2], len(FACES), projections.shape[2]))

@@ -15,15 +15,12 @@ import numpy as np
 import scipy.sparse
 from dolfinx.cpp.common import IndexMap
 from mpi4py import MPI
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fem_reference.mesh.distributed import from_owners, gathered, numbered, summed, whole_numbers
 from fem_reference.solve.reference_flux import face_polynomials, polynomials_on_face
 from fem_reference.solve.field_problem import require_convergence, set_options
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int32]
+from geometries.common.arrays import Array, Flags, Indices, Integers
 
 SOLVER_OPTIONS: dict[str, str | float | int] = {
     "ksp_type": "cg",
@@ -162,7 +159,7 @@ class FaceSystem:
 
 
 def _assembled(
-    parts: Sequence[CellForms], local: NDArray[np.int64], rows: int, columns: int
+    parts: Sequence[CellForms], local: Indices, rows: int, columns: int
 ) -> scipy.sparse.bsr_matrix:
     """Assemble the forms into a block matrix of the first `rows` by the first `columns` free faces; faces numbered −1 are not free."""
     keys, blocks = [], []
@@ -205,7 +202,7 @@ def _with_regular_blocks(matrix: scipy.sparse.bsr_matrix) -> scipy.sparse.bsr_ma
     return matrix
 
 
-def _face_vertices(mesh: dolfinx.mesh.Mesh) -> NDArray[np.int64]:
+def _face_vertices(mesh: dolfinx.mesh.Mesh) -> Indices:
     """The vertices (faces, 3) of each face, in the order of their numbers in the whole mesh."""
     vertices = mesh.topology.connectivity(2, 0).array.reshape(-1, 3)
     order = np.argsort(whole_numbers(mesh.topology.index_map(0))[vertices], axis=1)
@@ -213,8 +210,8 @@ def _face_vertices(mesh: dolfinx.mesh.Mesh) -> NDArray[np.int64]:
 
 
 def _free_vertices(
-    vertices: IndexMap, face_vertices: NDArray[np.int64], own: int, used: NDArray[np.bool_], fixed: Integers
-) -> NDArray[np.bool_]:
+    vertices: IndexMap, face_vertices: Indices, own: int, used: Flags, fixed: Integers
+) -> Flags:
     """Which of the vertices (n,) that this process holds are on a free face, and on no fixed one, of any process.
 
     `used` (faces,) tells which faces are free; the first `own` faces belong to this process.
@@ -227,9 +224,7 @@ def _free_vertices(
     return np.asarray((touched[:, 0] > 0) & (touched[:, 1] == 0))
 
 
-def _coarse_space(
-    face_vertices: NDArray[np.int64], is_free: NDArray[np.bool_], degree: int
-) -> scipy.sparse.csr_matrix:
+def _coarse_space(face_vertices: Indices, is_free: Flags, degree: int) -> scipy.sparse.csr_matrix:
     """The coarse space (unknowns, vertices): values on the free faces (n, 3) of the hat function of each free vertex.
 
     A hat function is 1 at its vertex, 0 at the others, and linear in every cell.
@@ -266,9 +261,7 @@ def _galerkin_product(
     return found.tocsr()
 
 
-def _petsc_block_matrix(
-    matrix: scipy.sparse.bsr_matrix, numbers: NDArray[np.int64], comm: MPI.Intracomm
-) -> PETSc.Mat:
+def _petsc_block_matrix(matrix: scipy.sparse.bsr_matrix, numbers: Indices, comm: MPI.Intracomm) -> PETSc.Mat:
     """Copy the rows of this process to a block matrix of all; `numbers` (n,) are those of the blocks' columns in the whole matrix."""
     size = matrix.shape[0]
     pointers, columns = matrix.indptr.astype(PETSc.IntType), numbers[matrix.indices].astype(PETSc.IntType)
@@ -281,7 +274,7 @@ def _petsc_block_matrix(
 
 
 def _petsc_matrix(
-    matrix: scipy.sparse.csr_matrix, numbers: NDArray[np.int64], columns: int, comm: MPI.Intracomm
+    matrix: scipy.sparse.csr_matrix, numbers: Indices, columns: int, comm: MPI.Intracomm
 ) -> PETSc.Mat:
     """Copy the rows of this process to a matrix of all; `numbers` are those of its columns, of which the process owns some `columns`."""
     pointers, places = matrix.indptr.astype(PETSc.IntType), numbers[matrix.indices].astype(PETSc.IntType)
@@ -290,9 +283,7 @@ def _petsc_matrix(
     )
 
 
-def _petsc_sum(
-    part: scipy.sparse.csr_matrix, numbers: NDArray[np.int64], own: int, comm: MPI.Intracomm
-) -> PETSc.Mat:
+def _petsc_sum(part: scipy.sparse.csr_matrix, numbers: Indices, own: int, comm: MPI.Intracomm) -> PETSc.Mat:
     """The square matrix that is the sum of the parts of all processes; `numbers` are those of a part's rows and columns in it, of which
     the process owns some `own`."""
     entries = part.tocoo()

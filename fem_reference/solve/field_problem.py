@@ -11,14 +11,14 @@ import ufl
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_matrix
 from mpi4py import MPI
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fem_reference.mesh.distributed import from_owners
 from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, FIRST_BODY, NEAR_EDGE, OUTER_SURFACE, TaggedMesh
 from fem_reference.common.stages import stage
+from geometries.common.arrays import Array, Integers
 
-Fields = Sequence[NDArray[np.float64]] | NDArray[np.float64]
+Fields = Sequence[Array] | Array
 """Potentials (unknowns,), or other values, of several solutions."""
 DEGREE = 3
 """Degree of the Lagrange elements."""
@@ -54,14 +54,14 @@ SOLVER_OPTIONS: dict[str, str | float | int] = {
 class Charges:
     """Charges per volt on one mesh, for ε = 1, in the mesh's unit of length."""
 
-    maxwell: NDArray[np.float64]
+    maxwell: Array
     """(n, n): charge on conductor i with conductor j at 1 V and the others grounded; floating conductors carry no charge."""
-    sensors_alone: NDArray[np.float64]
+    sensors_alone: Array
     """(m, m): the same for the first m conductors in a scene of the sensors alone."""
     unknowns: int
-    potentials: list[NDArray[np.float64]]
+    potentials: list[Array]
     """For each driven conductor the potential (unknowns,) with this conductor at 1 V and the others grounded."""
-    potentials_alone: list[NDArray[np.float64]] | None = None
+    potentials_alone: list[Array] | None = None
     """For each of the first m conductors the same in a scene of the sensors alone; None if that is the scene."""
 
 
@@ -99,7 +99,7 @@ class FieldProblem:
         bare.stiffness = _stiffness(self.tagged, self.space, permittivities)
         return bare
 
-    def with_conductors(self, numbers: Sequence[int], to_ground: NDArray[np.float64]) -> FieldProblem:
+    def with_conductors(self, numbers: Sequence[int], to_ground: Array) -> FieldProblem:
         """The same mesh with these of the conductors only, in this order; `to_ground` is that of those among them that float."""
         fewer = copy.copy(self)
         fewer.dofs = [self.dofs[k] for k in numbers]
@@ -110,7 +110,7 @@ class FieldProblem:
     def unknowns(self) -> int:
         return int(self.space.dofmap.index_map.size_global)
 
-    def potentials(self, present: Sequence[int], driven: int) -> list[NDArray[np.float64]]:
+    def potentials(self, present: Sequence[int], driven: int) -> list[Array]:
         """Solve for one potential (unknowns,) for each of the first `driven` of the `present` conductors.
 
         That conductor is at 1 V, the other present ones are at 0 V, and absent conductors are free space. Raises RuntimeError when
@@ -119,7 +119,7 @@ class FieldProblem:
         with stage("solving the equations"):
             return self._potentials(present, driven)
 
-    def _potentials(self, present: Sequence[int], count: int) -> list[NDArray[np.float64]]:
+    def _potentials(self, present: Sequence[int], count: int) -> list[Array]:
         fixed = np.unique(np.concatenate([*(self.dofs[k] for k in present), self.wall_dofs]))
         constrained = self.stiffness.copy()
         first = self.space.dofmap.index_map.local_range[0]
@@ -147,14 +147,14 @@ class FieldProblem:
         constrained.destroy()
         return potentials
 
-    def with_ghosts(self, potentials: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
+    def with_ghosts(self, potentials: Sequence[Array]) -> Array:
         """Potentials (n, unknowns) with the unknowns of other processes that this one's cells have; they come last."""
         unknowns = self.space.dofmap.index_map
         own = np.zeros((len(potentials), unknowns.size_local + unknowns.num_ghosts))
         own[:, : unknowns.size_local] = potentials
         return np.array([from_owners(unknowns, each) for each in own]).reshape(own.shape)
 
-    def energies(self, potentials: Fields) -> NDArray[np.float64]:
+    def energies(self, potentials: Fields) -> Array:
         """The products u_i·K·u_j (n, n) of potentials (unknowns,): the charge on conductor i with conductor j at 1 V (ε = 1).
 
         They equal the sums of the reactions K·u_j over the conductors' unknowns, except that the error of the iterative solver
@@ -164,7 +164,7 @@ class FieldProblem:
         found = comm.allreduce(np.array(potentials) @ self.reactions(potentials).T)
         return np.asarray((found + found.T) / 2)
 
-    def reactions(self, potentials: Fields) -> NDArray[np.float64]:
+    def reactions(self, potentials: Fields) -> Array:
         """The products K·u_j (n, unknowns) for this process's unknowns."""
         images = []
         for potential in potentials:
@@ -197,9 +197,7 @@ def charges(
     return Charges(kept, bare.energies(alone), problem.unknowns, potentials, alone)
 
 
-def without_floating(
-    maxwell: NDArray[np.float64], floating: int, to_ground: Sequence[float] | NDArray[np.float64] = ()
-) -> NDArray[np.float64]:
+def without_floating(maxwell: Array, floating: int, to_ground: Sequence[float] | Array = ()) -> Array:
     """Eliminate the last `floating` conductors, which carry no charge, from the Maxwell matrix: its Schur complement.
 
     With `to_ground`, in the matrix's unit, each of them carries the opposite of the charge on its capacitance to ground, which adds to
@@ -213,11 +211,8 @@ def without_floating(
 
 
 def with_floating(
-    fields: NDArray[np.float64],
-    maxwell: NDArray[np.float64],
-    floating: int,
-    to_ground: Sequence[float] | NDArray[np.float64] = (),
-) -> NDArray[np.float64]:
+    fields: Array, maxwell: Array, floating: int, to_ground: Sequence[float] | Array = ()
+) -> Array:
     """The fields (kept, …) with one conductor at 1 V and the last `floating` ones left to themselves, from those (n, …) with these at 0 V too."""
     if floating == 0:
         return fields
@@ -225,9 +220,7 @@ def with_floating(
     return fields[:kept] + np.tensordot(_induced(maxwell, floating, to_ground).T, fields[kept:], axes=1)
 
 
-def _induced(
-    maxwell: NDArray[np.float64], floating: int, to_ground: Sequence[float] | NDArray[np.float64]
-) -> NDArray[np.float64]:
+def _induced(maxwell: Array, floating: int, to_ground: Sequence[float] | Array) -> Array:
     """The potentials (floating, kept) of the last `floating` conductors of a Maxwell matrix per volt on each of the others."""
     kept = len(maxwell) - floating
     own = maxwell[kept:, kept:]
@@ -235,7 +228,7 @@ def _induced(
     return np.asarray(np.linalg.solve(own, -maxwell[kept:, :kept]))
 
 
-def first_sensor_driven(problem: FieldProblem, floating: int) -> NDArray[np.float64]:
+def first_sensor_driven(problem: FieldProblem, floating: int) -> Array:
     """The potential (unknowns,) with the first conductor at 1 V, the last `floating` ones uncharged, and the others at 0 V."""
     count = len(problem.dofs)
     potentials = np.array(problem.potentials(range(count), count))
@@ -277,7 +270,7 @@ def permittivity(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> fem
     return coefficient
 
 
-def cell_permittivities(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> NDArray[np.float64]:
+def cell_permittivities(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> Array:
     """The permittivity (cells,) relative to the medium's: 1 outside of dielectric bodies."""
     values = np.ones(tagged.local_cells)
     for body, value in permittivities.items():
@@ -285,7 +278,7 @@ def cell_permittivities(tagged: TaggedMesh, permittivities: Mapping[int, float])
     return values
 
 
-def _conductor_dofs(tagged: TaggedMesh, space: fem.FunctionSpace, bodies: Sequence[int]) -> NDArray[np.int32]:
+def _conductor_dofs(tagged: TaggedMesh, space: fem.FunctionSpace, bodies: Sequence[int]) -> Integers:
     """This process's unknowns on, and inside of, the bodies of one conductor."""
     found = []
     for k in bodies:
@@ -297,7 +290,7 @@ def _conductor_dofs(tagged: TaggedMesh, space: fem.FunctionSpace, bodies: Sequen
     return np.asarray(known[known < space.dofmap.index_map.size_local], dtype=PETSc.IntType)
 
 
-def _wall_dofs(tagged: TaggedMesh, space: fem.FunctionSpace) -> NDArray[np.int32]:
+def _wall_dofs(tagged: TaggedMesh, space: fem.FunctionSpace) -> Integers:
     """This process's unknowns on the walls of a room; none in free space."""
     walls = tagged.facets.find(OUTER_SURFACE) if tagged.in_room else np.empty(0, dtype=np.int32)
     known = fem.locate_dofs_topological(space, 2, walls)

@@ -13,7 +13,6 @@ from dataclasses import dataclass, fields
 
 import basix
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.mesh.distributed import summed, whole_numbers
 from fem_reference.solve.face_solver import CellForms, FaceSystem
@@ -28,9 +27,7 @@ from fem_reference.solve.reference_flux import (
     polynomials_on_face,
 )
 from fem_reference.solve.field_problem import cell_permittivities
-
-Array = NDArray[np.float64]
-Integers = NDArray[np.int32]
+from geometries.common.arrays import Array, Flags, Indices, Integers
 
 CURVED_QUADRATURE_DEGREE = 12
 """Quadrature degree in cells on curved surfaces: twice the degree of the fluxes, and as much again for the cell's curvature."""
@@ -59,12 +56,12 @@ class _Cells:
     """(n, 4): numbers of the faces."""
     orders: Integers
     """(n, 4): index of the order in ORDERS that sorts the vertices of each face by their numbers in the whole mesh."""
-    on_edge: NDArray[np.bool_]
+    on_edge: Flags
     """(n, 4): which vertices lie on the edge of a plate."""
-    curved: NDArray[np.bool_]
+    curved: Flags
     """(n,): which cells follow a curved surface."""
 
-    def at(self, numbers: NDArray[np.int64]) -> _Cells:
+    def at(self, numbers: Indices) -> _Cells:
         """The cells of these numbers."""
         return _Cells(*(getattr(self, own.name)[numbers] for own in fields(self)))
 
@@ -81,7 +78,7 @@ class CondensedCells:
         self._forms = np.empty((len(self.cells.faces), size, size))
         self._known = np.zeros(len(self.cells.faces), dtype=bool)
 
-    def forms(self, numbers: NDArray[np.int64]) -> Array:
+    def forms(self, numbers: Indices) -> Array:
         """The energies (n, m, m) of the best fluxes in these cells, as quadratic forms of the multipliers on their faces."""
         missing = numbers[~self._known[numbers]]
         if len(missing):
@@ -125,7 +122,7 @@ def flux_energies(
     return FluxEnergies(system.energies(potentials), energies_left, np.array(potentials))
 
 
-def with_field(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> NDArray[np.int64]:
+def with_field(tagged: TaggedMesh, permittivities: Mapping[int, float]) -> Indices:
     """The numbers of the cells of free space and of dielectric bodies, where there is a field."""
     tags = [FREE_SPACE, *(FIRST_BODY + body for body in permittivities)]
     return np.sort(np.concatenate([tagged.cells.find(tag) for tag in tags])).astype(np.int64)
@@ -170,9 +167,7 @@ def _condensed(cells: _Cells, degree: int) -> Array:
     return forms
 
 
-def _chunks(
-    members: NDArray[np.int64], curved: NDArray[np.bool_]
-) -> Iterator[tuple[NDArray[np.int64], bool]]:
+def _chunks(members: Indices, curved: Flags) -> Iterator[tuple[Indices, bool]]:
     """Split cells into chunks that are either all straight or all curved, with which it is."""
     for kind in (False, True):
         own = members[curved[members] == kind]

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from fem_reference.solve.body_charges import body_charges
@@ -27,8 +26,7 @@ from fem_reference.solve.parts_of_errors import entries, parts_of_errors, parts_
 from fem_reference.solve.readings import Bounded, LevelReadings, level_readings, quantities
 from fem_reference.solve.shares import estimated, shares_by_kind
 from fem_reference.solve.two_sided import TwoSided, two_sided
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 Bounds = Literal["none", "estimate", "enclosure"]
 """Which bounds to compute on a level: none, wide ones in which the values are estimated, or narrow ones that are part of the answer."""

@@ -6,13 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.solve.cell_gaps import BoundedMatrix
 from fem_reference.solve.shares import Estimated
 from fem_reference.solve.two_sided import TwoSided
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.bodies.conductors import Conductors, Measured
 from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
@@ -18,8 +17,7 @@ from fem_reference.solve.flux import CondensedCells
 from fem_reference.solve.parts_of_errors import Quantities
 from fem_reference.solve.shares import Shares
 from fem_reference.solve.two_sided import TwoSided, two_sided, unit_voltages
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 
 @dataclass(frozen=True)

@@ -14,11 +14,9 @@ from itertools import permutations
 
 import basix
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.mesh.quarter_points import CORNERS, FACES, aligned_rule, jacobian
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 ORDERS = list(permutations(range(3)))
 """The orders in which the three vertices of a face can be numbered."""

@@ -10,15 +10,14 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.bodies.shapes import Body, Disc
 from fem_reference.mesh.distributed import gathered
 from fem_reference.mesh.edges import on_edges
 from fem_reference.mesh.tagged_mesh import TaggedMesh
 from fem_reference.solve.cell_gaps import BoundedMatrix
+from geometries.common.arrays import Array
 
-Array = NDArray[np.float64]
 
 SHEET_EDGES, ROUND_SHEET_EDGES, SOLID_EDGES, ELSEWHERE = 0, 1, 2, 3
 """Kinds of cells: quarter-point cells at straight edges of plates and at those of discs, cells that touch an edge of a solid body, and all

@@ -10,15 +10,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.mesh.curved_surfaces import face_rule
 from fem_reference.mesh.quarter_points import CORNERS, FACES, second_order
 from fem_reference.solve.field_problem import FieldProblem, cell_permittivities
 from fem_reference.solve.flux import with_field
 from fem_reference.solve.upper_energy import CELLS_AT_A_TIME, lagrange, nodal_values
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 SAFETY = 1.5
 """Factor on the bound of first order, for the orders that it leaves out and the error of the field at the faces."""

@@ -11,12 +11,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fem_reference.solve.cell_gaps import BoundedMatrix
 from fem_reference.solve.shares import Shares, equal_shares
+from geometries.common.arrays import Array
 
-Array = NDArray[np.float64]
 FRACTION_OF_DISTANCE = 0.33
 """Stated error of the mean of the two differences, as a fraction of their distance, the sizes of whose parts in the cells add up. In the
 cases of the default study without a machine, on the coarsest mesh, the error was at most 0.16 of it, and 0.07 in the median."""

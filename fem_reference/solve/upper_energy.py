@@ -15,7 +15,6 @@ import numpy as np
 import ufl
 from dolfinx import fem
 from dolfinx.fem.petsc import assemble_vector
-from numpy.typing import NDArray
 from petsc4py import PETSc
 
 from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, OUTER_SURFACE
@@ -27,8 +26,7 @@ from fem_reference.solve.field_problem import (
     cell_permittivities,
     permittivity,
 )
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array, Indices
 
 CURVED_QUADRATURE_DEGREE = 12
 """Quadrature degree in cells on curved surfaces: twice the degree of the potentials, and as much again for the cell's curvature."""
@@ -99,7 +97,7 @@ def _near_edges(problem: FieldProblem, potentials: Array) -> Array:
     return energies
 
 
-def cell_energies(problem: FieldProblem, potentials: Array, cells: NDArray[np.int64]) -> Array:
+def cell_energies(problem: FieldProblem, potentials: Array, cells: Indices) -> Array:
     """The energies (cells, n, n) of potentials (n, unknowns), with those of ghosts, in each of some cells."""
     tagged = problem.tagged
     values = nodal_values(problem, potentials, cells)
@@ -123,7 +121,7 @@ def cell_energies(problem: FieldProblem, potentials: Array, cells: NDArray[np.in
     return energies
 
 
-def nodal_values(problem: FieldProblem, potentials: Array, cells: NDArray[np.int64]) -> Array:
+def nodal_values(problem: FieldProblem, potentials: Array, cells: Indices) -> Array:
     """The values (cells, n, nodes) of potentials (n, unknowns) at the nodes of each of some cells."""
     dofs = problem.space.dofmap.list.array.reshape(problem.tagged.local_cells, -1)[cells]
     return np.ascontiguousarray(potentials[:, dofs].transpose(1, 0, 2))

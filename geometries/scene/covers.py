@@ -6,8 +6,9 @@ import math
 
 import numpy as np
 
+from geometries.common.arrays import Array
 from geometries.common.tables import Table
-from geometries.scene.poses import Array, Pose, QuaternionRotation
+from geometries.scene.poses import Pose, QuaternionRotation
 from geometries.scene.scene import Object, Plate, Scene, Sensor
 from geometries.scene.shapes import Cuboid
 

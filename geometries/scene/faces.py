@@ -10,12 +10,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array, Flags, Indices
 from geometries.scene import polygons
-
-Array = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 _LARGEST_BEND = 1e-3
 """Distance of corners from their plane, over the longest side of the face's box, that is no remark: coordinates of a few digits have it."""
@@ -105,7 +102,7 @@ class _Polygons:
         first, second = np.where(turned, second, first), np.where(turned, first, second)
         self._seen = np.stack([faces[rows, :, first], faces[rows, :, second]], axis=2)
 
-    def is_fan(self) -> NDArray[np.bool_]:
+    def is_fan(self) -> Flags:
         """Tells which faces (m,) are covered by the triangles of their first corner, all of which turn left."""
         a, b, c = self._seen[:, :1], self._seen[:, 1:-1], self._seen[:, 2:]
         with np.errstate(all="ignore"):

@@ -7,7 +7,8 @@ import re
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
+
+from geometries.common.arrays import Array
 
 _DECIMAL = re.compile(rb"[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?")
 _WHOLE = re.compile(rb"[+-]?\d{1,18}")
@@ -35,7 +36,7 @@ def shown(word: bytes) -> str:
     return repr(text + "…" if len(word) > 40 else text)
 
 
-def decimals(words: Iterable[bytes]) -> NDArray[np.float64]:
+def decimals(words: Iterable[bytes]) -> Array:
     """Converts words to numbers."""
     return np.fromiter(map(_decimal, words), dtype=np.float64)
 

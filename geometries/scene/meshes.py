@@ -11,8 +11,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.common.files import whole_file
 from geometries.common.tables import is_file
@@ -20,7 +20,6 @@ from geometries.scene import obj, ply, stl
 from geometries.scene.faces import Surface, divided, name_points
 from geometries.scene.mesh_numbers import Damaged
 
-Array = NDArray[np.float64]
 
 # The formats that the scene file allows, because the C++ reader knows them as well.
 _READERS: dict[str, Callable[[bytes], Surface]] = {

@@ -5,12 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.scene.faces import Surface, divided
 from geometries.scene.mesh_numbers import Damaged, decimals, plain_text, shown, whole
 
-Array = NDArray[np.float64]
 
 # Numbers of a vertex: its coordinates, and a weight or a colour.
 _NUMBERS_OF_VERTEX = (3, 4, 6)

@@ -13,9 +13,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
+
 Point = tuple[int, int, int]
 """A point (i, j, k) of the lattice: i towards the left, j forwards, k upwards."""
 

@@ -6,11 +6,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.scene.person import BUILDS, Person
-
-Array = NDArray[np.float64]
 
 SEGMENTS = 12
 """Sides of each capsule's triangles."""

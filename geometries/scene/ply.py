@@ -8,10 +8,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.scene.faces import Surface, divided, name_points
 from geometries.scene.mesh_numbers import Damaged, decimals, shown, whole
-
-Array = NDArray[np.float64]
 
 _TYPES = {
     b"char": "i1", b"int8": "i1", b"uchar": "u1", b"uint8": "u1", b"short": "i2", b"int16": "i2", b"ushort": "u2", b"uint16": "u2",

@@ -10,10 +10,11 @@ from fractions import Fraction
 from typing import TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+
+from geometries.common.arrays import Array
 
 Point = tuple[float, float]
-_T = TypeVar("_T", float, NDArray[np.float64])
+_T = TypeVar("_T", float, Array)
 
 MOST_VERTICES = 500
 """Largest number of vertices: the time to check and divide a polygon grows with its square."""

@@ -6,10 +6,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+
+from geometries.common.arrays import Array
 
 Vector3 = tuple[float, float, float]
-Array = NDArray[np.float64]
 
 
 def unit(vector: tuple[float, ...]) -> Array:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.scene.joints import Joint
 from geometries.scene.poses import Pose, Transform, Vector3
 from geometries.scene.shapes import Shape
 
-Array = NDArray[np.float64]
 
 # Defaults of the sensor's electronics: thesis, section 5.3.5.
 DEFAULT_INPUT_VOLTAGE = 2.5

@@ -6,12 +6,10 @@ import math
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.scene import polygons
 from geometries.scene.person import Person
-
-Array = NDArray[np.float64]
 
 DEFAULT_SEGMENTS = 48
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.scene.faces import Surface
 from geometries.scene.mesh_numbers import Damaged, decimals, plain_text, shown
 
-Array = NDArray[np.float64]
 
 _HEADER, _FACET = 84, np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 # The words of one facet in a text file; None stands for a number.

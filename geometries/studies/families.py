@@ -17,8 +17,8 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Plate, Scene, Sensor
@@ -26,7 +26,6 @@ from geometries.scene.shapes import Cuboid, PlateShape
 from geometries.studies import machines, placement
 
 Vector2 = tuple[float, float]
-Array = NDArray[np.float64]
 
 GROUNDED, FLOATING, DIELECTRIC = "grounded", "floating", "dielectric"
 CONDUCTORS = (GROUNDED, FLOATING)

@@ -6,12 +6,10 @@ import functools
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.scene.poses import AxisRotation, QuaternionRotation, Rotation
 from geometries.scene.shapes import PlateShape
-
-Array = NDArray[np.float64]
 
 
 # Cached: a sweep has few plates and angles, and many positions.

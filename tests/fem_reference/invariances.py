@@ -19,7 +19,6 @@ from itertools import combinations
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "build" / "python"))
@@ -28,6 +27,7 @@ import fringe  # noqa: E402
 
 from fem_reference import maxwell  # noqa: E402
 from fem_reference.answer.reference import ErrorKind  # noqa: E402
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError  # noqa: E402
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Transform, Vector3  # noqa: E402
 from geometries.scene.reader import load  # noqa: E402
@@ -50,7 +50,6 @@ from geometries.scene.shapes import (  # noqa: E402
 )
 from geometries.scene.writer import canonical  # noqa: E402
 
-Array = NDArray[np.float64]
 MIRROR = np.diag([1.0, -1.0, 1.0])
 """The reflection in y, which maps every shape of the scene format but polygons, in its own frame, to itself."""
 

@@ -6,7 +6,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from fem_reference import maxwell
@@ -19,17 +18,16 @@ from fem_reference.bodies.conductors import normalised
 from fem_reference.mesh import tagged_mesh
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.bodies.symmetry import mirror_planes
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene.reader import loads
-
-Vector = NDArray[np.float64]
 
 UNIT_CUBE = 0.66067815409957
 """Capacitance of a cube in free space over 4πε0·side; Helsing & Perfekt 2013."""
 PLATE = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
 
 
-def box(*size: float, axes: Vector = np.eye(3), centre: tuple[float, ...] = (0, 0, 0)) -> Cuboid:
+def box(*size: float, axes: Array = np.eye(3), centre: tuple[float, ...] = (0, 0, 0)) -> Cuboid:
     return Cuboid("room", np.array(centre, dtype=float), axes, (size[0] / 2, size[1] / 2, size[2] / 2))
 
 

@@ -7,13 +7,13 @@ from pathlib import Path
 import meshio
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fem_reference.bodies.shapes import Cuboid
 from fem_reference.bodies.distances import distance
 from fem_reference.bodies.round_bodies import Sphere
 from fem_reference.bodies.conductors import conductors
 from fem_reference.bodies.wrapping import Geometry
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene import shapes
 from geometries.scene.reader import loads
@@ -32,7 +32,7 @@ def target(
     return f'{SENSOR}\n[[object]]\nname = "target"\nshape = {shape}\n{rest}\n'
 
 
-def mesh_scene(folder: Path, triangles: NDArray[np.float64]) -> str:
+def mesh_scene(folder: Path, triangles: Array) -> str:
     points = triangles.reshape(-1, 3)
     cells = [("triangle", np.arange(len(points)).reshape(-1, 3))]
     meshio.write(folder / "solid.stl", meshio.Mesh(points, cells))

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fem_reference.bodies.boxes import cuboid_of
 from fem_reference.bodies.conductors import normalised
@@ -14,11 +13,11 @@ from fem_reference.bodies.polyhedron import NotASolid, polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.mesh.tagged_mesh import tagged_mesh
+from geometries.common.arrays import Array
 from geometries.scene import shapes
 from geometries.scene.person import BUILDS, POSTURES, Person
 from geometries.scene.poses import AxisRotation
 
-Array = NDArray[np.float64]
 CUBE = shapes.Cuboid((0.2, 0.2, 0.2)).triangles()
 
 

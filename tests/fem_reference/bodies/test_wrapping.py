@@ -4,16 +4,15 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fem_reference.bodies.polyhedron import polyhedron
 from fem_reference.bodies.round_bodies import Sphere
 from fem_reference.bodies.distances import distance
 from fem_reference.bodies.wrapping import Geometry, Wrap, containing_triangles, wrap
+from geometries.common.arrays import Array
 from geometries.scene import shapes
 from geometries.scene.shapes import Shape
 
-Array = NDArray[np.float64]
 BOX = shapes.Cuboid((0.1, 0.06, 0.04)).triangles()
 SENSOR = shapes.PlateShape((0.05, 0.05)).triangles() + [0, 0, 0.03]
 

@@ -7,7 +7,6 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from fem_reference.mesh import quarter_points
 from fem_reference.mesh.quarter_points import (
@@ -20,8 +19,7 @@ from fem_reference.mesh.quarter_points import (
     straighten,
 )
 from fem_reference.solve.reference_flux import CORNERS, flux_space
-
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array
 
 KINDS = [frozenset(chosen) for count in (1, 2, 3) for chosen in combinations(range(4), count)]
 

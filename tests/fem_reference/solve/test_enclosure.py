@@ -6,7 +6,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from analysis.topics.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
@@ -17,9 +16,8 @@ from fem_reference.answer.reference import solve_conductors
 from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
 from fem_reference.mesh.size_rules import Sizing
 from fem_reference.bodies.symmetry import mirror_planes
+from geometries.common.arrays import Array
 from tests.by_night import all_but
-
-Array = NDArray[np.float64]
 
 CASES = boundary_elements()[::3]
 """A sample of the cases; `python3 -m analysis verify` runs all of them."""

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 from scipy.special import elliprf
 
@@ -25,6 +24,7 @@ from fem_reference.solve.field_problem import without_floating
 from fem_reference.solve.level import solve_level
 from fem_reference.solve.readings import reading_bounds
 from fem_reference.solve.two_sided import FRACTION_OF_DISTANCE, two_sided, unit_voltages
+from geometries.common.arrays import Array
 from geometries.scene.reader import loads
 from tests.scenes import SENSOR
 
@@ -36,15 +36,13 @@ translation = [0, 0, {gap}]
 """
 
 
-def positive(random: np.random.Generator, size: float) -> NDArray[np.float64]:
+def positive(random: np.random.Generator, size: float) -> Array:
     """A positive semidefinite matrix."""
     root = random.normal(size=(3, 3))
     return np.asarray(size * root @ root.T)
 
 
-def bounded(
-    matrix: NDArray[np.float64], gaps: list[NDArray[np.float64]], shift: float = 0.0
-) -> BoundedMatrix:
+def bounded(matrix: Array, gaps: list[Array], shift: float = 0.0) -> BoundedMatrix:
     """Bounds of a matrix that leave these gaps in the cells of a mesh, half of it below and half above; curved surfaces change a share of them."""
     half = sum(gaps) / 2
     return BoundedMatrix(matrix - half, matrix + half, np.array(gaps), shift * np.array(gaps))
