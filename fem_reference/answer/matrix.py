@@ -13,8 +13,7 @@ import numpy as np
 
 from fem_reference.answer.convergence import Estimate
 from fem_reference.answer.readings import readings_contradict
-from fem_reference.answer.shared_errors import SharedErrors
-from fem_reference.answer.wrapped import corrected
+from fem_reference.answer.shared_errors import SharedErrors, corrected
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.bodies.symmetry import exchanges
 from fem_reference.solve.enclosure import Enclosure, contradict, intersection, with_left_out

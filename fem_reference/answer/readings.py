@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_reference.answer.convergence import Estimate, estimate
-from fem_reference.answer.shared_errors import SharedErrors
-from fem_reference.answer.wrapped import corrected
+from fem_reference.answer.shared_errors import SharedErrors, corrected
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.solve.enclosure import Enclosure, contradict, intersection
 from fem_reference.solve.level import Level

@@ -18,8 +18,7 @@ from scipy.constants import epsilon_0
 from fem_reference.answer.convergence import Estimate
 from fem_reference.answer.matrix import combined_matrix
 from fem_reference.answer.readings import ReadingAnswer, combined_readings, delta_self
-from fem_reference.answer.shared_errors import SharedErrors, shared_errors
-from fem_reference.answer.wrapped import GeometryError, geometry_error
+from fem_reference.answer.shared_errors import GeometryError, SharedErrors, geometry_error, shared_errors
 from fem_reference.bodies.conductors import Conductors, assembly, wrapped
 from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.distant import LeftOut, is_negligible, without_distant
@@ -35,7 +34,7 @@ from fem_reference.mesh.marks import (
     LATER_ORDER,
     adapted_sizes,
 )
-from fem_reference.mesh.size_rules import Sizing, sizing_for
+from fem_reference.mesh.sizing import Sizing, sizing_for
 from fem_reference.solve.enclosure import Enclosure
 from fem_reference.solve.level import Level, solve_level
 from geometries.common.arrays import Array

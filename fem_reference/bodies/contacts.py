@@ -9,8 +9,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from fem_reference.bodies.distances import TOUCHING, distance, gap_to_walls, holds, touch_with_faces
-from fem_reference.bodies.shapes import Cuboid
-from fem_reference.bodies.soup import Surface
+from fem_reference.bodies.shapes import Cuboid, Surface
 from geometries.common.errors import InputError
 
 SMALLEST_GAP = 1e-3

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle, separation
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle, Soup, Surface, separation
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
-from fem_reference.bodies.soup import Soup, Surface
 from fem_reference.bodies.triangle_distances import soup_distance
 from geometries.common.arrays import Array
 

@@ -8,13 +8,12 @@ from itertools import combinations
 
 import numpy as np
 
-from fem_reference.bodies.boxes import cuboid_of
+from fem_reference.bodies.plane_faces import cuboid_of
 from fem_reference.bodies.contacts import SMALLEST_GAP, groups, meet, refuse_contact
 from fem_reference.bodies.distances import triangles_of
 from fem_reference.bodies.polyhedron import NotASolid, Polyhedron, polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
-from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Disc, PlanePolygon, Rectangle
-from fem_reference.bodies.soup import Soup, Surface
+from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Disc, PlanePolygon, Rectangle, Soup, Surface
 from fem_reference.bodies.wrapping import ALPHA_OF_EXTENT, Geometry, containing_triangles, wrap
 from geometries.common.arrays import Array
 from geometries.common.errors import InputError

@@ -14,7 +14,8 @@ from scipy.optimize import lsq_linear
 
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.round_bodies import Placed, RoundBody
-from geometries.common.arrays import Array
+from fem_reference.bodies.triangle_distances import winding_number
+from geometries.common.arrays import Array, Flags
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,34 @@ Sheet = Rectangle | Disc | PlanePolygon
 SHEETS = (Rectangle, Disc, PlanePolygon)
 """The bodies without thickness."""
 Body = Sheet | Cuboid | RoundBody | Polyhedron
+
+
+@dataclass(frozen=True)
+class Soup:
+    """The triangles (m, 3, 3) of a body, in metres, and what keeps them from bounding a solid."""
+
+    name: str
+    triangles: Array
+    defect: str
+    """Words that follow the name of the file."""
+    is_solid: ClassVar[bool] = False
+
+    @property
+    def corners(self) -> Array:
+        return np.asarray(self.triangles.reshape(-1, 3))
+
+    @property
+    def size(self) -> float:
+        """The middle one of the widths of the bounding box, so that a sheet has a size as well."""
+        return float(np.median(np.ptp(self.corners, axis=0)))
+
+    def holds(self, points: Array) -> Flags:
+        """Whether each of the points (n, 3) is inside: the triangles, whatever their orientation as a whole, wind around it."""
+        return np.asarray(np.abs(winding_number(self.triangles, points)) > 0.5)
+
+
+Surface = Body | Soup
+"""What a body is before it is known whether it has to be wrapped."""
 
 
 def rectangle(name: str, corner: Array, edge_u: Array, edge_v: Array) -> Rectangle:

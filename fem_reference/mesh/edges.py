@@ -9,8 +9,7 @@ import numpy as np
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body
 from fem_reference.mesh.body_distances import edge_distance
-from fem_reference.mesh.size_function import SizeFunction
-from fem_reference.mesh.tape import Tape
+from fem_reference.mesh.tape import SizeFunction, Tape
 from geometries.common.arrays import Array, Flags, Indices, Integers
 
 ON_EDGE = 1e-7

@@ -16,10 +16,8 @@ from scipy.spatial import cKDTree
 
 from fem_reference.bodies.shapes import Body
 from fem_reference.mesh.edges import ON_EDGE, sides_along_edges
-from fem_reference.mesh.size_function import SizeFunction
-from fem_reference.mesh.size_rules import AdaptedSizes
-from fem_reference.mesh.sizing import distance_on_tape
-from fem_reference.mesh.tape import Tape
+from fem_reference.mesh.tape import SizeFunction, Tape
+from fem_reference.mesh.sizing import AdaptedSizes, distance_on_tape
 from geometries.common.arrays import Array, Indices, Integers
 
 REACH = 3.0

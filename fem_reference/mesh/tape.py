@@ -1,19 +1,24 @@
-"""Records formulas in the coordinates of a point as a list of operations, which compiled code evaluates (`size_function`).
+"""Records formulas in the coordinates of a point as a list of operations, which compiled code evaluates (`SizeFunction`).
 
 A formula is written once, for numpy: `np.sqrt(x**2 + y**2)` is an array where x and y are arrays, and an `Expression` where they are
-expressions of a tape.
+expressions of a tape. gmsh calls the compiled code for every point whose size it asks about. Its own expressions (MathEval) give the same
+sizes, but take most of the time of meshing.
 """
 
 from __future__ import annotations
 
+import ctypes
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import cache
 from typing import Any
 
+import gmsh
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 from numpy.typing import NDArray
 
+from geometries.common import installation
 from geometries.common.arrays import Array
 
 Quantity = Any
@@ -111,3 +116,65 @@ def smallest(quantities: Sequence[Quantity]) -> Quantity:
     for quantity in quantities[1:]:
         found = np.minimum(found, quantity)
     return found
+
+
+class SizeFunction:
+    """The value of an expression of a tape at every point."""
+
+    def __init__(self, size: Expression) -> None:
+        tape = size.tape
+        steps = np.array(tape.steps, dtype=np.intc)
+        constants = np.array(tape.constants, dtype=float)
+        counts = np.array([len(triangles) for triangles in tape.surfaces], dtype=np.uintp)
+        corners = np.concatenate([np.zeros(0), *(triangles.ravel() for triangles in tape.surfaces)])
+        offsets = np.concatenate([np.zeros(0), *tape.offsets])
+        self._library = _library()
+        self._handle = ctypes.c_void_p(
+            self._library.fringe_sizes_new(
+                ctypes.c_size_t(len(steps)),
+                _pointer(steps),
+                _pointer(constants),
+                ctypes.c_size_t(len(counts)),
+                _pointer(counts),
+                _pointer(corners),
+                _pointer(offsets),
+                ctypes.c_size_t(size.register),
+            )
+        )
+
+    def __del__(self) -> None:
+        self._library.fringe_sizes_delete(self._handle)
+
+    def __call__(self, points: Array) -> Array:
+        """The values (n,) at points (n, 3)."""
+        given = np.ascontiguousarray(points, dtype=float)
+        values = np.empty(len(given))
+        count = ctypes.c_size_t(len(given))
+        self._library.fringe_sizes_evaluate(self._handle, count, _pointer(given), _pointer(values))
+        return values
+
+    def set_in_gmsh(self) -> None:
+        """Make it the size of the cells of the current gmsh model. gmsh keeps no reference: the function must outlive the meshing."""
+        status = ctypes.c_int()
+        gmsh.lib.gmshModelMeshSetSizeCallback(
+            self._library.fringe_sizes_at, self._handle, ctypes.byref(status)
+        )
+        if status.value:
+            raise RuntimeError(gmsh.logger.getLastError())
+
+
+@cache
+def _library() -> ctypes.CDLL:
+    """Load the compiled code; raises OSError, with what to do, if it was not built."""
+    path = installation.sizes_library()
+    if not path.is_file():
+        raise OSError(f"{installation.from_repository(path)} is missing: ./run builds it")
+    library = ctypes.CDLL(str(path))
+    library.fringe_sizes_new.restype = ctypes.c_void_p
+    library.fringe_sizes_delete.restype = None
+    library.fringe_sizes_evaluate.restype = None
+    return library
+
+
+def _pointer(array: NDArray[np.generic]) -> ctypes.c_void_p:
+    return ctypes.c_void_p(array.ctypes.data)

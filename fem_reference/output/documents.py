@@ -23,7 +23,7 @@ from fem_reference.output.readings import readings_document, readings_table
 from fem_reference.solve.level import Level
 from fem_reference.common.limits import Limits
 from fem_reference.common.supervision import AnswerSoFar, Report
-from fem_reference.answer.wrapped import GeometryError
+from fem_reference.answer.shared_errors import GeometryError
 from fem_reference.answer.reference import ErrorKind, Reference, maxwell
 from fem_reference.bodies.remarks import remarks
 from geometries.common.files import whole_file

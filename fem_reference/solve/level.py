@@ -24,8 +24,7 @@ from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
 from fem_reference.solve.parts_of_errors import entries, parts_of_errors, parts_of_estimates
 from fem_reference.solve.readings import Bounded, LevelReadings, level_readings, quantities
-from fem_reference.solve.shares import estimated, shares_by_kind
-from fem_reference.solve.two_sided import TwoSided, two_sided
+from fem_reference.solve.two_sided import TwoSided, estimated, shares_by_kind, two_sided
 from geometries.common.arrays import Array
 
 Bounds = Literal["none", "estimate", "enclosure"]

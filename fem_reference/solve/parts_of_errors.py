@@ -8,8 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fem_reference.solve.cell_gaps import BoundedMatrix
-from fem_reference.solve.shares import Estimated
-from fem_reference.solve.two_sided import TwoSided
+from fem_reference.solve.two_sided import Estimated, TwoSided
 from geometries.common.arrays import Array
 
 

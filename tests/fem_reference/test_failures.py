@@ -20,7 +20,7 @@ from fem_reference.__main__ import main
 from fem_reference.bodies.shapes import Rectangle
 from fem_reference.common.stages import stage
 from fem_reference.mesh import tagged_mesh as mesh
-from fem_reference.mesh.size_rules import Sizing
+from fem_reference.mesh.sizing import Sizing
 from fem_reference.mesh.tagged_mesh import tagged_mesh
 from fem_reference.solve import field_problem as solve
 from tests import scenes

@@ -16,7 +16,7 @@ from fem_reference.output.documents import table
 from fem_reference.bodies.round_bodies import Sphere
 from fem_reference.bodies.conductors import normalised
 from fem_reference.mesh import tagged_mesh
-from fem_reference.mesh.size_rules import Sizing
+from fem_reference.mesh.sizing import Sizing
 from fem_reference.bodies.symmetry import mirror_planes
 from geometries.common.arrays import Array
 from geometries.common.errors import InputError

@@ -29,7 +29,7 @@ from fem_reference.bodies.conductors import Conductors, normalised
 from fem_reference.bodies.round_bodies import Ellipsoid, Swept
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle
 from fem_reference.bodies.symmetry import mirror_planes
-from fem_reference.mesh.size_rules import Sizing
+from fem_reference.mesh.sizing import Sizing
 from fem_reference.solve.level import solve_level
 from geometries.scene import polygons
 from geometries.scene.poses import AxisRotation

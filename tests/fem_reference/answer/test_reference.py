@@ -12,11 +12,11 @@ import pytest
 from fem_reference.answer import reference
 from fem_reference.answer.convergence import Estimate
 from fem_reference.answer.reference import ErrorKind, Reference, first_refinement
-from fem_reference.answer.wrapped import GeometryError
+from fem_reference.answer.shared_errors import GeometryError
 from fem_reference.bodies.conductors import Measured, normalised
 from fem_reference.bodies.shapes import Rectangle
 from fem_reference.mesh.marks import Marks
-from fem_reference.mesh.size_rules import Sizing
+from fem_reference.mesh.sizing import Sizing
 from fem_reference.output.documents import table
 from fem_reference.solve.enclosure import Enclosure
 from fem_reference.solve.level import Level, LevelBounds, solve_level

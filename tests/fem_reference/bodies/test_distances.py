@@ -10,8 +10,7 @@ import pytest
 from fem_reference.bodies.distances import Piece, _piece_distance, distance, holds, touch_with_faces
 from fem_reference.bodies.polyhedron import polyhedron
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle, separation
-from fem_reference.bodies.soup import Soup
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle, Soup, separation
 from fem_reference.bodies.triangle_distances import soup_distance
 from fem_reference.mesh.body_distances import (
     ClosedFormBody,

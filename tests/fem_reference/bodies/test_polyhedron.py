@@ -6,9 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fem_reference.bodies.boxes import cuboid_of
+from fem_reference.bodies.plane_faces import cuboid_of, plane_faces
 from fem_reference.bodies.conductors import normalised
-from fem_reference.bodies.plane_faces import plane_faces
 from fem_reference.bodies.polyhedron import NotASolid, polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, Rectangle
 from fem_reference.mesh.sizing import Sizing

@@ -10,7 +10,7 @@ from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
 from fem_reference.solve.level import solve_level
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
 from fem_reference.bodies.conductors import Conductors, normalised
-from fem_reference.mesh.size_rules import Sizing
+from fem_reference.mesh.sizing import Sizing
 from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
 
 

@@ -23,10 +23,8 @@ from fem_reference.mesh.body_distances import (
     wall_distance,
 )
 from fem_reference.mesh.marks import ORDER_ACROSS_GAPS, Marks, adapted_sizes
-from fem_reference.mesh.size_function import SizeFunction
-from fem_reference.mesh.size_rules import Sizing, sizing_for
-from fem_reference.mesh.sizing import _in_gap, _is_wide
-from fem_reference.mesh.tape import Tape, smallest
+from fem_reference.mesh.tape import SizeFunction, Tape, smallest
+from fem_reference.mesh.sizing import Sizing, _in_gap, _is_wide, sizing_for
 from geometries.scene import polygons, shapes
 from geometries.scene.poses import AxisRotation
 

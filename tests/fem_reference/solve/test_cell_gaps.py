@@ -15,14 +15,14 @@ from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
 from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.marks import marks
 from fem_reference.mesh.quarter_points import is_pulled
-from fem_reference.mesh.size_rules import Sizing
+from fem_reference.mesh.sizing import Sizing
 from fem_reference.mesh.tagged_mesh import tagged_mesh
 from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
 from fem_reference.solve.field_problem import FieldProblem
 from fem_reference.solve.flux import CondensedCells
 from fem_reference.solve.level import Bounds, solve_level
 from fem_reference.solve.parts_of_errors import Quantities, entries, parts_of_errors
-from fem_reference.solve.shares import (
+from fem_reference.solve.two_sided import (
     ELSEWHERE,
     ERROR,
     OF_UPPER,

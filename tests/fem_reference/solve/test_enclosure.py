@@ -14,7 +14,7 @@ from fem_reference.solve.enclosure import Enclosure, contradict, enclosure, inte
 from fem_reference.solve.level import Level, solve_level
 from fem_reference.answer.reference import solve_conductors
 from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
-from fem_reference.mesh.size_rules import Sizing
+from fem_reference.mesh.sizing import Sizing
 from fem_reference.bodies.symmetry import mirror_planes
 from geometries.common.arrays import Array
 from tests.by_night import all_but

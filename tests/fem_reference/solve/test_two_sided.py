@@ -17,7 +17,7 @@ from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.body_distances import distance_from_surface
 from fem_reference.mesh.curved_surfaces import curved_faces, rim_errors
 from fem_reference.mesh.quarter_points import straighten
-from fem_reference.mesh.size_rules import Sizing
+from fem_reference.mesh.sizing import Sizing
 from fem_reference.mesh.tagged_mesh import tagged_mesh
 from fem_reference.solve.cell_gaps import BoundedMatrix
 from fem_reference.solve.field_problem import without_floating
