@@ -12,7 +12,6 @@ from typing import Any
 from analysis import measure
 from geometries.common import installation
 from geometries.common.arguments import positive_integer, positive_number
-from geometries.common.interpreter import continue_with
 
 TOPICS = {
     "verify": "compare the reference with known capacitances (minutes; finished rows are kept)",
@@ -202,7 +201,9 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser(installation.command("analysis")).parse_args(arguments)
     before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        continue_with("plotly" if options.command in ("coverage", "live", "show", "sweep") else "dolfinx")
+        installation.continue_with(
+            "plotly" if options.command in ("coverage", "live", "show", "sweep") else "dolfinx"
+        )
         # The packages that commands import are slow, and this interpreter may lack them until here.
         from analysis.commands import run_command
 

@@ -21,7 +21,6 @@ from fem_reference.common.supervision import Report, supervised
 from geometries.common import installation
 from geometries.common.arguments import positive_number
 from geometries.common.errors import InputError
-from geometries.common.interpreter import continue_with
 
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 
@@ -52,28 +51,17 @@ def _parser(program: str) -> argparse.ArgumentParser:
     parser.add_argument(
         "--rtol", type=positive_number, default=1e-3, help="largest relative error of an entry (default 1e-3)"
     )
-    parser.add_argument(
-        "--max-seconds",
-        type=positive_number,
-        default=math.inf,
-        metavar="S",
-        help="start no level that is predicted to end later than this many seconds after the start, and end one that does, the first "
-        "one too (default: no limit)",
-    )
-    parser.add_argument(
-        "--max-unknowns",
-        type=positive_number,
-        default=math.inf,
-        metavar="N",
-        help="start no level that is predicted to have more unknowns than this (default: no limit)",
-    )
-    parser.add_argument(
-        "--max-memory",
-        type=positive_number,
-        default=math.inf,
-        metavar="GIB",
-        help="start no level that is predicted to take more memory than this (default: no limit)",
-    )
+    for limit, unit, exceeds in (
+        (
+            "--max-seconds",
+            "S",
+            "end later than this many seconds after the start, and end one that does, the first one too",
+        ),
+        ("--max-unknowns", "N", "have more unknowns than this"),
+        ("--max-memory", "GIB", "take more memory than this"),
+    ):
+        words = f"start no level that is predicted to {exceeds} (default: no limit)"
+        parser.add_argument(limit, type=positive_number, default=math.inf, metavar=unit, help=words)
     parser.add_argument(
         "--error",
         choices=("enclosure", "estimate"),
@@ -215,5 +203,5 @@ def _prepare_libraries() -> None:
 if __name__ == "__main__":
     # Help and wrong options need no packages.
     _parser(installation.command("fem_reference")).parse_args()
-    continue_with("dolfinx")
+    installation.continue_with("dolfinx")
     sys.exit(supervised(lambda report: main(report=report), NOT_REACHED))
