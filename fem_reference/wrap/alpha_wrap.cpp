@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "alpha_wrap.hpp"
+#include "wrap.hpp"
 
 #include <CGAL/Alpha_wrap_3/internal/Alpha_wrap_3.h>
 #include <CGAL/Alpha_wrap_3/internal/Triangle_soup_oracle.h>

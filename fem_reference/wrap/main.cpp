@@ -2,9 +2,7 @@
 // fringe-wrap: a closed surface around any triangles, by CGAL's alpha wrap, for the field reference. CGAL's
 // alpha wrap is under the GPL, and so is this program, which nothing else is linked with.
 
-#include "alpha_wrap.hpp"
-#include "simplify.hpp"
-#include "surfaces.hpp"
+#include "wrap.hpp"
 
 #include <cmath>
 #include <cstdio>

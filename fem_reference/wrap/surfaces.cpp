@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "surfaces.hpp"
+#include "wrap.hpp"
 
 #include <CGAL/IO/polygon_soup_io.h>
 
