@@ -22,7 +22,7 @@ from fem_reference.answer.shared_errors import GeometryError, SharedErrors, geom
 from fem_reference.bodies.conductors import Conductors, assembly, wrapped
 from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.distant import LeftOut, is_negligible, without_distant
-from fem_reference.bodies.symmetry import Plane, mirror_planes
+from fem_reference.bodies.symmetry import Plane
 from fem_reference.bodies.wrapping import Geometry
 from fem_reference.common.limits import Limits
 from fem_reference.mesh.marks import (
@@ -103,11 +103,6 @@ class Reference:
         return self.problem.names
 
     @property
-    def curved(self) -> tuple[str, ...]:
-        """Bodies with curved surfaces, which the cells follow approximately."""
-        return self.problem.curved
-
-    @property
     def has_objects(self) -> bool:
         """Whether the scene has objects besides its sensors, without which `delta_self` would be zero."""
         problem = self.problem
@@ -134,7 +129,7 @@ class Reference:
             return self.contradicted
         if self.problem.wraps:
             return "of the wraps"
-        return "of curved surfaces" if self.curved else None
+        return "of curved surfaces" if self.problem.curved else None
 
     @property
     def error_kind(self) -> ErrorKind:
@@ -278,7 +273,7 @@ def solve_conductors(
     """
     start = time.monotonic() if start is None else start
     fewer, left_out = without_distant(problem, epsilon_0 * relative_permittivity, rtol)
-    set_up = _SetUp(fewer, left_out, _planes(fewer, symmetry))
+    set_up = _SetUp(fewer, left_out, fewer.mirror_planes if symmetry else ())
     levels: list[Level] = []
     answer: Reference
     shape: GeometryError | None = None
@@ -296,12 +291,14 @@ def solve_conductors(
         shared = shared_errors(set_up.problem, relative_permittivity, level, set_up.bound, shape)
         if not set_up.may_leave_out(level, shared, rtol):
             # The first level shows that some entries are too small for the bound: solve the whole scene after all.
-            set_up = _SetUp(problem, (), _planes(problem, symmetry))
+            set_up = _SetUp(problem, (), problem.mirror_planes if symmetry else ())
             continue
         levels.append(level)
         if compared and shape is None:
             others = [
-                solve_level(other, relative_permittivity, sizing, "none", _planes(other, symmetry))
+                solve_level(
+                    other, relative_permittivity, sizing, "none", other.mirror_planes if symmetry else ()
+                )
                 for other in compared
             ]
             shape = geometry_error(problem, level, *others)
@@ -359,11 +356,6 @@ def _end_all_processes() -> None:
 def _is_want_of_memory(failure: BaseException) -> bool:
     """Whether an exception is a MemoryError, or PETSc's of its kind, perhaps inside of the message of a stage."""
     return isinstance(failure, MemoryError) or PETSC_OUT_OF_MEMORY in str(failure)
-
-
-def _planes(problem: Conductors, symmetry: bool) -> tuple[Plane, ...]:
-    """The planes of symmetry to use: none unless `symmetry`."""
-    return mirror_planes(problem.bodies, problem.owner, problem.room) if symmetry else ()
 
 
 def first_refinement(problem: Conductors) -> float:

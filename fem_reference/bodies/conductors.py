@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from scipy.constants import epsilon_0
@@ -15,9 +15,9 @@ from fem_reference.bodies.distances import overlap
 from fem_reference.bodies.parts import Part, merged, meshable, object_part, of_one_potential
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body, Cuboid, PlanePolygon, Rectangle, bounding_sphere, rectangle
-from fem_reference.bodies.symmetry import Plane
+from fem_reference.bodies.symmetry import Plane, mirror_planes
 from fem_reference.bodies.wrapping import Geometry, Wrap, member_names
-from geometries.common.arrays import Array, Indices
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene.readings import readings, targets
 from geometries.scene.scene import Object, Scene
@@ -68,9 +68,9 @@ class Conductors:
     """Number of sensors among `names`."""
     bodies: tuple[Body, ...]
     owner: tuple[int, ...]
-    centre: Array
+    centre: Array = field(default_factory=lambda: np.zeros(3))
     """Origin of the scaled scene, in metres."""
-    unit: float
+    unit: float = 1.0
     """Unit of length of the scaled scene, in metres."""
     floating: tuple[str, ...] = ()
     dielectrics: tuple[Dielectric, ...] = ()
@@ -104,6 +104,11 @@ class Conductors:
         return [self.bodies_of(k) for k in range(self.driven + len(self.grounded))]
 
     @property
+    def grounded_bodies(self) -> list[int]:
+        """Indices of the bodies that are at 0 V in every solution."""
+        return [k for part in self.parts[self.driven :] for k in part]
+
+    @property
     def members(self) -> tuple[tuple[str, ...], ...]:
         """The names of the bodies that make up each conductor."""
         return tuple(
@@ -122,6 +127,11 @@ class Conductors:
         dielectrics = [body.name for body in self.dielectrics]
         numbered = [*self.names, *self.floating, *self.grounded, *dielectrics]
         return tuple(name in self.targets for name in numbered)
+
+    @property
+    def mirror_planes(self) -> tuple[Plane, ...]:
+        """The planes of symmetry, of which one side is enough to be solved."""
+        return mirror_planes(self.bodies, self.owner, self.room)
 
     def in_metres(self, plane: Plane) -> Plane:
         """Convert a plane of the scaled scene to the world frame, in metres."""
@@ -245,9 +255,12 @@ def wrapped(found: Assembly, geometry: Geometry) -> Conductors:
     if room is not None:
         for part in parts:
             refuse_outside(part.surface, room, found.source)
-    dielectrics = [
-        _dielectric(body, scene) for body in scene.objects if body.relative_permittivity is not None
-    ]
+    medium = scene.medium.relative_permittivity
+    dielectrics = tuple(
+        Dielectric(body.name, body.relative_permittivity, body.relative_permittivity / medium)
+        for body in scene.objects
+        if body.relative_permittivity is not None
+    )
     numbered = [*asked, *found.floating, *others, *(body.name for body in dielectrics)]
     sensors = [sensor.name for sensor in scene.sensors]
     problem = normalised(
@@ -255,13 +268,13 @@ def wrapped(found: Assembly, geometry: Geometry) -> Conductors:
         sum(name in asked for name in sensors),
         [part.body for part in parts],
         [numbered.index(part.conductor) for part in parts],
-        found.floating,
-        dielectrics,
-        others,
-        sum(name in others for name in sensors),
-        room,
+        floating=found.floating,
+        dielectrics=dielectrics,
+        grounded=others,
+        grounded_sensors=sum(name in others for name in sensors),
+        room=room,
     )
-    permittivity = epsilon_0 * scene.medium.relative_permittivity
+    permittivity = epsilon_0 * medium
     return replace(
         problem,
         to_ground=tuple(capacitance / (permittivity * problem.unit) for capacitance in found.to_ground),
@@ -328,32 +341,10 @@ def _refuse_unknown(columns: Sequence[str], rows: Sequence[str], source: str) ->
 
 
 def normalised(
-    names: Sequence[str],
-    sensors: int,
-    bodies: Sequence[Body],
-    owner: Sequence[int],
-    floating: Sequence[str] = (),
-    dielectrics: Sequence[Dielectric] = (),
-    grounded: Sequence[str] = (),
-    grounded_sensors: int = 0,
-    room: Cuboid | None = None,
+    names: Sequence[str], sensors: int, bodies: Sequence[Body], owner: Sequence[int], **others: Any
 ) -> Conductors:
     """Scale bodies given in metres to `Conductors`, whose attributes the arguments are."""
-    return scaled(
-        Conductors(
-            tuple(names),
-            sensors,
-            tuple(bodies),
-            tuple(owner),
-            np.zeros(3),
-            1.0,
-            tuple(floating),
-            tuple(dielectrics),
-            tuple(grounded),
-            grounded_sensors,
-            room,
-        )
-    )
+    return scaled(Conductors(tuple(names), sensors, tuple(bodies), tuple(owner), **others))
 
 
 def scaled(problem: Conductors) -> Conductors:
@@ -367,12 +358,6 @@ def scaled(problem: Conductors) -> Conductors:
         room=None if problem.room is None else _moved(problem.room, centre, unit),
         to_ground=tuple(capacitance / unit for capacitance in problem.to_ground),
     )
-
-
-def _dielectric(body: Object, scene: Scene) -> Dielectric:
-    assert body.relative_permittivity is not None
-    contrast = body.relative_permittivity / scene.medium.relative_permittivity
-    return Dielectric(body.name, body.relative_permittivity, contrast)
 
 
 def _moved(body: AnyBody, centre: Array, unit: float) -> AnyBody:

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from fem_reference.bodies.distances import TOUCHING, distance, gap_to_walls, holds, touch_with_faces
+from fem_reference.bodies.polyhedron import connected
 from fem_reference.bodies.shapes import Cuboid, Surface
 from geometries.common.errors import InputError
 
@@ -19,11 +18,7 @@ proportional to the square of size over gap: with a smaller gap it would not fit
 
 def groups(count: int, pairs: Sequence[tuple[int, int]]) -> list[int]:
     """The number (count,) of the group of each body, where the bodies of each pair are in one group; groups follow their first bodies."""
-    ends = np.array(pairs, dtype=np.int64).reshape(-1, 2)
-    graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(count, count))
-    label = connected_components(graph, directed=False)[1].tolist()
-    order = {group: k for k, group in enumerate(dict.fromkeys(label))}
-    return [order[group] for group in label]
+    return list(map(int, connected(count, np.array(pairs, dtype=np.int64).reshape(-1, 2))))
 
 
 def meet(first: Surface, second: Surface, margin: float = 0.0) -> bool:

@@ -7,10 +7,8 @@ and whose planes of symmetry are known.
 from __future__ import annotations
 
 import numpy as np
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
-from fem_reference.bodies.polyhedron import FLAT_DEGREES, SAME_POINT, Polyhedron
+from fem_reference.bodies.polyhedron import FLAT_DEGREES, SAME_POINT, Polyhedron, connected
 from fem_reference.bodies.shapes import Cuboid
 from geometries.common.arrays import Array, Indices
 
@@ -37,10 +35,7 @@ def plane_faces(body: Polyhedron) -> list[list[Face]]:
 def _coplanar_groups(body: Polyhedron) -> Indices:
     """A label for each triangle (m,), equal for triangles that a path over flat edges connects."""
     _, sides, angle = body.folds
-    sides = sides[angle <= FLAT_DEGREES]
-    count = len(body.triangles)
-    graph = coo_array((np.ones(len(sides)), (sides[:, 0], sides[:, 1])), shape=(count, count))
-    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
+    return connected(len(body.triangles), sides[angle <= FLAT_DEGREES])
 
 
 def _faces_of(body: Polyhedron, group: Indices) -> list[Face]:

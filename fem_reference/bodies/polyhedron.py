@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import ConvexHull, cKDTree
 
-from fem_reference.bodies.triangle_distances import winding_number
+from fem_reference.bodies.triangle_distances import segment_distances, winding_number
 from geometries.common.arrays import Array, Flags, Indices
 
 MOST_NORMALS = 5000
@@ -98,7 +98,7 @@ def polyhedron(name: str, triangles: Array) -> Polyhedron:
     _refuse_open(vertices, corners)
     parts = connected_parts(corners)
     for part in parts:
-        if _volume(vertices[corners[part]]) <= 0:
+        if signed_volume(vertices[corners[part]]) <= 0:
             where = _place(vertices[corners[part]].mean(axis=(0, 1)))
             if _is_cavity(vertices[corners], part):
                 raise NotASolid(f"has a cavity around {where}, which is not meshed")
@@ -116,20 +116,24 @@ def smallest_width(vertices: Array, corners: Indices, parts: Sequence[Indices]) 
 
 def connected_parts(corners: Indices) -> list[Indices]:
     """The connected components of the surface: groups of triangles connected by common vertices."""
-    rows = np.repeat(np.arange(len(corners)), 3)
-    size = (len(corners), int(corners.max()) + 1)
-    touches = coo_array((np.ones(rows.size), (rows, corners.ravel())), shape=size).tocsr()
-    count, label = connected_components(touches @ touches.T, directed=False)
-    return [np.flatnonzero(label == part) for part in range(count)]
+    count = len(corners)
+    ends = np.column_stack([np.repeat(np.arange(count), 3), count + corners.ravel()])
+    label = connected(count + int(corners.max()) + 1, ends)[:count]
+    return [np.flatnonzero(label == part) for part in range(label.max() + 1)]
+
+
+def connected(count: int, pairs: Indices) -> Indices:
+    """The number (count,) of the group of each of some things, where the two of each of the pairs (n, 2) are in one; groups follow their first
+    members."""
+    graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
+    return np.asarray(connected_components(graph, directed=False)[1], dtype=np.int64)
 
 
 def _merged(triangles: Array, tolerance: float) -> tuple[Array, Indices]:
     """Merge vertices within `tolerance`: returns the vertices (n, 3) and the triangles as their numbers (m, 3)."""
     points = triangles.reshape(-1, 3)
     close = cKDTree(points).query_pairs(tolerance, output_type="ndarray")
-    graph = coo_array((np.ones(len(close)), (close[:, 0], close[:, 1])), shape=(len(points), len(points)))
-    count, label = connected_components(graph, directed=False)
-    _, first, numbers = np.unique(label, return_index=True, return_inverse=True)
+    _, first, numbers = np.unique(connected(len(points), close), return_index=True, return_inverse=True)
     return points[first], numbers.reshape(-1, 3).astype(np.int64)
 
 
@@ -168,7 +172,7 @@ def _refuse_crossing(vertices: Array, corners: Indices, tolerance: float) -> Non
             opposite = corners[pairs[:, other]]
             shared = (ends[:, :, None] == opposite[:, None]).any(axis=2).any(axis=1)
             ends, opposite, named = ends[~shared], opposite[~shared], pairs[~shared]
-            met = _segment_meets(vertices[ends], vertices[opposite], tolerance)
+            met = segment_distances(vertices[ends], vertices[opposite]) <= tolerance
             if met.any():
                 place = _place(vertices[ends[met.argmax()]].mean(axis=0))
                 first, second = named[met.argmax()].tolist()
@@ -181,45 +185,6 @@ def _close_pairs(triangles: Array) -> Iterator[tuple[int, int]]:
     for k in range(len(triangles) - 1):
         meets = (low[k + 1 :] <= high[k]).all(axis=1) & (high[k + 1 :] >= low[k]).all(axis=1)
         yield from ((k, k + 1 + int(other)) for other in np.flatnonzero(meets))
-
-
-def _segment_meets(segments: Array, triangles: Array, tolerance: float) -> Flags:
-    """Whether each segment (n, 2, 3) comes within `tolerance` of its triangle (n, 3, 3)."""
-    if not len(segments):
-        return np.zeros(0, dtype=bool)
-    normal = _normals(triangles)
-    heights = np.einsum("nkj,nj->nk", segments - triangles[:, :1], normal)
-    crosses = (heights.min(axis=1) <= tolerance) & (heights.max(axis=1) >= -tolerance)
-    span = heights[:, 0] - heights[:, 1]
-    flat = np.abs(span) <= tolerance
-    share = np.clip(np.where(flat, 0, heights[:, 0] / np.where(flat, 1, span)), 0, 1)
-    at = segments[:, 0] + share[:, None] * (segments[:, 1] - segments[:, 0])
-    pierces = crosses & ~flat & (_outside(at, triangles, normal) <= tolerance)
-    return np.asarray(pierces | (crosses & flat & _overlap_in_plane(segments, triangles, normal, tolerance)))
-
-
-def _overlap_in_plane(segments: Array, triangles: Array, normal: Array, tolerance: float) -> Flags:
-    """Whether segments in the planes of their triangles meet them: no line parallel to a side or to the segment separates them."""
-    apart = np.zeros(len(segments), dtype=bool)
-    sides = np.concatenate(
-        [np.roll(triangles, -1, axis=1) - triangles, segments[:, 1:] - segments[:, :1]], axis=1
-    )
-    for k in range(4):
-        across = np.cross(sides[:, k], normal)
-        across /= np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
-        mine = np.einsum("nkj,nj->nk", segments, across)
-        its = np.einsum("nkj,nj->nk", triangles, across)
-        apart |= mine.min(axis=1) > its.max(axis=1) + tolerance
-        apart |= mine.max(axis=1) < its.min(axis=1) - tolerance
-    return ~apart
-
-
-def _outside(points: Array, triangles: Array, normal: Array) -> Array:
-    """How far each point, in the plane of its triangle, is beyond one of the triangle's sides; negative inside."""
-    sides = np.roll(triangles, -1, axis=1) - triangles
-    outward = np.cross(sides, normal[:, None])
-    outward /= np.linalg.norm(outward, axis=2, keepdims=True)
-    return np.asarray(np.einsum("nkj,nkj->nk", points[:, None] - triangles, outward).max(axis=1))
 
 
 def _edges_with_faces(corners: Indices) -> tuple[Indices, Indices]:
@@ -242,7 +207,7 @@ def _is_cavity(triangles: Array, part: Indices) -> bool:
     return bool(len(rest) and (winding_number(rest, triangles[part[:1], 0]) > 0.5).all())
 
 
-def _volume(triangles: Array) -> float:
+def signed_volume(triangles: Array) -> float:
     """The signed volume that a closed surface bounds; negative when it is inside out."""
     centred = triangles - triangles.mean(axis=(0, 1))
     return float(np.einsum("ij,ij->", centred[:, 0], np.cross(centred[:, 1], centred[:, 2])) / 6)

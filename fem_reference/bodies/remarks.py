@@ -10,6 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
+from fem_reference.bodies.polyhedron import signed_volume
 from fem_reference.bodies.triangle_distances import winding_number
 from geometries.common.arrays import Array, Indices
 from geometries.scene.poses import Transform
@@ -114,7 +115,7 @@ def _on_triangles(body: Object) -> list[str]:
         left_out.append(f"triangles that repeat others: {repeated}")
     if left_out:
         found.append(f'object "{body.name}": {", ".join(left_out)}; they are left out')
-    if _is_closed(triangles) and _volume(triangles) < 0:
+    if _is_closed(triangles) and signed_volume(triangles) < 0:
         found.append(
             f'object "{body.name}": its triangles face inwards: with faces "facing" its far side counts, and the field solver wraps it; '
             "reverse the order of their vertices"
@@ -182,8 +183,3 @@ def _is_closed(triangles: Array) -> bool:
     )
     balance = np.bincount(which.ravel(), np.sign(ends - starts), len(edges))
     return not balance.any()
-
-
-def _volume(triangles: Array) -> float:
-    sides = triangles - triangles[0, 0]
-    return float(np.einsum("ij,ij->", sides[:, 0], np.cross(sides[:, 1], sides[:, 2]))) / 6

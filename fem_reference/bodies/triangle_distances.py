@@ -115,6 +115,16 @@ def _distances(first: Array, second: Array) -> Array:
     return np.asarray(np.sqrt(squared))
 
 
+def segment_distances(segments: Array, triangles: Array) -> Array:
+    """Distances (n,) of segments (n, 2, 3) from one triangle (n, 3, 3) each; 0 where a segment passes through its triangle."""
+    start, end = segments[:, 0], segments[:, 1]
+    squared = np.minimum(_corner_to_face(start, triangles), _corner_to_face(end, triangles))
+    for k in range(3):
+        side = triangles[:, k], triangles[:, (k + 1) % 3]
+        squared = np.minimum(squared, _between_segments(start, end, *side))
+    return np.asarray(np.sqrt(np.where(_passes_through(start, end, triangles), 0.0, squared)))
+
+
 def _corner_to_face(points: Array, triangles: Array) -> Array:
     """Squared distances (n,) of points (n, 3) from the planes of triangles above whose inside they lie; infinite elsewhere."""
     a, b, c = triangles[:, 0], triangles[:, 1], triangles[:, 2]

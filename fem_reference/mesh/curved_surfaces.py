@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
 
-import basix
 import dolfinx
 import numpy as np
 from dolfinx.cpp.common import IndexMap
@@ -17,7 +16,15 @@ from fem_reference.bodies.shapes import Body, Disc
 from fem_reference.mesh.body_distances import distance_from_surface, edge_distance
 from fem_reference.mesh.distributed import summed
 from fem_reference.mesh.edges import ALONG_EDGE
-from fem_reference.mesh.quarter_points import CORNERS, FACES, TETRAHEDRON_EDGES, second_order, straighten
+from fem_reference.mesh.quarter_points import (
+    CORNERS,
+    FACES,
+    TETRAHEDRON_EDGES,
+    map_derivatives,
+    second_order,
+    simplex_rule,
+    straighten,
+)
 from geometries.common.arrays import Array, Flags, Integers
 
 SECOND_ORDER_NODES = np.concatenate([CORNERS, CORNERS[TETRAHEDRON_EDGES].mean(axis=1)])
@@ -46,9 +53,8 @@ def straighten_inverted(nodes: Array, cells: Integers, shared: IndexMap, comm: M
     Slivers on a curved surface sometimes have such maps. Straightening a cell moves nodes that its neighbours share, also on other processes
     (`shared` maps the nodes), hence the repetition; a cell with only straight sides is not inverted. Raises RuntimeError when inverted cells remain.
     """
-    gradients = second_order().tabulate(1, SECOND_ORDER_NODES)[1:, :, :, 0]
     for _ in range(MOST_STRAIGHTENINGS):
-        volumes = np.linalg.det(np.einsum("dpn,cni->cpid", gradients, nodes[cells]))
+        volumes = np.linalg.det(map_derivatives(nodes[cells], SECOND_ORDER_NODES))
         straight = np.linalg.det(nodes[cells[:, 1:4]] - nodes[cells[:, :1]])
         inverted = cells[(volumes * np.sign(straight)[:, None]).min(axis=1) <= 0]
         remaining = comm.allreduce(len(inverted))
@@ -81,9 +87,8 @@ class CurvedFaces:
 @cache
 def face_rule(side: int) -> tuple[Array, Array]:
     """Points (p, 3) on a face of the reference tetrahedron, and weights (p,) of the integral over a triangle of area 1/2."""
-    points, weights = basix.make_quadrature(basix.CellType.triangle, FACE_DEGREE)
-    barycentric = np.column_stack([1 - points.sum(axis=1), points])
-    return np.asarray(barycentric @ CORNERS[FACES[side]]), np.asarray(weights)
+    barycentric, weights = simplex_rule(3, FACE_DEGREE)
+    return np.asarray(barycentric @ CORNERS[FACES[side]]), weights
 
 
 def curved_faces(

@@ -8,13 +8,12 @@ of its cells. What the sum must be, and hence κ·h^(p+1), follows from the accu
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from fem_reference.bodies.shapes import Body
+from fem_reference.bodies.conductors import Conductors
 from fem_reference.mesh.edges import ON_EDGE, sides_along_edges
 from fem_reference.mesh.tape import SizeFunction, Tape
 from fem_reference.mesh.sizing import AdaptedSizes, distance_on_tape
@@ -77,15 +76,10 @@ class Marks:
         return np.where(self.sizes > ACROSS * self.gaps, np.maximum(order, ORDER_ACROSS_GAPS), order)
 
 
-def marks(
-    bodies: Sequence[Body], owner: Sequence[int], nodes: Array, cells: Integers, errors: Array, totals: Array
-) -> Marks:
-    """Collect the errors (cells, q) of the cells (n, 4) of a mesh, whose sums are at most the `totals` (q,).
-
-    `owner[k]` is the conductor, or the dielectric body, that body k belongs to.
-    """
+def marks(problem: Conductors, nodes: Array, cells: Integers, errors: Array, totals: Array) -> Marks:
+    """Collect the errors (cells, q) of the cells (n, 4) of a mesh, whose sums are at most the `totals` (q,)."""
     corners = nodes[cells]
-    sides = sides_along_edges(bodies, nodes, cells)
+    sides = sides_along_edges(problem.bodies, nodes, cells)
     vertices, ends = np.unique(sides, return_inverse=True)
     ends = ends.reshape(-1, 2)
     lengths = np.linalg.norm(nodes[sides[:, 0]] - nodes[sides[:, 1]], axis=1)
@@ -117,7 +111,7 @@ def marks(
         nodes[sides],
         ends,
         size,
-        _gaps(bodies, owner, nodes[vertices]),
+        _gaps(problem, nodes[vertices]),
         length / 2,
         at_edges,
         count,
@@ -129,14 +123,14 @@ def marks(
     )
 
 
-def _gaps(bodies: Sequence[Body], owner: Sequence[int], points: Array) -> Array:
-    """The distances (n,) of points on bodies from the nearest body with another owner."""
+def _gaps(problem: Conductors, points: Array) -> Array:
+    """The distances (n,) of points on bodies from the nearest body of another conductor, or another dielectric body."""
     if not len(points):
         return np.zeros(0)
-    distances = np.empty((len(bodies), len(points)))
-    for body, found in zip(bodies, distances):
+    distances = np.empty((len(problem.bodies), len(points)))
+    for body, found in zip(problem.bodies, distances):
         found[:] = SizeFunction(distance_on_tape(body, Tape()))(points)
-    owners = np.array(owner)
+    owners = np.array(problem.owner)
     other = owners[:, None] != owners[distances.argmin(axis=0)]
     return np.asarray(np.where(other, distances, np.inf).min(axis=0))
 

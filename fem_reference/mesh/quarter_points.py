@@ -67,6 +67,11 @@ def second_order() -> basix.finite_element.FiniteElement:
     )
 
 
+def map_derivatives(nodes: Array, points: Array) -> Array:
+    """Derivatives (cells, points, 3, 3) of the maps of the reference tetrahedron to second-order cells with nodes (cells, 10, 3)."""
+    return np.asarray(np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes))
+
+
 def jacobian(collapsed: frozenset[int], points: Array) -> Array:
     """Derivatives (points, 3, 3) of the quarter-point map of the reference tetrahedron to itself.
 
@@ -95,8 +100,8 @@ def aligned_rule(collapsed: frozenset[int], degree: int) -> tuple[Array, Array]:
     points, weights = basix.make_quadrature(basix.CellType.interval, RADIAL_DEGREE)
     s = points[:, 0]
     near, far = sorted(collapsed), [k for k in range(4) if k not in collapsed]
-    near_points, near_weights = _simplex_rule(len(near), degree)
-    far_points, far_weights = _simplex_rule(len(far), degree)
+    near_points, near_weights = simplex_rule(len(near), degree)
+    far_points, far_weights = simplex_rule(len(far), degree)
     shape = (len(s), len(near_weights), len(far_weights), 4)
     barycentric = np.empty(shape)
     barycentric[..., near] = (1 - s)[:, None, None, None] * near_points[None, :, None, :]
@@ -106,7 +111,7 @@ def aligned_rule(collapsed: frozenset[int], degree: int) -> tuple[Array, Array]:
     return np.ascontiguousarray(barycentric.reshape(-1, 4)[:, 1:]), total.ravel()
 
 
-def _simplex_rule(vertices: int, degree: int) -> tuple[Array, Array]:
+def simplex_rule(vertices: int, degree: int) -> tuple[Array, Array]:
     """Barycentric points (n, vertices) and weights of a quadrature on a simplex; the weights add up to the reference volume."""
     if vertices == 1:
         return np.ones((1, 1)), np.ones(1)

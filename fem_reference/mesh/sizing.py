@@ -13,12 +13,12 @@ nowhere else. Between plane faces c is larger than 1, since the potential there 
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
+from fem_reference.bodies.conductors import Conductors
 from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.round_bodies import Cone, Ellipsoid
@@ -100,22 +100,17 @@ def sizing_for(rtol: float, refinement: float) -> Sizing:
     return Sizing(growth=growth, refinement=refinement)
 
 
-def size_function(
-    bodies: Sequence[Body],
-    owner: Sequence[int],
-    sizing: Sizing,
-    dielectrics: Collection[int] = (),
-    room: Cuboid | None = None,
-    grounded: Collection[int] = (),
-) -> SizeFunction:
+def size_function(problem: Conductors, sizing: Sizing) -> SizeFunction:
     """The size of the tetrahedra around and in these bodies.
 
-    The size is not reduced in gaps between bodies of one conductor (equal `owner`), nor between a dielectric body and a body it
-    touches, where the field varies over the thickness of the dielectric. The bodies `grounded` are at 0 V in every solution, so that there
-    is no field between two of them.
+    The size is not reduced in gaps between bodies of one conductor, nor between a dielectric body and a body it touches, where the field
+    varies over the thickness of the dielectric. Nor is it between bodies that are at 0 V in every solution, so that there is no field
+    between them.
     """
+    bodies, room = problem.bodies, problem.room
+    dielectrics, grounded = problem.permittivities, problem.grounded_bodies
     tape = Tape()
-    potential = [None if k in grounded else number for k, number in enumerate(owner)]
+    potential = [None if k in grounded else number for k, number in enumerate(problem.owner)]
     pairs = [(i, j) for i, j in combinations(range(len(bodies)), 2) if potential[i] != potential[j]]
     driven = [k for k in range(len(bodies)) if k not in grounded and k not in dielectrics]
     contacts = [(i, j) for i, j in pairs if in_contact(bodies[i], bodies[j])]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -12,8 +12,9 @@ import numpy as np
 from dolfinx.io import gmshio
 from mpi4py import MPI
 
+from fem_reference.bodies.conductors import Conductors
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, bounding_sphere
+from fem_reference.bodies.shapes import SHEETS, Cuboid, bounding_sphere
 from fem_reference.mesh.distributed import gathered, whole_numbers
 from fem_reference.mesh.edges import on_edges
 from fem_reference.mesh.curved_surfaces import (
@@ -146,23 +147,15 @@ def on_first_process(comm: MPI.Comm, action: Callable[[], None]) -> None:
 
 
 def tagged_mesh(
-    bodies: Sequence[Body],
-    owner: Sequence[int],
-    sizing: Sizing,
-    straight: bool = False,
-    dielectrics: Collection[int] = (),
-    planes: Sequence[Plane] = (),
-    room: Cuboid | None = None,
-    grounded: Collection[int] = (),
+    problem: Conductors, sizing: Sizing, planes: Sequence[Plane] = (), straight: bool = False
 ) -> TaggedMesh:
     """Mesh the space around and inside the bodies, out to a sphere of OUTER_RADIUS bounding radii or to the walls of a room.
 
-    Only the side of each of `planes`, planes of symmetry at right angles, that its normal points to is meshed. `owner[k]` is the
-    conductor that body k belongs to; `dielectrics` are the bodies with a field inside. The bodies `grounded` are at 0 V in
-    every solution, and are meshed for the charge on the others. All solids are meshed inside, since the field
-    without them is solved on the same mesh. With `straight` the tetrahedra are of first order and none is a quarter-point element:
-    this is less accurate, but the cell of a point is found without an iteration. Raises RuntimeError when gmsh fails.
+    Only the side of each of `planes`, planes of symmetry at right angles, that its normal points to is meshed. All solids are meshed
+    inside, since the field without them is solved on the same mesh. With `straight` the tetrahedra are of first order and none is a
+    quarter-point element: this is less accurate, but the cell of a point is found without an iteration. Raises RuntimeError when gmsh fails.
     """
+    bodies, room = problem.bodies, problem.room
     centre = bounding_sphere(bodies)[0]
     for plane in planes:
         centre = (centre + plane.mirrored(centre)) / 2
@@ -174,9 +167,9 @@ def tagged_mesh(
 
     def build() -> None:
         with stage("building the geometry"):
-            _build_geometry(bodies, owner, centre, radius, planes, room, dielectrics)
+            _build_geometry(problem, centre, radius, planes)
         with stage("meshing"):
-            size = size_function(bodies, owner, sizing, dielectrics, room, grounded)
+            size = size_function(problem, sizing)
             size.set_in_gmsh()
             if any(isinstance(body, Polyhedron) for body in bodies):
                 gmsh.option.setNumber("Mesh.LcIntegrationPrecision", SIZE_PRECISION)
@@ -297,21 +290,14 @@ def _gmsh_model() -> Iterator[None]:
         gmsh.finalize()
 
 
-def _build_geometry(
-    bodies: Sequence[Body],
-    owner: Sequence[int],
-    centre: Array,
-    radius: float,
-    planes: Sequence[Plane],
-    room: Cuboid | None,
-    dielectrics: Collection[int] = (),
-) -> None:
+def _build_geometry(problem: Conductors, centre: Array, radius: float, planes: Sequence[Plane]) -> None:
     """Build the geometry in the current gmsh model and tag it.
 
     The solid bodies of one conductor are united: its cells have the tag of the first of them. What several dielectric bodies have in common
     belongs to the last of them.
     """
     occ = gmsh.model.occ
+    bodies, owner, room, dielectrics = problem.bodies, problem.owner, problem.room, problem.permittivities
     shapes = [add_body(body) for body in bodies]
     solids = [k for k, body in enumerate(bodies) if body.is_solid]
     first = {k: next(j for j in solids if owner[j] == owner[k]) for k in solids}

@@ -205,7 +205,7 @@ def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
         "worst_relative_error": reference.worst,
         "error_kind": reference.error_kind,
         "interval": _interval(reference),
-        "curved": list(reference.curved),
+        "curved": list(problem.curved),
         "symmetry_planes": [
             {"normal": plane.normal.tolist(), "offset": plane.offset} for plane in reference.planes
         ],
@@ -230,7 +230,7 @@ def _interval(reference: Reference) -> str:
 
 def _geometry_document(reference: Reference, geometry: GeometryError) -> dict[str, Any]:
     """What was wrapped, what that costs, and which bounds are proven nevertheless."""
-    may_be_proven = not reference.curved and reference.contradicted is None
+    may_be_proven = not reference.problem.curved and reference.contradicted is None
     return {
         "geometry_error": geometry.error.tolist(),
         "proven": {

@@ -37,15 +37,8 @@ def driven_sensor(problem: Conductors) -> tuple[TaggedMesh, fem.Function]:
 
     Raises RuntimeError when the mesher or the solver fails.
     """
-    tagged = tagged_mesh(
-        problem.bodies,
-        problem.owner,
-        Sizing(),
-        straight=True,
-        dielectrics=problem.permittivities,
-        room=problem.room,
-    )
-    system = FieldProblem(tagged, problem.parts, problem.permittivities, problem.to_ground)
+    tagged = tagged_mesh(problem, Sizing(), straight=True)
+    system = FieldProblem(tagged, problem)
     potential = fem.Function(system.space)
     potential.x.array[:] = first_sensor_driven(system, len(problem.floating))
     return tagged, potential

@@ -14,11 +14,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 
-import basix
 import numpy as np
 
 from fem_reference.mesh.distributed import gathered
-from fem_reference.mesh.quarter_points import CORNERS, FACES
+from fem_reference.mesh.quarter_points import CORNERS, FACES, simplex_rule
 from fem_reference.mesh.tagged_mesh import local_count
 from fem_reference.solve.field_problem import (
     FieldProblem,
@@ -145,8 +144,7 @@ def _face_values(at_nodes: Array, orders: Integers, degree: int) -> Array:
 @cache
 def _projections(degree: int) -> Array:
     """The matrices (4, 6, m, nodes) that project a potential to the polynomials of a face, for each order of the face's vertices."""
-    points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * degree + 2)
-    barycentric = np.column_stack([1 - points.sum(axis=1), points])
+    barycentric, weights = simplex_rule(3, 2 * degree + 2)
     found = []
     for vertices in FACES:
         values = lagrange().tabulate(0, barycentric @ CORNERS[vertices])[0, :, :, 0]

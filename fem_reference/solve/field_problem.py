@@ -13,6 +13,7 @@ from dolfinx.fem.petsc import assemble_matrix
 from mpi4py import MPI
 from petsc4py import PETSc
 
+from fem_reference.bodies.conductors import Conductors
 from fem_reference.mesh.distributed import from_owners
 from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, FIRST_BODY, NEAR_EDGE, OUTER_SURFACE, TaggedMesh
 from fem_reference.common.stages import stage
@@ -68,26 +69,16 @@ class Charges:
 class FieldProblem:
     """The stiffness matrix of one mesh, with solutions for any choice of the conductors on it."""
 
-    def __init__(
-        self,
-        tagged: TaggedMesh,
-        conductors: Sequence[Sequence[int]],
-        permittivities: Mapping[int, float] | None = None,
-        to_ground: Sequence[float] = (),
-    ) -> None:
-        """Assemble the matrix; `conductors[k]` lists the bodies that make up conductor k.
-
-        `permittivities` maps each dielectric body to its permittivity relative to the medium's. `to_ground` has the capacitances to
-        ground of the floating conductors (ε = 1); empty if none has one.
-        """
+    def __init__(self, tagged: TaggedMesh, problem: Conductors) -> None:
+        """Assemble the matrix of these conductors and dielectric bodies on their mesh."""
         self.tagged = tagged
-        self.permittivities = dict(permittivities or {})
+        self.permittivities = problem.permittivities
         # The mesh has this share of the conductors, and so of what connects them to ground.
-        self.to_ground = np.asarray(to_ground, dtype=np.float64) / tagged.copies
+        self.to_ground = np.asarray(problem.to_ground, dtype=np.float64) / tagged.copies
         with stage("assembling the equations"):
             self.space = fem.FunctionSpace(tagged.mesh, ("Lagrange", DEGREE), jit_params=COMPILATION)
             self.stiffness = _stiffness(tagged, self.space, self.permittivities)
-        self.dofs = [_conductor_dofs(tagged, self.space, bodies) for bodies in conductors]
+        self.dofs = [_conductor_dofs(tagged, self.space, bodies) for bodies in problem.parts]
         self.wall_dofs = _wall_dofs(tagged, self.space)
 
     def with_dielectrics(self, permittivities: Mapping[int, float]) -> FieldProblem:

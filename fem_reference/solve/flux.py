@@ -11,13 +11,20 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, fields
 
-import basix
 import numpy as np
 
 from fem_reference.mesh.distributed import summed, whole_numbers
 from fem_reference.solve.face_solver import CellForms, FaceSystem
 from fem_reference.mesh.tagged_mesh import FIRST_BODY, FREE_SPACE, OUTER_SURFACE, TaggedMesh
-from fem_reference.mesh.quarter_points import CORNERS, FACES, aligned_rule, patterns, second_order
+from fem_reference.mesh.quarter_points import (
+    CORNERS,
+    FACES,
+    aligned_rule,
+    map_derivatives,
+    patterns,
+    second_order,
+    simplex_rule,
+)
 from fem_reference.solve.reference_flux import (
     ORDERS,
     FluxSpace,
@@ -91,20 +98,20 @@ def flux_energies(
     condensed: CondensedCells,
     conductors: Sequence[Sequence[int]],
     driven: int,
-    permittivities: Mapping[int, float] | None = None,
-    guesses: Array | None = None,
+    permittivities: Mapping[int, float],
+    guesses: Array,
 ) -> FluxEnergies:
     """Solve for the best fluxes and return their energies.
 
     `conductors[k]` lists the bodies that make up conductor k. There is one flux for each of the first `driven` conductors; the other
     conductors are grounded. `permittivities` maps each dielectric body to its permittivity relative to the medium's. The iteration
-    starts from multipliers `guesses` (driven, faces, m), or from 0. Raises RuntimeError when it does not converge.
+    starts from multipliers `guesses` (driven, faces, m). Raises RuntimeError when it does not converge.
     """
     tagged, degree = condensed.tagged, condensed.degree
-    numbers = with_field(tagged, permittivities or {})
+    numbers = with_field(tagged, permittivities)
     cells = condensed.cells.at(numbers)
     forms = condensed.forms(numbers)
-    forms *= cell_permittivities(tagged, permittivities or {})[numbers, None, None]
+    forms *= cell_permittivities(tagged, permittivities)[numbers, None, None]
     # The space beyond each face of the outer surface is one more cell, with this single face. A process's own cells come first.
     own = int(np.searchsorted(numbers, tagged.owned_cells))
     parts = [CellForms(forms, cells.faces, own)]
@@ -114,8 +121,6 @@ def flux_energies(
     else:
         parts.append(_condensed_exterior(tagged, cells, own, degree))
     system = FaceSystem(tagged.mesh, parts, np.concatenate(fixed), degree)
-    if guesses is None:
-        guesses = np.zeros((driven, system.face_count, system.per_face))
     solutions = [system.solve(faces, guess) for faces, guess in zip(fixed[:driven], guesses)]
     potentials = [solution.potentials for solution in solutions]
     energies_left = np.array([solution.energy_left for solution in solutions])
@@ -186,7 +191,7 @@ def _straight_mass(nodes: Array, space: FluxSpace) -> Array:
 def _curved_mass(nodes: Array, space: FluxSpace, collapsed: frozenset[int]) -> Array:
     """Mass matrices of any second-order cells, by quadrature. The integrands are rational, and smooth except at the edges of discs."""
     points, weights = aligned_rule(collapsed, CURVED_QUADRATURE_DEGREE)
-    derivatives = np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes)
+    derivatives = map_derivatives(nodes, points)
     scaled = weights / np.abs(np.linalg.det(derivatives))
     values = space.values(points)
     mass = np.empty((len(nodes), values.shape[2], values.shape[2]))
@@ -203,8 +208,7 @@ def _condensed_exterior(tagged: TaggedMesh, cells: _Cells, own: int, degree: int
     The first `own` of the cells belong to this process, and so do the forms beyond them. A flux of q per area that leaves along rays from the
     centre has the energy ∫ q²·|x|²/(x·n) dA.
     """
-    points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * degree + 2)
-    barycentric = np.column_stack([1 - points.sum(axis=1), points])
+    barycentric, weights = simplex_rule(3, 2 * degree + 2)
     tests = polynomials_on_face(degree)
     outer = np.flatnonzero(np.isin(cells.faces.ravel(), tagged.facets.find(OUTER_SURFACE)))
     forms = []

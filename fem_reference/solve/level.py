@@ -99,16 +99,7 @@ def solve_level(
     Raises RuntimeError when the mesher or the solver fails, or when bounds are asked for and contradict each other.
     """
     start = time.monotonic()
-    grounded = range(problem.driven, problem.driven + len(problem.grounded))
-    mesh = tagged_mesh(
-        problem.bodies,
-        problem.owner,
-        sizing,
-        dielectrics=problem.permittivities,
-        planes=planes,
-        room=problem.room,
-        grounded=[k for number in grounded for k in problem.bodies_of(number)],
-    )
+    mesh = tagged_mesh(problem, sizing, planes)
     level = _solved(problem, mesh, relative_permittivity, sizing, bounds, planes, only_readings, start)
     # All matrices were local to that function, so that they can be freed now.
     release_unused(mesh.mesh.comm)
@@ -130,7 +121,7 @@ def _solved(
 ) -> Level:
     """Solve for the charges and the readings on a mesh and, if asked for, bound them; the level began at `start` on the monotonic clock."""
     farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    system = FieldProblem(mesh, problem.parts, problem.permittivities, problem.to_ground)
+    system = FieldProblem(mesh, problem)
     found = charges(
         system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
     )
@@ -219,5 +210,5 @@ def _level_bounds(
         interval,
         likely,
         None if delta_self is None else delta_self.scaled(farads),
-        marks(problem.bodies, problem.owner, *mesh.corners(), parts.of_cells, parts.whole),
+        marks(problem, *mesh.corners(), parts.of_cells, parts.whole),
     )

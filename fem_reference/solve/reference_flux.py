@@ -15,7 +15,7 @@ from itertools import permutations
 import basix
 import numpy as np
 
-from fem_reference.mesh.quarter_points import CORNERS, FACES, aligned_rule, jacobian
+from fem_reference.mesh.quarter_points import CORNERS, FACES, aligned_rule, jacobian, simplex_rule
 from geometries.common.arrays import Array
 
 ORDERS = list(permutations(range(3)))
@@ -98,8 +98,7 @@ def _element(degree: int) -> basix.finite_element.FiniteElement:
 @cache
 def _flows(degree: int) -> Array:
     """The flows (4, 6, m, all) of basix's basis through the faces, tested with the polynomials of each face."""
-    points, weights = basix.make_quadrature(basix.CellType.triangle, 2 * degree)
-    barycentric = np.column_stack([1 - points.sum(axis=1), points])
+    barycentric, weights = simplex_rule(3, 2 * degree)
     tests = polynomials_on_face(degree)
     flows = []
     for face, vertices in enumerate(FACES):

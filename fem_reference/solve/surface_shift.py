@@ -12,10 +12,10 @@ from collections.abc import Mapping
 import numpy as np
 
 from fem_reference.mesh.curved_surfaces import face_rule
-from fem_reference.mesh.quarter_points import CORNERS, FACES, second_order
+from fem_reference.mesh.quarter_points import CORNERS, FACES
 from fem_reference.solve.field_problem import FieldProblem, cell_permittivities
 from fem_reference.solve.flux import with_field
-from fem_reference.solve.upper_energy import CELLS_AT_A_TIME, lagrange, nodal_values
+from fem_reference.solve.upper_energy import CELLS_AT_A_TIME, gradients_in_cells, nodal_values
 from geometries.common.arrays import Array
 
 SAFETY = 1.5
@@ -60,10 +60,7 @@ def surface_shift(problem: FieldProblem, potentials: Array, permittivities: Mapp
 def _at_face(nodes: Array, values: Array, side: int) -> tuple[Array, Array]:
     """Gradients (cells, p, n, 3) of potentials (cells, n, dofs) in cells (cells, 10, 3) at the points of a face, and normals (cells, p, 3) whose
     lengths are the areas that those of the reference triangle become."""
-    points, _ = face_rule(side)
-    derivatives = np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes)
-    slopes = np.einsum("dpk,cjk->cpdj", lagrange().tabulate(1, points)[1:, :, :, 0], values)
-    gradients = np.linalg.solve(derivatives.transpose(0, 1, 3, 2), slopes).transpose(0, 1, 3, 2)
+    gradients, derivatives = gradients_in_cells(nodes, values, face_rule(side)[0])
     corners = CORNERS[FACES[side]]
     first, second = (derivatives @ (corners[k] - corners[0]) for k in (1, 2))
-    return gradients, np.cross(first, second)
+    return gradients.transpose(0, 1, 3, 2), np.cross(first, second)

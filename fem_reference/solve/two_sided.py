@@ -41,11 +41,6 @@ class Shares:
     """By which the true value may differ from what `of_upper` says."""
 
 
-def equal_shares(cells: int, of_upper: float, error: float) -> Shares:
-    """The same shares everywhere."""
-    return Shares(np.full(cells + 1, of_upper), np.full(cells + 1, error))
-
-
 def shares_by_kind(mesh: TaggedMesh, bodies: Sequence[Body]) -> Shares:
     """The shares for fluxes of degree 2, by the kinds of the cells."""
     nodes, corners = mesh.corners()
@@ -115,7 +110,8 @@ def two_sided(
     """
     low, high = present.lower - absent.lower, present.upper - absent.upper
     gaps = present.gaps - absent.gaps
-    known = shares or equal_shares(len(gaps), 0.5, FRACTION_OF_DISTANCE)
+    parts = len(gaps) + 1
+    known = shares or Shares(np.full(parts, 0.5), np.full(parts, FRACTION_OF_DISTANCE))
     outside = high - low - gaps.sum(axis=0)
     too_high = np.tensordot(known.of_upper[:-1], gaps, axes=1) + known.of_upper[-1] * outside
     value = signs * _products(sensed, high - too_high, driven)

@@ -18,7 +18,7 @@ from dolfinx.fem.petsc import assemble_vector
 from petsc4py import PETSc
 
 from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, OUTER_SURFACE
-from fem_reference.mesh.quarter_points import aligned_rule, is_pulled, jacobian, patterns, second_order
+from fem_reference.mesh.quarter_points import aligned_rule, is_pulled, jacobian, map_derivatives, patterns
 from fem_reference.solve.field_problem import (
     COMPILATION,
     DEGREE,
@@ -130,11 +130,17 @@ def nodal_values(problem: FieldProblem, potentials: Array, cells: Indices) -> Ar
 def _curved_energies(nodes: Array, values: Array, coefficient: Array, collapsed: frozenset[int]) -> Array:
     """Energies (cells, n, n) of potentials (cells, n, dofs) in any second-order cells (cells, 10, 3), by quadrature."""
     points, weights = aligned_rule(collapsed, CURVED_QUADRATURE_DEGREE)
-    derivatives = np.einsum("dpk,cki->cpid", second_order().tabulate(1, points)[1:, :, :, 0], nodes)
-    slopes = np.einsum("dpk,cjk->cpdj", lagrange().tabulate(1, points)[1:, :, :, 0], values)
-    gradients = np.linalg.solve(derivatives.transpose(0, 1, 3, 2), slopes)
+    gradients, derivatives = gradients_in_cells(nodes, values, points)
     volumes = coefficient[:, None] * weights * np.abs(np.linalg.det(derivatives))
     return np.asarray(np.einsum("cp,cpdi,cpdj->cij", volumes, gradients, gradients, optimize=True))
+
+
+def gradients_in_cells(nodes: Array, values: Array, points: Array) -> tuple[Array, Array]:
+    """Gradients (cells, p, 3, n) of potentials (cells, n, dofs) at points of any second-order cells (cells, 10, 3), and the derivatives
+    (cells, p, 3, 3) of the cells' maps."""
+    derivatives = map_derivatives(nodes, points)
+    slopes = np.einsum("dpk,cjk->cpdj", lagrange().tabulate(1, points)[1:, :, :, 0], values)
+    return np.linalg.solve(derivatives.transpose(0, 1, 3, 2), slopes), derivatives
 
 
 @cache

@@ -9,8 +9,6 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TypeVar
 
-import numpy as np
-
 from geometries.common.arrays import Array
 
 Point = tuple[float, float]

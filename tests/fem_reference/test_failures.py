@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 
 from fem_reference.__main__ import main
+from fem_reference.bodies.conductors import normalised
 from fem_reference.bodies.shapes import Rectangle
 from fem_reference.common.stages import stage
 from fem_reference.mesh import tagged_mesh as mesh
@@ -32,6 +33,7 @@ def fail(*_: Any) -> NoReturn:
     raise Exception("a face without edges")
 
 
+PLATE = normalised(["plate"], 1, [Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))], [0])
 HURRIED = solve.SOLVER_OPTIONS | {"ksp_max_it": 1}
 """Solver options with which the iteration does not converge."""
 
@@ -96,8 +98,7 @@ def test_a_mesh_whose_surfaces_cross_or_with_flat_cells_is_made_another_way(
             fault()
 
     monkeypatch.setattr(gmsh.model.mesh, "generate", fail_once)
-    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
-    assert tagged_mesh([plate], [0], Sizing()).cell_count > 1000
+    assert tagged_mesh(PLATE, Sizing()).cell_count > 1000
     assert len(algorithms) == 2 and algorithms[1] == mesh.MESH_ADAPT != algorithms[0]
 
 
@@ -106,7 +107,7 @@ def test_a_mesh_that_cannot_be_made_either_way_is_a_failure(monkeypatch: pytest.
         gmsh.model.mesh, "generate", lambda _: gmsh.logger.write("PLC Error: at a point", "error")
     )
     with pytest.raises(RuntimeError, match="meshing failed: .*PLC Error: at a point"):
-        tagged_mesh([Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))], [0], Sizing())
+        tagged_mesh(PLATE, Sizing())
 
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -10,7 +10,6 @@ import pytest
 from fem_reference import maxwell
 from fem_reference.answer.reference import Reference
 from fem_reference.bodies.conductors import conductors
-from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.output.readings import readings_document, readings_table
 from fem_reference.solve.level import solve_level
@@ -36,7 +35,7 @@ def solved(text: str) -> Reference:
 def on_one_mesh(text: str) -> LevelReadings:
     """The readings on the coarsest mesh, without bounds."""
     problem = conductors(loads(text))
-    found = solve_level(problem, 1.0, Sizing(), "none", mirror_planes(problem.bodies, problem.owner)).readings
+    found = solve_level(problem, 1.0, Sizing(), "none", problem.mirror_planes).readings
     assert found is not None
     return found
 

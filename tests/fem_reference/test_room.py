@@ -34,8 +34,8 @@ def box(*size: float, axes: Array = np.eye(3), centre: tuple[float, ...] = (0, 0
 def enclosed(bodies: list[Body], room: Cuboid | None, refinement: float = 1.0) -> Enclosure:
     """The enclosure of the Maxwell matrix of bodies that are a conductor each."""
     problem = normalised([body.name for body in bodies], 1, bodies, range(len(bodies)), room=room)
-    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
-    found = solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure", planes).enclosure
+    sizing = Sizing(refinement=refinement)
+    found = solve_level(problem, 1.0, sizing, "enclosure", problem.mirror_planes).enclosure
     assert found is not None
     return found
 
@@ -102,7 +102,7 @@ def test_one_side_of_the_planes_of_a_room_gives_the_answer_of_the_whole(
     cut it."""
     room = box(8, 8, 8, centre=centre)
     problem = normalised([body.name for body in bodies], 1, bodies, range(len(bodies)), room=room)
-    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
+    planes = problem.mirror_planes
     assert len(planes) == number
     side, whole = (solve_level(problem, 1.0, Sizing(), "estimate", used) for used in (planes, ()))
     assert side.bounds is not None and whole.bounds is not None

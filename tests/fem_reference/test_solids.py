@@ -17,7 +17,6 @@ from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Sphere
 from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.solve.field_problem import Charges, FieldProblem, charges
-from fem_reference.bodies.symmetry import mirror_planes
 from geometries.scene import shapes
 from geometries.scene.poses import AxisRotation
 
@@ -28,8 +27,8 @@ CUBE = shapes.Cuboid((1.0, 1.0, 1.0)).triangles() @ TURNED
 
 def solve(problem: Conductors) -> Charges:
     """Solve on the coarsest level, in units of ε times the bodies' unit of length."""
-    mesh = tagged_mesh(problem.bodies, problem.owner, Sizing(), dielectrics=problem.permittivities)
-    found = charges(FieldProblem(mesh, problem.parts, problem.permittivities), 1, len(problem.floating))
+    mesh = tagged_mesh(problem, Sizing())
+    found = charges(FieldProblem(mesh, problem), 1, len(problem.floating))
     return replace(
         found, maxwell=problem.unit * found.maxwell, sensors_alone=problem.unit * found.sensors_alone
     )
@@ -58,7 +57,7 @@ def test_on_the_third_level_a_balls_volume_is_exact_to_1e_5() -> None:
 
 def volume_of_mesh(body: Body, refinement: float) -> float:
     problem = normalised([body.name], 1, [body], [0])
-    tagged = tagged_mesh(problem.bodies, problem.owner, Sizing(refinement=refinement))
+    tagged = tagged_mesh(problem, Sizing(refinement=refinement))
     inside = ufl.Measure("dx", domain=tagged.mesh, subdomain_data=tagged.cells)(FIRST_BODY)
     one = fem.Constant(tagged.mesh, 1.0)
     return float(fem.assemble_scalar(fem.form(one * inside)) * problem.unit**3)
@@ -68,9 +67,9 @@ def test_of_dielectric_bodies_that_overlap_the_later_one_fills_the_common_space(
     cubes: list[Body] = [
         Cuboid(name, np.array([x, 0, 0]), np.eye(3), (0.5, 0.5, 0.5)) for name, x in (("a", 0.0), ("b", 0.6))
     ]
-    kinds = [Dielectric("a", 2.0, 2.0), Dielectric("b", 5.0, 5.0)]
+    kinds = Dielectric("a", 2.0, 2.0), Dielectric("b", 5.0, 5.0)
     problem = normalised([], 0, cubes, [0, 1], dielectrics=kinds)
-    tagged = tagged_mesh(problem.bodies, problem.owner, Sizing(), dielectrics=problem.permittivities)
+    tagged = tagged_mesh(problem, Sizing())
     measure = ufl.Measure("dx", domain=tagged.mesh, subdomain_data=tagged.cells)
     one = fem.Constant(tagged.mesh, 1.0)
     volumes = [fem.assemble_scalar(fem.form(one * measure(FIRST_BODY + k))) for k in range(2)]
@@ -84,7 +83,7 @@ def slab_between_plates(slab: Cuboid | None, contrast: float) -> Charges:
     if slab is None:
         return solve(normalised(["s", "p"], 1, plates, [0, 1]))
     dielectric = Dielectric(slab.name, contrast, contrast)
-    return solve(normalised(["s", "p"], 1, [*plates, slab], [0, 1, 2], dielectrics=[dielectric]))
+    return solve(normalised(["s", "p"], 1, [*plates, slab], [0, 1, 2], dielectrics=(dielectric,)))
 
 
 @cache
@@ -130,7 +129,7 @@ def test_the_size_in_a_gap_to_a_mesh_is_the_gap() -> None:
     down = polyhedron("cube", CUBE - [0, 0, CUBE[..., 2].min() - 0.1])
     plate = Rectangle("s", np.zeros(3), np.eye(3), (2.0, 2.0))
     problem = normalised(["s", "cube"], 1, [plate, down], [0, 1])
-    tagged = tagged_mesh(problem.bodies, problem.owner, Sizing(), straight=True)
+    tagged = tagged_mesh(problem, Sizing(), straight=True)
     nodes, cells = tagged.mesh.geometry.x, tagged.mesh.geometry.dofmap.array.reshape(-1, 4)
     lowest = down.vertices[down.vertices[:, 2].argmin()]
     under = (np.array([lowest[0], lowest[1], 0.05]) - problem.centre) / problem.unit
@@ -146,8 +145,7 @@ def test_between_parallel_plates_cells_are_wider_than_the_gap_unless_an_edge_is_
         Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("s", 0.0), ("p", gap))
     ]
     problem = normalised(["s", "p"], 1, plates, [0, 1])
-    planes = mirror_planes(problem.bodies, problem.owner)
-    tagged = tagged_mesh(problem.bodies, problem.owner, Sizing(), straight=True, planes=planes)
+    tagged = tagged_mesh(problem, Sizing(), problem.mirror_planes, straight=True)
     corners = (
         problem.centre
         + problem.unit * tagged.mesh.geometry.x[tagged.mesh.geometry.dofmap.array.reshape(-1, 4)]

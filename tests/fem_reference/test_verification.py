@@ -28,7 +28,6 @@ from fem_reference.answer.reference import Reference, solve_conductors
 from fem_reference.bodies.conductors import Conductors, normalised
 from fem_reference.bodies.round_bodies import Ellipsoid, Swept
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle
-from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.solve.level import solve_level
 from geometries.scene import polygons
@@ -127,10 +126,8 @@ def test_the_error_falls_linearly_with_the_edge_size() -> None:
     Values of five are extrapolated.
     """
     problem = alone(PLATE)
-    planes = mirror_planes(problem.bodies, problem.owner)
-    levels = [
-        solve_level(problem, 1.0, Sizing(growth=0.25, refinement=2.0**k), "none", planes) for k in range(5)
-    ]
+    sizes = [Sizing(growth=0.25, refinement=2.0**k) for k in range(5)]
+    levels = [solve_level(problem, 1.0, sizing, "none", problem.mirror_planes) for sizing in sizes]
     truth = UNIT * UNIT_SQUARE_PLATE
     errors = [level.maxwell[0, 0] / truth - 1 for level in levels]
     order = np.polyfit(np.log([level.edge_size for level in levels[:4]]), np.log(errors[:4]), 1)[0]

@@ -38,7 +38,7 @@ def solve_row(case: TrueCase) -> Document:
         "seconds": sum(answer.seconds for answer in found),
         "unknowns": max(level.unknowns for answer in found for level in answer.levels),
         "edge_sizes": [level.edge_size for level in found[0].levels],
-        "curved": bool(found[0].curved),
+        "curved": bool(found[0].problem.curved),
         "quantities": quantities,
     }
 

@@ -166,9 +166,9 @@ def _balls() -> Iterator[TrueCase]:
     known = tuple(Quantity(name, entry(*place), truth, 1e-9) for name, place, truth in entries)
     yield TrueCase("balls of radii 1 and 2, gap 2", "Lekner 2011", pair(*bodies), known)
     answers: list[tuple[str, Callable[[int], float], dict[str, Any]]] = [
-        ("floating", truths.floating, {"floating": ["second"]}),
-        ("of permittivity 5", truths.dielectric(5.0), {"dielectrics": [Dielectric("second", 5.0, 5.0)]}),
-        ("of permittivity 0.2", truths.dielectric(0.2), {"dielectrics": [Dielectric("second", 0.2, 0.2)]}),
+        ("floating", truths.floating, {"floating": ("second",)}),
+        ("of permittivity 5", truths.dielectric(5.0), {"dielectrics": (Dielectric("second", 5.0, 5.0),)}),
+        ("of permittivity 0.2", truths.dielectric(0.2), {"dielectrics": (Dielectric("second", 0.2, 0.2),)}),
     ]  # fmt: skip
     for words, answer, more in answers:
         value, _ = truths.two_balls(0.01, 0.02, 0.05, answer)

@@ -190,7 +190,7 @@ def cell_count(target: Body) -> int:
     """Number of cells of a coarse mesh around the target and a plate close to it."""
     plate = Rectangle("s", np.array([0.1, -0.2, 0.3]) + [0, 0, -0.3], np.eye(3), (0.1, 0.1))
     problem = normalised(["s", "t"], 1, [plate, target], [0, 1])
-    return tagged_mesh(problem.bodies, problem.owner, Sizing(edge=0.2), straight=True).cell_count
+    return tagged_mesh(problem, Sizing(edge=0.2), straight=True).cell_count
 
 
 def test_the_mesh_around_a_box_of_triangles_is_as_coarse_as_around_the_cuboid() -> None:

@@ -112,7 +112,7 @@ def problem_of(target: Body) -> Conductors:
 def test_one_side_gives_the_answer_of_the_whole(target: Body, number: int) -> None:
     """On meshes of the same fineness the enclosures overlap, and one side has its share of the unknowns."""
     problem = problem_of(target)
-    found = mirror_planes(problem.bodies, problem.owner)
+    found = problem.mirror_planes
     assert len(found) == number
     whole = solve_level(problem, 1.0, Sizing(), "enclosure")
     side = solve_level(problem, 1.0, Sizing(), "enclosure", found)

@@ -12,7 +12,6 @@ import pytest
 from fem_reference.bodies.conductors import normalised
 from fem_reference.bodies.round_bodies import Sphere
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
-from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.marks import marks
 from fem_reference.mesh.quarter_points import is_pulled
 from fem_reference.mesh.sizing import Sizing
@@ -44,9 +43,9 @@ def test_gaps_of_cells_are_positive_and_add_up_to_the_gap_of_the_energies() -> N
         Sphere("ball", np.array([1.2, 0, 0.4]), 0.3),
         Disc("disc", np.array([0, 0, -0.6]), np.eye(3), 0.5),
     ]
-    problem = normalised(["plate", "box"], 1, bodies, range(4), floating=["ball"], grounded=["disc"])
-    mesh = tagged_mesh(problem.bodies, problem.owner, COARSE)
-    system = FieldProblem(mesh, problem.parts)
+    problem = normalised(["plate", "box"], 1, bodies, range(4), floating=("ball",), grounded=("disc",))
+    mesh = tagged_mesh(problem, COARSE)
+    system = FieldProblem(mesh, problem)
     potentials = system.potentials(range(4), 3)
     found = bounded_matrix(system, CondensedCells(mesh, 3), potentials, problem.parts, {}, 1)
     gap = found.upper - found.lower
@@ -56,7 +55,7 @@ def test_gaps_of_cells_are_positive_and_add_up_to_the_gap_of_the_energies() -> N
     # What is left is the gap outside of the mesh, and the quadrature in curved cells.
     assert np.abs(outside).max() < 1e-3 * np.trace(gap)
     parts = parts_of_errors(found, entries(2), mesh.rim_error, [])
-    collected = marks(problem.bodies, problem.owner, *mesh.corners(), parts.of_cells, parts.whole)
+    collected = marks(problem, *mesh.corners(), parts.of_cells, parts.whole)
     total = collected.at_edges.sum(axis=0) + collected.away.sum(axis=0) + collected.rest
     np.testing.assert_allclose(total, parts.whole, rtol=1e-9)
     half_width = np.sqrt(np.outer(np.diag(gap), np.diag(gap))) / 2
@@ -94,7 +93,7 @@ def test_cells_are_told_apart_by_the_edges_that_they_touch() -> None:
         Cuboid("box", np.array([0.1, 0.0, 1.0]), np.eye(3), (0.3, 0.4, 0.2)),
     ]
     problem = normalised(["plate", "box"], 1, bodies, range(2))
-    mesh = tagged_mesh(problem.bodies, problem.owner, Sizing(growth=0.6))
+    mesh = tagged_mesh(problem, Sizing(growth=0.6))
     found = shares_by_kind(mesh, problem.bodies)
     assert found.of_upper[-1] == OF_UPPER[ELSEWHERE] and found.error[-1] == ERROR[ELSEWHERE]
     own = found.of_upper[:-1]
@@ -120,9 +119,8 @@ def test_a_level_leaves_no_memory_behind(bounds: Bounds) -> None:
         Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("a", 0), ("b", 0.4))
     ]
     problem = normalised(["a", "b"], 1, plates, range(2))
-    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
     used = []
     for _ in range(4):
-        solve_level(problem, 1.0, Sizing(), bounds, planes)
+        solve_level(problem, 1.0, Sizing(), bounds, problem.mirror_planes)
         used.append(memory_in_use())
     assert used[3] - used[1] < 5 * 2**20

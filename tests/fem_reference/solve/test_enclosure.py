@@ -15,7 +15,6 @@ from fem_reference.solve.level import Level, solve_level
 from fem_reference.answer.reference import solve_conductors
 from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
 from fem_reference.mesh.sizing import Sizing
-from fem_reference.bodies.symmetry import mirror_planes
 from geometries.common.arrays import Array
 from tests.by_night import all_but
 
@@ -85,8 +84,7 @@ def alone(body: Body) -> Conductors:
 
 
 def level(problem: Conductors, refinement: float) -> Level:
-    planes = mirror_planes(problem.bodies, problem.owner)
-    return solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure", planes)
+    return solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure", problem.mirror_planes)
 
 
 def widths_around(name: str, problem: Conductors, truth: float, truth_error: float) -> list[float]:
@@ -123,7 +121,7 @@ def covered_plate(contrast: float) -> Conductors:
     if np.isinf(contrast):
         return normalised(["plate"], 0, [layer], [0])
     kind = Dielectric("layer", contrast, contrast)
-    return normalised(["plate"], 0, [plate, layer], [0, 1], dielectrics=[kind])
+    return normalised(["plate"], 0, [plate, layer], [0, 1], dielectrics=(kind,))
 
 
 def test_bounds_beside_jumps_of_the_permittivity() -> None:

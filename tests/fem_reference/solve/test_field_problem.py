@@ -28,8 +28,8 @@ def above_box() -> tuple[Conductors, TaggedMesh, FieldProblem]:
     problem = normalised(
         ["sensor", "plate", "box"], 1, [plate("sensor", 0.0), plate("plate", 0.4), box], range(3)
     )
-    mesh = tagged_mesh(problem.bodies, problem.owner, Sizing())
-    return problem, mesh, FieldProblem(mesh, [[0], [1], [2]])
+    mesh = tagged_mesh(problem, Sizing())
+    return problem, mesh, FieldProblem(mesh, problem)
 
 
 def test_the_mesh_tags_every_body_and_the_outer_sphere() -> None:
@@ -78,8 +78,7 @@ def test_without_its_objects_a_sensor_is_the_plate_alone() -> None:
     problem, _, system = above_box()
     found = charges(system, 1)
     single = normalised(["sensor"], 1, [plate("sensor", 0.0)], [0])
-    mesh = tagged_mesh(single.bodies, single.owner, Sizing())
-    alone = charges(FieldProblem(mesh, [[0]]), 1).maxwell * single.unit
+    alone = charges(FieldProblem(tagged_mesh(single, Sizing()), single), 1).maxwell * single.unit
     assert found.sensors_alone * problem.unit == pytest.approx(alone, rel=1e-3)
     assert found.sensors_alone[0, 0] < found.maxwell[0, 0]
 
@@ -118,8 +117,8 @@ def test_a_sensor_of_two_rectangles_is_one_conductor() -> None:
     values = []
     for bodies in (halves, whole):
         problem = normalised(["sensor"], 1, bodies, [0] * len(bodies))
-        mesh = tagged_mesh(problem.bodies, problem.owner, Sizing(refinement=2))
-        values.append(charges(FieldProblem(mesh, [list(range(len(bodies)))]), 1).maxwell[0, 0])
+        mesh = tagged_mesh(problem, Sizing(refinement=2))
+        values.append(charges(FieldProblem(mesh, problem), 1).maxwell[0, 0])
     assert values[0] == pytest.approx(values[1], rel=5e-4)
 
 

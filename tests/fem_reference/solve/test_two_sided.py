@@ -13,7 +13,6 @@ from fem_reference import maxwell
 from fem_reference.bodies.conductors import Measured, normalised
 from fem_reference.bodies.round_bodies import Arc, Ellipsoid, Sphere
 from fem_reference.bodies.shapes import Disc
-from fem_reference.bodies.symmetry import mirror_planes
 from fem_reference.mesh.body_distances import distance_from_surface
 from fem_reference.mesh.curved_surfaces import curved_faces, rim_errors
 from fem_reference.mesh.quarter_points import straighten
@@ -146,8 +145,7 @@ def test_the_interval_of_an_ellipsoid_holds_the_closed_form(semi_axes: tuple[flo
     """1/R_F(a², b², c²), with R_F as Carlson defined it."""
     body = Ellipsoid("ellipsoid", AT_ORIGIN, np.eye(3), semi_axes)
     problem = normalised(["ellipsoid"], 0, [body], [0])
-    planes = mirror_planes(problem.bodies, problem.owner, problem.room)
-    found = solve_level(problem, 1.0, COARSE, "estimate", planes)
+    found = solve_level(problem, 1.0, COARSE, "estimate", problem.mirror_planes)
     truth = 4 * np.pi * epsilon_0 / elliprf(*np.square(semi_axes))
     assert found.bounds is not None and found.estimated is not None
     assert found.bounds.interval.lower[0, 0] <= truth <= found.bounds.interval.upper[0, 0]
@@ -157,8 +155,10 @@ def test_the_interval_of_an_ellipsoid_holds_the_closed_form(semi_axes: tuple[flo
 
 def test_distances_from_surfaces_are_measured_on_straight_faces_too() -> None:
     """A ball whose cells have straight sides, as where bent ones would be turned inside out: the faces are chords."""
-    ball = Sphere("ball", AT_ORIGIN, 0.5)
-    mesh = tagged_mesh([ball], [0], COARSE)
+    problem = normalised(["ball"], 1, [Sphere("ball", AT_ORIGIN, 0.5)], [0])
+    (ball,) = problem.bodies
+    assert isinstance(ball, Sphere)
+    mesh = tagged_mesh(problem, COARSE)
     bent = mesh.curved_faces.deviations.max()
     nodes = mesh.mesh.geometry.x
     straighten(nodes, mesh.mesh.geometry.dofmap.array.reshape(mesh.local_cells, -1))
@@ -183,8 +183,10 @@ def test_the_distance_from_an_arc_is_known_inside_of_it_too() -> None:
 
 
 def test_the_rim_of_a_disc_that_is_a_polygon_has_the_error_of_its_chords() -> None:
-    disc = Disc("disc", AT_ORIGIN, np.eye(3), 0.5)
-    mesh = tagged_mesh([disc], [0], COARSE)
+    problem = normalised(["disc"], 1, [Disc("disc", AT_ORIGIN, np.eye(3), 0.5)], [0])
+    (disc,) = problem.bodies
+    assert isinstance(disc, Disc)
+    mesh = tagged_mesh(problem, COARSE)
     assert 0 < mesh.mean_rim_error <= mesh.rim_error < 1e-3
     nodes, cells = mesh.mesh.geometry.x, mesh.mesh.geometry.dofmap.array.reshape(mesh.local_cells, -1)
     straighten(nodes, cells)
