@@ -28,9 +28,11 @@ import fringe  # noqa: E402
 from fem_reference import maxwell  # noqa: E402
 from fem_reference.answer.reference import ErrorKind  # noqa: E402
 from geometries.common.arrays import Array
+from fem_reference.bodies.conductors import conductors  # noqa: E402
 from geometries.common.errors import InputError  # noqa: E402
+from geometries.scene import meshes  # noqa: E402
 from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Transform, Vector3  # noqa: E402
-from geometries.scene.reader import load  # noqa: E402
+from geometries.scene.reader import load, loads  # noqa: E402
 from geometries.scene.scene import Link, Object, Plate, Room, Scene, Sensor  # noqa: E402
 from geometries.scene.shapes import (  # noqa: E402
     ROUND_SHAPES,
@@ -49,6 +51,8 @@ from geometries.scene.shapes import (  # noqa: E402
     Sphere,
 )
 from geometries.scene.writer import canonical  # noqa: E402
+from tests import scenes  # noqa: E402
+from tests.fem_reference.problems import prism  # noqa: E402
 
 MIRROR = np.diag([1.0, -1.0, 1.0])
 """The reflection in y, which maps every shape of the scene format but polygons, in its own frame, to itself."""
@@ -171,18 +175,11 @@ def _room(random: np.random.Generator, centred: list[bool], height: float) -> Ro
 
 def written_prism(path: Path) -> MeshShape:
     """An L-shaped prism of 5 cm by 4 cm by 3 cm, symmetric in y, its origin in the middle of its box."""
-    outline = 0.01 * np.array([[-2.5, -2], [2.5, -2], [2.5, -0.5], [0, -0.5], [0, 2], [-2.5, 2]])
-    points = [(x, y, z) for y in (-0.015, 0.015) for x, z in outline]
-    caps = [(0, 1, 2), (0, 2, 3), (0, 3, 5), (3, 4, 5)]
-    faces = [*caps, *((a + 6, c + 6, b + 6) for a, b, c in caps)]
-    for k in range(6):
-        following = (k + 1) % 6
-        faces += [(k, k + 6, following), (following, k + 6, following + 6)]
-    text = "".join(f"v {x} {y} {z}\n" for x, y, z in points)
-    path.write_text(text + "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
-    scene = path.with_suffix(".toml")
-    scene.write_text(f'[[object]]\nname = "prism"\nshape = {{ type = "mesh", file = "{path}" }}\n')
-    shape = load(scene).objects[0].shape
+    # In the plane of z and x, so that the prism's third direction is y.
+    outline = 0.01 * np.array([[-2, -2.5], [2, -2.5], [2, 0], [-0.5, 0], [-0.5, 2.5], [-2, 2.5]])
+    triangles = prism(outline)[..., [1, 2, 0]] - [0, 0.5, 0]
+    meshes.write(triangles * [1, 0.03, 1], path)
+    shape = loads(scenes.body("prism", "mesh", file=str(path))).objects[0].shape
     assert isinstance(shape, MeshShape)
     return shape
 
@@ -278,7 +275,7 @@ def by_the_field(scene: Path, error: ErrorKind, symmetry: bool) -> Answer:
         rtol=RTOL,
         max_unknowns=MOST_UNKNOWNS[error],
         error=error,
-        columns=[name for name in _rows(load(scene)) if name != "distant"],
+        columns=[name for name in conductors(load(scene)).names if name != "distant"],
         symmetry=symmetry,
     )
     return Answer(found.names, found.lower, found.upper, faceted=False)
@@ -292,15 +289,6 @@ def by_panels(scene: Path, method: str) -> Answer | None:
         return None
     value, error = np.array(found["maxwell"]), np.array(found["error"])
     return Answer(tuple(found["conductors"]), value - error, value + error, faceted=True)
-
-
-def _rows(scene: Scene) -> list[str]:
-    grounded = [
-        body.name
-        for body in scene.objects
-        if body.relative_permittivity is None and body.potential == "grounded"
-    ]
-    return [*(sensor.name for sensor in scene.sensors), *grounded]
 
 
 @dataclass(frozen=True)

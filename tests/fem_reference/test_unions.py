@@ -5,57 +5,46 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
-import meshio
 import numpy as np
 import pytest
 from scipy.constants import epsilon_0
 
+from analysis.topics.verification.truths import UNIT_CUBE
 from fem_reference import maxwell
 from fem_reference.answer.reference import Reference
 from fem_reference.bodies.wrapping import Geometry
 from fem_reference.output.documents import document, table
+from geometries.scene import meshes
 from geometries.scene.reader import loads
 from geometries.scene.shapes import Cuboid
+from tests import scenes
+from tests.fem_reference.problems import prism
 from tests.scenes import SENSOR
 
 
-UNIT_CUBE = 0.66067815409957
-"""Capacitance of the unit cube over 4πε (Helsing & Perfekt 2013)."""
-
-
-def box(name: str, size: tuple[float, ...], at: tuple[float, ...]) -> str:
-    shape = f'{{ type = "cuboid", size = {list(size)} }}'
-    return f'[[object]]\nname = "{name}"\nshape = {shape}\ntranslation = {list(at)}\n'
+def foot_and_post(height: float, middle: float) -> str:
+    """A sensor below an L that is a foot with a post on it, of this height around this middle."""
+    foot = scenes.body("foot", "cuboid", size=[0.1, 0.04, 0.04], translation=[0, 0, 0.06])
+    post = scenes.body("post", "cuboid", size=[0.04, 0.04, height], translation=[0.03, 0, middle])
+    return SENSOR + foot + post
 
 
 def mesh(folder: Path, triangles: np.ndarray, potential: str = "grounded") -> str:
-    points = triangles.reshape(-1, 3)
-    cells = [("triangle", np.arange(len(points), dtype=np.int32).reshape(-1, 3))]
-    meshio.write(folder / "foot.ply", meshio.Mesh(points, cells))
-    shape = f'{{ type = "mesh", file = "{folder / "foot.ply"}" }}'
-    return f'[[object]]\nname = "foot"\npotential = "{potential}"\nshape = {shape}\n'
+    meshes.write(triangles, folder / "foot.ply")
+    return scenes.body("foot", "mesh", potential=potential, file=str(folder / "foot.ply"))
 
 
 def outline() -> np.ndarray:
     """The triangles of the L as one clean mesh."""
-    x, z = [-0.05, 0.05, 0.05, 0.01, 0.01, -0.05], [0.04, 0.04, 0.14, 0.14, 0.08, 0.08]
-    near, far = (np.column_stack([x, np.full(6, y), z]) for y in (-0.02, 0.02))
-    caps = [[0, 1, 4], [1, 2, 3], [1, 3, 4], [0, 4, 5]]
-    faces = [near[cap] for cap in caps] + [far[cap[::-1]] for cap in caps]
-    for i, j in zip(range(6), [1, 2, 3, 4, 5, 0]):
-        faces += [far[[i, j]].tolist() + [near[j]], [far[i], near[j], near[i]]]
-    return np.array([np.asarray(face) for face in faces])
+    corners = [[0.04, 0.05], [0.04, -0.05], [0.08, -0.05], [0.08, 0.01], [0.14, 0.01], [0.14, 0.05]]
+    z, x, y = prism(np.array(corners)).transpose(2, 0, 1)
+    return np.stack([x, 0.04 * (y - 0.5), z], axis=2)
 
 
 @cache
 def touching() -> Reference:
     """One level is enclosed; the limit of time ends it there."""
-    scene = (
-        SENSOR
-        + box("foot", (0.1, 0.04, 0.04), (0, 0, 0.06))
-        + box("post", (0.04, 0.04, 0.06), (0.03, 0, 0.11))
-    )
-    return maxwell(loads(scene), rtol=1e-2, max_seconds=1e-3)
+    return maxwell(loads(foot_and_post(0.06, 0.11)), rtol=1e-2, max_seconds=1e-3)
 
 
 def checked(scene: str) -> Reference:
@@ -88,12 +77,7 @@ def test_touching_boxes_are_one_conductor_with_a_charge_on_each() -> None:
 
 
 def test_overlapping_boxes_have_the_same_matrix() -> None:
-    scene = (
-        SENSOR
-        + box("foot", (0.1, 0.04, 0.04), (0, 0, 0.06))
-        + box("post", (0.04, 0.04, 0.09), (0.03, 0, 0.095))
-    )
-    found = checked(scene)
+    found = checked(foot_and_post(0.09, 0.095))
     agree(found)
     np.testing.assert_allclose(found.levels[0].maxwell, touching().levels[0].maxwell, rtol=1e-3)
 
@@ -125,10 +109,8 @@ def test_an_unclean_mesh_has_the_same_matrix(tmp_path: Path) -> None:
     assert np.all(cost > 0) and np.all(off < cost + found.maxwell.error + touching().maxwell.error)
     assert np.all(cost < 0.05 * np.abs(found.maxwell.value))
     proven = told["proven"]
-    assert proven["upper"] == [[True, False], [False, True]] and proven["lower"] == [
-        [False, True],
-        [True, False],
-    ]
+    assert proven["upper"] == [[True, False], [False, True]]
+    assert proven["lower"] == [[False, True], [True, False]]
     assert found.levels[0].enclosure is not None
     np.testing.assert_array_equal(np.diag(found.upper), np.diag(found.levels[0].enclosure.upper))
     assert found.lower[0, 1] == found.levels[0].enclosure.lower[0, 1]

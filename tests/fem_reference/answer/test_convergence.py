@@ -28,12 +28,22 @@ def of(*values: float) -> tuple[float, float, bool]:
     return float(found.value[0]), float(found.error[0]), bool(found.extrapolated[0])
 
 
-def test_one_level_has_an_error_of_its_whole_value() -> None:
-    assert of(3.0) == (3.0, 3.0, False)
-
-
-def test_two_levels_are_not_extrapolated() -> None:
-    assert of(3.0, 2.5) == (2.5, 1.0, False)
+@pytest.mark.parametrize(
+    "levels, expected",
+    [
+        pytest.param([3.0], (3.0, 3.0, False), id="one level has an error of its whole value"),
+        pytest.param([3.0, 2.5], (2.5, 1.0, False), id="two are not extrapolated"),
+        # For 1 + h at h = 4, 2, 1 the limit is 1, and the last difference, 1, is the scale of the error.
+        pytest.param([5.0, 3.0, 2.0], (1.0, LEAST_FRACTION, True), id="linear convergence"),
+        pytest.param(
+            [9.0, 5.0, 3.0, 2.0], (1.0, LEAST_FRACTION_CHECKED_TWICE, True), id="differences fall twice"
+        ),
+        pytest.param([7.0, 5.0, 3.0, 2.0], (1.0, LEAST_FRACTION, True), id="the first two are equal"),
+        pytest.param([2.0, 2.0, 2.0], (2.0, 0.0, True), id="a quantity that does not change has no error"),
+    ],
+)
+def test_sequences_that_follow_the_theory(levels: list[float], expected: tuple[float, float, bool]) -> None:
+    assert of(*levels) == expected
 
 
 def test_two_levels_may_agree_by_chance() -> None:
@@ -45,17 +55,6 @@ def test_two_levels_may_agree_by_chance() -> None:
     for count in (3, 4):
         value, error, _ = of(*levels[:count])
         assert abs(value - truth) <= error
-
-
-def test_linear_convergence_is_extrapolated_to_its_limit() -> None:
-    """For 1 + h at h = 4, 2, 1 the limit is 1, and the last difference, 1, is the scale of the error."""
-    assert of(5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
-
-
-def test_a_fourth_level_is_trusted_more_where_the_differences_fall_twice() -> None:
-    """The last difference, 1, is the scale of the error in both sequences; in the second the first two differences are equal."""
-    assert of(9.0, 5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION_CHECKED_TWICE, True)
-    assert of(7.0, 5.0, 3.0, 2.0) == (1.0, LEAST_FRACTION, True)
 
 
 @pytest.mark.parametrize("edge_sizes", [(4.0, 2.0, 1.0), (8.0, 4.0, 2.0, 1.0)])
@@ -88,10 +87,6 @@ def test_values_that_have_jumped_are_not_extrapolated_and_what_a_jump_leaves_is_
     assert not extrapolated and value == JUMPING[-1]
     assert error == pytest.approx(UNCHECKED_SAFETY * jump / 4)
     assert error > 1e-2 * value
-
-
-def test_a_quantity_that_does_not_change_has_no_error() -> None:
-    assert of(2.0, 2.0, 2.0) == (2.0, 0.0, True)
 
 
 def test_every_quantity_is_judged_by_itself() -> None:

@@ -29,28 +29,37 @@ def level(below: float, above: float, truth: float = 1.0) -> Level:
     return Level(1.0, 1, 1, value, value, np.zeros(1), bounds=LevelBounds(interval, None, None, NO_MARKS))
 
 
-@pytest.mark.parametrize("narrowing", [2.0, 3.6, 1.5])
-def test_bounds_that_narrow_in_proportion_meet_in_the_truth(narrowing: float) -> None:
-    """The value is found for any ratio of the two widths."""
-    found = best_value([level(0.07, 0.1), level(0.07 / narrowing, 0.1 / narrowing)])
-    assert found.value[0, 0] == pytest.approx(1, abs=1e-14) and found.extrapolated[0, 0]
-    assert found.error[0, 0] == pytest.approx(LEAST_FRACTION_OF_WIDTH * 0.17 / narrowing)
+WIDTH = LEAST_FRACTION_OF_WIDTH * 0.17
 
 
-def test_a_mesh_worse_than_a_coarser_one_does_not_matter() -> None:
-    found = best_value([level(0.07, 0.1), level(0.2, 0.12), level(0.035, 0.05)])
-    assert found.value[0, 0] == pytest.approx(1, abs=1e-14)
-
-
-def test_bounds_that_hardly_narrow_give_their_middle_and_all_of_it_as_the_error() -> None:
-    found = best_value([level(0.07, 0.1), level(0.068, 0.09)])
-    assert found.value[0, 0] == pytest.approx(1.011) and found.error[0, 0] == pytest.approx(0.079)
-    assert not found.extrapolated[0, 0]
-
-
-def test_a_single_interval_gives_its_middle_and_half_its_width() -> None:
-    found = best_value([level(0.07, 0.1)])
-    assert found.value[0, 0] == pytest.approx(1.015) and found.error[0, 0] == pytest.approx(0.085)
+@pytest.mark.parametrize(
+    "bounds, value, error, extrapolated",
+    [
+        pytest.param([(0.07, 0.1), (0.035, 0.05)], 1, WIDTH / 2, True, id="narrow by 2"),
+        pytest.param([(0.07, 0.1), (0.07 / 3.6, 0.1 / 3.6)], 1, WIDTH / 3.6, True, id="narrow by 3.6"),
+        pytest.param([(0.07, 0.1), (0.07 / 1.5, 0.1 / 1.5)], 1, WIDTH / 1.5, True, id="narrow by 1.5"),
+        pytest.param(
+            [(0.07, 0.1), (0.2, 0.12), (0.035, 0.05)],
+            1,
+            WIDTH / 2,
+            True,
+            id="a mesh worse than a coarser one",
+        ),
+        pytest.param(
+            [(0.07, 0.1), (0.068, 0.09)], 1.011, 0.079, False, id="hardly narrow: the middle, and all of it"
+        ),
+        pytest.param(
+            [(0.07, 0.1)], 1.015, 0.085, False, id="a single interval: its middle, and half its width"
+        ),
+    ],
+)
+def test_bounds_that_narrow_in_proportion_meet_in_the_truth_and_others_give_their_middle(
+    bounds: list[tuple[float, float]], value: float, error: float, extrapolated: bool
+) -> None:
+    """The truth is 1; each level has bounds that are this far below and above it."""
+    found = best_value([level(*each) for each in bounds])
+    assert found.value[0, 0] == pytest.approx(value, abs=1e-14) and found.error[0, 0] == pytest.approx(error)
+    assert bool(found.extrapolated[0, 0]) is extrapolated
 
 
 def estimate(own: tuple[float, float], error: float) -> Estimate:
@@ -58,16 +67,14 @@ def estimate(own: tuple[float, float], error: float) -> Estimate:
     return Estimate(value, np.full((2, 2), error), NOT_EXTRAPOLATED)
 
 
-def test_entries_that_are_equal_by_symmetry_widen_the_error_to_their_difference() -> None:
-    found, contradicted = checked(estimate((4.0, 4.1), 0.06), [(1, 0)], None)
-    assert contradicted is None
-    np.testing.assert_allclose(found.error, [[0.1, 0.06], [0.06, 0.1]])
-
-
-def test_entries_that_are_equal_by_symmetry_and_farther_apart_than_their_errors_are_a_contradiction() -> None:
-    found, contradicted = checked(estimate((4.0, 4.1), 0.04), [(1, 0)], None)
-    assert contradicted is not None and "symmetry" in contradicted
-    np.testing.assert_allclose(np.diag(found.error), [0.1, 0.1])
+@pytest.mark.parametrize("error, contradicts", [(0.06, False), (0.04, True)])
+def test_entries_that_are_equal_by_symmetry_widen_the_error_to_their_difference(
+    error: float, contradicts: bool
+) -> None:
+    """It is a contradiction if they are farther apart than their errors allow."""
+    found, contradicted = checked(estimate((4.0, 4.1), error), [(1, 0)], None)
+    assert ("symmetry" in contradicted) if contradicted is not None else not contradicts
+    np.testing.assert_allclose(found.error, [[0.1, error], [error, 0.1]])
 
 
 @pytest.mark.parametrize("error, says", [(0.3, None), (0.1, "bounds")])

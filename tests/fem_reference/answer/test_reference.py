@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 from typing import Any, cast
 
 import numpy as np
@@ -13,15 +14,21 @@ from fem_reference.answer import reference
 from fem_reference.answer.convergence import Estimate
 from fem_reference.answer.reference import ErrorKind, Reference, first_refinement
 from fem_reference.answer.shared_errors import GeometryError
-from fem_reference.bodies.conductors import Measured, normalised
-from fem_reference.bodies.shapes import Rectangle
+from fem_reference.bodies.conductors import Measured
 from fem_reference.mesh.marks import Marks
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.output.documents import table
 from fem_reference.solve.enclosure import Enclosure
 from fem_reference.solve.level import Level, LevelBounds, solve_level
+from tests.fem_reference.problems import PLATE, conductors_of, plate
 
-ONE_PLATE = normalised(["plate"], 1, [Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))], [0])
+ONE_PLATE = conductors_of([PLATE])
+
+
+@cache
+def coarse(error: ErrorKind) -> Level:
+    """Its solution on a coarse mesh."""
+    return solve_level(ONE_PLATE, 1.0, Sizing(growth=0.6), error, ONE_PLATE.mirror_planes)
 
 
 def answer(levels: int, error: float) -> Reference:
@@ -55,10 +62,7 @@ def test_the_interval_is_the_value_and_its_error() -> None:
 
 @pytest.mark.parametrize("gap, refinement", [(0.04, 0.5), (0.1, 1.0)])
 def test_scenes_with_narrow_gaps_start_coarser(gap: float, refinement: float) -> None:
-    plates = [
-        Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("a", 0), ("b", gap))
-    ]
-    assert first_refinement(normalised(["a", "b"], 1, plates, range(2))) == refinement
+    assert first_refinement(conductors_of([PLATE, plate("above", (0.5, 0.5), 0, 0, gap)])) == refinement
 
 
 @pytest.mark.parametrize(
@@ -67,13 +71,12 @@ def test_scenes_with_narrow_gaps_start_coarser(gap: float, refinement: float) ->
 def test_what_does_not_fit_in_memory_ends_with_the_answer_so_far(
     monkeypatch: pytest.MonkeyPatch, failure: Exception
 ) -> None:
-    levels: list[Callable[..., Level] | Exception] = [solve_level, failure]
+    levels: Iterator[Level] = iter([coarse("enclosure")])
 
-    def limited(*arguments: Any) -> Level:
-        step = levels.pop(0)
-        if isinstance(step, Exception):
-            raise step
-        return step(*arguments)
+    def limited(*_: Any) -> Level:
+        for level in levels:
+            return level
+        raise failure
 
     monkeypatch.setattr(reference, "solve_level", limited)
     found = reference.solve_conductors(ONE_PLATE, rtol=1e-5)
@@ -86,26 +89,18 @@ def test_bounds_of_meshes_that_exclude_each_other_never_pass_silently(
     monkeypatch: pytest.MonkeyPatch, error: ErrorKind
 ) -> None:
     """The second mesh has other bounds than the first, as a mistake of a mesh or of the solver would have; only the sizes are the solver's."""
-    solved: list[Level] = []
-
-    def shifted(*arguments: Any) -> Level:
-        if not solved:
-            problem, permittivity, _, *rest = arguments
-            solved.append(solve_level(problem, permittivity, Sizing(growth=0.6), *rest))
-            return solved[0]
-        known = solved[0].bounds
-        assert known is not None
-        interval = Enclosure(1.1 * known.interval.lower, 1.1 * known.interval.upper)
-        likely = None if known.likely is None else (1.1 * known.likely[0], 1.1 * known.likely[1])
-        bounds = replace(known, interval=interval, likely=likely)
-        return replace(solved[0], maxwell=1.1 * solved[0].maxwell, bounds=bounds)
-
-    monkeypatch.setattr(reference, "solve_level", shifted)
+    known = coarse(error).bounds
+    assert known is not None
+    interval = Enclosure(1.1 * known.interval.lower, 1.1 * known.interval.upper)
+    likely = None if known.likely is None else (1.1 * known.likely[0], 1.1 * known.likely[1])
+    bounds = replace(known, interval=interval, likely=likely)
+    levels = iter([coarse(error), replace(coarse(error), maxwell=1.1 * coarse(error).maxwell, bounds=bounds)])
+    monkeypatch.setattr(reference, "solve_level", lambda *_: next(levels))
     monkeypatch.setattr(reference, "MOST_LEVELS", 2)
     found = reference.solve_conductors(ONE_PLATE, rtol=1e-5, error=error)
     assert found.contradicted is not None and "bounds of two meshes exclude each other" in found.contradicted
     assert not found.reached and not replace(found, rtol=1.0).reached
-    first, second = solved[0].maxwell[0, 0], 1.1 * solved[0].maxwell[0, 0]
+    first, second = (factor * coarse(error).maxwell[0, 0] for factor in (1, 1.1))
     assert found.lower[0, 0] < first < found.upper[0, 0] and found.lower[0, 0] < second < found.upper[0, 0]
     assert found.maxwell.error[0, 0] > 0.04 * first and "proven to lie" not in table(found)
 

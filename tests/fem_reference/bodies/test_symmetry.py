@@ -6,20 +6,22 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
-from fem_reference.solve.level import solve_level
+from fem_reference.bodies.conductors import Conductors
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
-from fem_reference.bodies.conductors import Conductors, normalised
-from fem_reference.mesh.sizing import Sizing
+from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
 from fem_reference.bodies.symmetry import Plane, exchanges, mirror_planes
+from fem_reference.mesh.sizing import Sizing
+from fem_reference.solve.level import solve_level
+from tests.fem_reference.problems import conductors_of
+from tests.fem_reference.problems import plate as plate_at
 
-
-SENSOR = Rectangle("sensor", np.zeros(3), np.eye(3), (0.5, 0.3))
+SENSOR = plate_at("sensor", (0.5, 0.3))
+LEFT, RIGHT = (plate_at("sensor", (0.5, 0.3), x, 0.2, 0) for x in (-0.6, 0.6))
 TURNED = Rotation.from_euler("xyz", [0.3, -0.8, 1.9]).as_matrix()
 
 
 def plate(x: float, y: float, z: float, half_widths: tuple[float, float] = (0.4, 0.2)) -> Rectangle:
-    return Rectangle("target", np.array([x, y, z]), np.eye(3), half_widths)
+    return plate_at("target", half_widths, x, y, z)
 
 
 def planes(*bodies: Body, owner: list[int] | None = None) -> tuple[Plane, ...]:
@@ -57,27 +59,17 @@ def test_a_single_cube_has_three_planes_and_they_are_at_right_angles() -> None:
 
 
 def test_squares_on_a_diagonal_share_the_diagonal_plane() -> None:
-    square = Rectangle("sensor", np.zeros(3), np.eye(3), (0.5, 0.5))
-    (found,) = planes(square, plate(0.4, 0.4, 0.2, (0.3, 0.3)))
+    (found,) = planes(plate_at("sensor"), plate(0.4, 0.4, 0.2, (0.3, 0.3)))
     np.testing.assert_allclose(np.abs(found.normal), [np.sqrt(0.5), np.sqrt(0.5), 0])
 
 
-def test_two_plates_of_one_sensor_may_be_exchanged_and_two_sensors_may_not() -> None:
-    first = Rectangle("sensor", np.array([-0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
-    second = Rectangle("sensor", np.array([0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
-    target = plate(0, 0, 0.2)
-    assert len(planes(first, second, target, owner=[0, 0, 1])) == 1
-    assert planes(first, second, target, owner=[0, 1, 2]) == ()
-
-
-def test_mirroring_two_sensors_into_each_other_is_an_exchange() -> None:
-    first = Rectangle("sensor", np.array([-0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
-    second = Rectangle("sensor", np.array([0.6, 0.2, 0]), np.eye(3), (0.5, 0.3))
-    target = plate(0, 0, 0.2)
-    rows = ["row"] * 3
-    assert exchanges([first, second, target], [0, 1, 2], rows) == ((1, 0, 2),)
-    assert exchanges([first, second, target], [0, 0, 1], rows[:2]) == ()
-    assert exchanges([first, second, plate(0.01, 0, 0.2)], [0, 1, 2], rows) == ()
+def test_two_plates_of_one_sensor_may_be_mirrored_into_each_other_and_two_sensors_are_exchanged() -> None:
+    target, rows = plate(0, 0, 0.2), ["row"] * 3
+    assert len(planes(LEFT, RIGHT, target, owner=[0, 0, 1])) == 1
+    assert planes(LEFT, RIGHT, target, owner=[0, 1, 2]) == ()
+    assert exchanges([LEFT, RIGHT, target], [0, 1, 2], rows) == ((1, 0, 2),)
+    assert exchanges([LEFT, RIGHT, target], [0, 0, 1], rows[:2]) == ()
+    assert exchanges([LEFT, RIGHT, plate(0.01, 0, 0.2)], [0, 1, 2], rows) == ()
 
 
 def test_bodies_of_two_kinds_are_not_exchanged() -> None:
@@ -103,22 +95,21 @@ def problem_of(target: Body) -> Conductors:
         Rectangle("sensor", np.ones(3), TURNED.T, (0.5, 0.3)),
         Rectangle("target", np.ones(3) + TURNED @ target.corners.mean(axis=0), TURNED.T, (0.4, 0.2)),
     ]
-    return normalised(["sensor", "target"], 1, turned, [0, 1])
+    return conductors_of(turned)
 
 
 @pytest.mark.parametrize(
     "target, number", [(plate(0, 0, 0.3), 2), pytest.param(plate(1.2, 0, 0), 1, marks=pytest.mark.night)]
 )
 def test_one_side_gives_the_answer_of_the_whole(target: Body, number: int) -> None:
-    """On meshes of the same fineness the enclosures overlap, and one side has its share of the unknowns."""
+    """On meshes of the same fineness the bounds overlap, and one side has its share of the unknowns."""
     problem = problem_of(target)
     found = problem.mirror_planes
     assert len(found) == number
-    whole = solve_level(problem, 1.0, Sizing(), "enclosure")
-    side = solve_level(problem, 1.0, Sizing(), "enclosure", found)
-    assert whole.enclosure is not None and side.enclosure is not None
-    assert np.all(side.enclosure.lower <= whole.enclosure.upper)
-    assert np.all(whole.enclosure.lower <= side.enclosure.upper)
+    whole, side = (solve_level(problem, 1.0, Sizing(), "estimate", used) for used in ((), found))
+    assert whole.bounds is not None and side.bounds is not None
+    one, other = whole.bounds.interval, side.bounds.interval
+    assert np.all(one.lower <= other.upper) and np.all(other.lower <= one.upper)
     np.testing.assert_allclose(side.maxwell, whole.maxwell, rtol=3e-3)
     np.testing.assert_allclose(side.delta_self, whole.delta_self, rtol=5e-3)
     assert side.unknowns < whole.unknowns * 0.75**number

@@ -6,6 +6,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -19,8 +20,13 @@ UNREACHED = 3
 BUSY = f"import ctypes; [ctypes.CDLL(None).usleep(1000) for _ in range({int(2000 * DEADLINE)})]"
 
 
+INFINITE = 'float("inf")'
+KILLED = "os.kill(os.getpid(), signal.SIGKILL)"
+BY_KILL = "fem_reference: ended by SIGKILL, as the system does for want of memory"
+
+
 def started(commands: str) -> subprocess.Popen[str]:
-    """Starts a supervised command of these statements, which know `report` and `AnswerSoFar`, and waits for its first words."""
+    """Starts a supervised command of these statements, which know `report` and `AnswerSoFar`."""
     body = "\n".join(f"    {line}" for line in commands.splitlines())
     program = (
         "import os, signal, sys\n"
@@ -28,7 +34,7 @@ def started(commands: str) -> subprocess.Popen[str]:
         f"def command(report):\n{body}\n"
         f"sys.exit(supervised(command, {UNREACHED}))\n"
     )
-    process = subprocess.Popen(
+    return subprocess.Popen(
         [sys.executable, "-c", program],
         cwd=REPOSITORY,
         stdout=subprocess.PIPE,
@@ -36,7 +42,6 @@ def started(commands: str) -> subprocess.Popen[str]:
         text=True,
         start_new_session=True,
     )
-    return process
 
 
 def finished(process: subprocess.Popen[str]) -> tuple[int, str, str]:
@@ -48,61 +53,68 @@ def finished(process: subprocess.Popen[str]) -> tuple[int, str, str]:
     return process.returncode, output, errors
 
 
-def reported(seconds_left: str) -> str:
-    """Statements that report an answer, say so, and are busy then."""
-    return (
-        f'report(AnswerSoFar("the first answer", "not accurate", {seconds_left}))\n'
-        f'print("begun", flush=True)\n{BUSY}\nreturn 0'
-    )
+def report(left: str, text: str = "the first answer", message: str = "not accurate", more: str = "") -> str:
+    """A statement that reports an answer, with the time (s) left for a better one."""
+    return f"report(AnswerSoFar({text!r}, {message!r}, {left}{more}))\n"
 
 
-@pytest.mark.parametrize("status", [0, 2])
-def test_a_command_that_ends_prints_and_returns_by_itself(status: int) -> None:
-    assert finished(started(f'print("answer")\nreturn {status}')) == (status, "answer\n", "")
-
-
-@pytest.mark.parametrize("to_all", [True, False], ids=["terminal", "kill"])
-def test_after_ctrl_c_the_answer_so_far_is_printed(to_all: bool) -> None:
-    process = started(reported('float("inf")'))
+def interrupted(commands: str, send: Callable[[int], None]) -> tuple[int, str, str]:
+    """What is left of a command to which a signal is sent after these statements, while it is busy."""
+    process = started(f'{commands}print("begun", flush=True)\n{BUSY}\nreturn 0')
     assert process.stdout is not None and process.stdout.readline() == "begun\n"
-    # A terminal sends the signal to all processes of the command.
-    (os.killpg if to_all else os.kill)(process.pid, signal.SIGINT)
+    send(process.pid)
     status, output, errors = finished(process)
-    assert (status, output, errors.strip()) == (130, "the first answer\n", "not accurate")
+    return status, output, errors.strip()
 
 
-def test_when_the_time_is_over_the_answer_so_far_is_printed() -> None:
-    status, output, errors = finished(started(reported("0.2")))
-    assert (status, output, errors) == (UNREACHED, "begun\nthe first answer\n", "not accurate\n")
+@pytest.mark.parametrize(
+    "commands, expected",
+    [
+        pytest.param('print("answer")\nreturn 0', (0, "answer\n", ""), id="ends by itself"),
+        pytest.param('print("answer")\nreturn 2', (2, "answer\n", ""), id="fails by itself"),
+        pytest.param(
+            report("0.2") + BUSY, (UNREACHED, "the first answer\n", "not accurate\n"), id="the time is over"
+        ),
+        pytest.param(
+            report("0.2", "", "too little time", ", is_answer=False") + BUSY,
+            (UNREACHED, "", "too little time\n"),
+            id="the time is over before the first answer",
+        ),
+        # The system kills processes for want of memory.
+        pytest.param(KILLED, (137, "", f"{BY_KILL}\n"), id="killed"),
+        pytest.param(
+            report(INFINITE) + KILLED,
+            (UNREACHED, "the first answer\n", f"not accurate\n{BY_KILL}\n"),
+            id="killed after an answer",
+        ),
+        # MPI ends the process with a status of its own where PETSc or hypre get no memory.
+        pytest.param("os._exit(255)", (255, "", ""), id="aborted by a library"),
+        pytest.param(
+            report(INFINITE) + "os._exit(255)",
+            (
+                UNREACHED,
+                "the first answer\n",
+                "not accurate\nfem_reference: aborted by a library with status 255, as for want of memory\n",
+            ),
+            id="aborted after an answer",
+        ),
+    ],
+)
+def test_the_answer_so_far_is_kept(commands: str, expected: tuple[int, str, str]) -> None:
+    assert finished(started(commands)) == expected
 
 
-def test_when_the_time_is_over_before_the_first_answer_that_is_said() -> None:
-    waiting = f'report(AnswerSoFar("", "too little time", 0.2, is_answer=False))\nprint("begun", flush=True)\n{BUSY}'
-    assert finished(started(waiting)) == (UNREACHED, "begun\n", "too little time\n")
-    process = started(waiting.replace("0.2", 'float("inf")'))
-    assert process.stdout is not None and process.stdout.readline() == "begun\n"
-    os.kill(process.pid, signal.SIGINT)
-    status, output, errors = finished(process)
-    assert (status, output, errors.strip()) == (130, "", "fem_reference: interrupted before the first answer")
+@pytest.mark.parametrize("send", [os.killpg, os.kill], ids=["terminal", "kill"])
+def test_after_ctrl_c_the_answer_so_far_is_printed(send: Callable[[int, int], None]) -> None:
+    """A terminal sends the signal to all processes of the command."""
+    found = interrupted(report(INFINITE), lambda process: send(process, signal.SIGINT))
+    assert found == (130, "the first answer\n", "not accurate")
 
 
-def test_a_command_that_is_killed_says_by_what_and_keeps_its_answer() -> None:
-    """The system kills processes for want of memory."""
-    killed, words = (
-        "os.kill(os.getpid(), signal.SIGKILL)",
-        "fem_reference: ended by SIGKILL, as the system does for want of memory\n",
-    )
-    assert finished(started(killed)) == (137, "", words)
-    answered = 'report(AnswerSoFar("the first answer", "not accurate", float("inf")))\n'
-    assert finished(started(answered + killed)) == (UNREACHED, "the first answer\n", f"not accurate\n{words}")
-
-
-def test_a_command_that_a_library_aborts_keeps_its_answer() -> None:
-    """MPI ends the process with a status of its own where PETSc or hypre get no memory."""
-    assert finished(started("os._exit(255)")) == (255, "", "")
-    answered = 'report(AnswerSoFar("the first answer", "not accurate", float("inf")))\n'
-    status, output, errors = finished(started(f"{answered}os._exit(255)"))
-    assert (status, output) == (UNREACHED, "the first answer\n") and "status 255" in errors
+def test_after_ctrl_c_before_the_first_answer_that_is_said() -> None:
+    nothing = report(INFINITE, "", "too little time", ", is_answer=False")
+    found = interrupted(nothing, lambda process: os.kill(process, signal.SIGINT))
+    assert found == (130, "", "fem_reference: interrupted before the first answer")
 
 
 def test_the_command_ends_with_the_process_that_watches_it() -> None:
@@ -120,11 +132,6 @@ def test_when_mpirun_ends_its_processes_the_first_one_prints_the_answer(
 ) -> None:
     """Other processes only report that there is one."""
     monkeypatch.setenv("OMPI_COMM_WORLD_RANK", number)
-    message = "not accurate" if answer else ""
-    process = started(
-        f'report(AnswerSoFar("{answer}", "{message}", float("inf")))\nprint("begun", flush=True)\n{BUSY}'
-    )
-    assert process.stdout is not None and process.stdout.readline() == "begun\n"
-    os.kill(process.pid, signal.SIGTERM)
-    status, output, errors = finished(process)
-    assert (status, output.strip(), errors.strip()) == (130, answer, message)
+    reported = report(INFINITE, answer, "not accurate" if answer else "")
+    status, output, errors = interrupted(reported, lambda process: os.kill(process, signal.SIGTERM))
+    assert (status, output.strip(), errors) == (130, answer, "not accurate" if answer else "")

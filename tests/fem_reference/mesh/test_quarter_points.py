@@ -18,7 +18,7 @@ from fem_reference.mesh.quarter_points import (
     second_order,
     straighten,
 )
-from fem_reference.solve.reference_flux import CORNERS, flux_space
+from fem_reference.solve.reference_flux import flux_space
 from geometries.common.arrays import Array
 
 KINDS = [frozenset(chosen) for count in (1, 2, 3) for chosen in combinations(range(4), count)]
@@ -97,7 +97,3 @@ def test_a_cell_with_all_vertices_on_edges_is_straight() -> None:
         frozenset(): [0, 2],
         frozenset({0, 2}): [1],
     }
-
-
-def test_the_reference_corners_are_where_the_barycentric_coordinates_say() -> None:
-    np.testing.assert_array_equal(barycentric(CORNERS), np.eye(4))

@@ -12,8 +12,7 @@ from scipy.spatial.transform import Rotation
 
 from fem_reference.bodies.distances import distance
 from fem_reference.bodies.polyhedron import polyhedron
-from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
-from fem_reference.bodies.shapes import Cuboid, Disc, PlanePolygon, Rectangle
+from fem_reference.bodies.shapes import Cuboid, Rectangle
 from fem_reference.mesh.body_distances import (
     ClosedFormBody,
     curvature_radius,
@@ -25,26 +24,11 @@ from fem_reference.mesh.body_distances import (
 from fem_reference.mesh.marks import ORDER_ACROSS_GAPS, Marks, adapted_sizes
 from fem_reference.mesh.tape import SizeFunction, Tape, smallest
 from fem_reference.mesh.sizing import Sizing, _in_gap, _is_wide, sizing_for
-from geometries.scene import polygons, shapes
-from geometries.scene.poses import AxisRotation
+from geometries.scene import shapes
+from tests.fem_reference.problems import BODIES, CENTRE, TURNED
 
-TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
-CENTRE = np.array([0.1, -0.2, 0.3])
-CORNER = ((0.0, 0.0), (2.0, 0.0), (2.0, 2.0), (1.0, 2.0), (1.0, 1.0), (0.0, 1.0))
-BOX = Cuboid("cuboid", CENTRE, TURNED, (0.2, 0.4, 0.6))
-BODIES: list[ClosedFormBody] = [
-    BOX,
-    Rectangle("plate", CENTRE, TURNED, (0.2, 0.4)),
-    Disc("disc", CENTRE, TURNED, 0.7),
-    PlanePolygon("polygon", CENTRE, TURNED, np.array(CORNER), np.array(polygons.ears(CORNER))),
-    Sphere("sphere", CENTRE, 0.8),
-    Ellipsoid("ellipsoid", CENTRE, TURNED, (0.3, 0.5, 1.0)),
-    Swept("rounded", CENTRE, TURNED, (0.5, 0.0, 0.8), 0.1),
-    Cylinder("cylinder", CENTRE, TURNED, 1.0, 2.0),
-    Cone("cone", CENTRE, TURNED, 0.7, 2.0),
-    Arc("arc", CENTRE, TURNED, 1.0, 1.6, 0.8, 0.6),
-    Arc("ring", CENTRE, TURNED, 1.0, 1.6, 0.8, np.pi),
-]
+BOX = BODIES[0]
+assert isinstance(BOX, Cuboid)
 POINTS = np.random.default_rng(1).uniform(-3, 3, (200, 3))
 
 
@@ -120,14 +104,11 @@ def test_in_a_wide_gap_the_growth_from_edges_is_smaller_everywhere() -> None:
     assert left_out > 50
 
 
-def test_cells_grow_no_faster_where_more_accuracy_is_asked_for() -> None:
-    growths = [sizing_for(rtol, 1.0).growth for rtol in (1e-1, 1e-3, 9e-4, 1e-4)]
-    assert growths == sorted(growths, reverse=True)
-    assert growths[0] == growths[1] > growths[2] > growths[3]
-
-
-def test_what_is_asked_coarsely_is_meshed_coarsely() -> None:
-    coarse, fine = sizing_for(2e-2, 1.0), sizing_for(1e-2, 1.0)
+def test_cells_follow_the_accuracy_that_is_asked_for() -> None:
+    asked = [sizing_for(rtol, 1.0) for rtol in (1e-1, 2e-2, 1e-2, 1e-3, 9e-4, 1e-4)]
+    growths = [each.growth for each in asked]
+    assert growths == sorted(growths, reverse=True) and growths[0] == growths[3] > growths[4] > growths[5]
+    coarse, fine = asked[1:3]
     assert coarse.curvature > fine.curvature and coarse.far > fine.far
     assert coarse.edge == fine.edge and coarse.edge_in_gap == fine.edge_in_gap
 

@@ -9,9 +9,8 @@ from resource import getpagesize
 import numpy as np
 import pytest
 
-from fem_reference.bodies.conductors import normalised
 from fem_reference.bodies.round_bodies import Sphere
-from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle
+from fem_reference.bodies.shapes import Body, Cuboid, Disc
 from fem_reference.mesh.marks import marks
 from fem_reference.mesh.quarter_points import is_pulled
 from fem_reference.mesh.sizing import Sizing
@@ -31,6 +30,7 @@ from fem_reference.solve.two_sided import (
     estimated,
     shares_by_kind,
 )
+from tests.fem_reference.problems import conductors_of, plate
 
 COARSE = Sizing(edge=0.4, edge_in_gap=1.0, growth=0.6, curvature=0.6)
 
@@ -38,12 +38,12 @@ COARSE = Sizing(edge=0.4, edge_in_gap=1.0, growth=0.6, curvature=0.6)
 def test_gaps_of_cells_are_positive_and_add_up_to_the_gap_of_the_energies() -> None:
     """Plates with quarter-point cells, a cuboid, a floating ball with curved cells, and a disc that is only grounded."""
     bodies: list[Body] = [
-        Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.4)),
+        plate("plate", (0.5, 0.4)),
         Cuboid("box", np.array([0.1, 0, 0.7]), np.eye(3), (0.3, 0.2, 0.2)),
         Sphere("ball", np.array([1.2, 0, 0.4]), 0.3),
         Disc("disc", np.array([0, 0, -0.6]), np.eye(3), 0.5),
     ]
-    problem = normalised(["plate", "box"], 1, bodies, range(4), floating=("ball",), grounded=("disc",))
+    problem = conductors_of(bodies, floating=("ball",), grounded=("disc",))
     mesh = tagged_mesh(problem, COARSE)
     system = FieldProblem(mesh, problem)
     potentials = system.potentials(range(4), 3)
@@ -88,11 +88,8 @@ def test_the_value_lies_by_the_shares_in_the_gaps_and_the_errors_add_up() -> Non
 
 
 def test_cells_are_told_apart_by_the_edges_that_they_touch() -> None:
-    bodies: list[Body] = [
-        Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.4)),
-        Cuboid("box", np.array([0.1, 0.0, 1.0]), np.eye(3), (0.3, 0.4, 0.2)),
-    ]
-    problem = normalised(["plate", "box"], 1, bodies, range(2))
+    cuboid = Cuboid("box", np.array([0.1, 0.0, 1.0]), np.eye(3), (0.3, 0.4, 0.2))
+    problem = conductors_of([plate("plate", (0.5, 0.4)), cuboid])
     mesh = tagged_mesh(problem, Sizing(growth=0.6))
     found = shares_by_kind(mesh, problem.bodies)
     assert found.of_upper[-1] == OF_UPPER[ELSEWHERE] and found.error[-1] == ERROR[ELSEWHERE]
@@ -115,10 +112,7 @@ def memory_in_use() -> int:
 @pytest.mark.parametrize("bounds", ["none", "estimate", "enclosure"])
 def test_a_level_leaves_no_memory_behind(bounds: Bounds) -> None:
     """The matrices of the level take some 10 MB, its bounds three times as much."""
-    plates = [
-        Rectangle(name, np.array([0, 0, z]), np.eye(3), (0.5, 0.5)) for name, z in (("a", 0), ("b", 0.4))
-    ]
-    problem = normalised(["a", "b"], 1, plates, range(2))
+    problem = conductors_of([plate("a"), plate("b", (0.5, 0.5), 0, 0, 0.4)])
     used = []
     for _ in range(4):
         solve_level(problem, 1.0, Sizing(), bounds, problem.mirror_planes)

@@ -6,34 +6,29 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.constants import epsilon_0
 
+from analysis.topics.verification.set_ups import UNIT
 from analysis.topics.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
-from fem_reference.bodies.shapes import Body, Cuboid, Rectangle, rectangle
-from fem_reference.solve.enclosure import Enclosure, contradict, enclosure, intersection
-from fem_reference.solve.level import Level, solve_level
 from fem_reference.answer.reference import solve_conductors
 from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
+from fem_reference.bodies.shapes import Body, Cuboid, rectangle
 from fem_reference.mesh.sizing import Sizing
-from geometries.common.arrays import Array
+from fem_reference.solve.enclosure import Enclosure, contradict, enclosure, intersection
+from fem_reference.solve.level import Level, solve_level
 from tests.by_night import all_but
+from tests.fem_reference.problems import ORIGIN, PLATE, conductors_of, semidefinite
 
 CASES = boundary_elements()[::3]
 """A sample of the cases; `python3 -m analysis verify` runs all of them."""
 
 
-def random_semidefinite(seed: int) -> Array:
-    root = np.random.default_rng(seed).normal(size=(3, 3))
-    return np.asarray(root @ root.T)
-
-
 @pytest.mark.parametrize("seed", range(20))
 def test_every_matrix_between_the_bounds_is_enclosed(seed: int) -> None:
     """The entries of any M with L ≤ M ≤ U lie inside, if its off-diagonal entries are not positive, as those of a Maxwell matrix."""
-    below = np.diag([9.0, 8.0, 7.0]) - 2.5 + 0.1 * random_semidefinite(seed)
-    gap, share = random_semidefinite(seed + 100), np.linspace(0, 1, 5)
+    random = np.random.default_rng(seed)
+    below, gap = np.diag([9.0, 8.0, 7.0]) - 2.5 + semidefinite(random, 0.1), semidefinite(random)
     found = enclosure(below, below + gap)
-    for t in share:
+    for t in np.linspace(0, 1, 5):
         middle = below + t * gap
         middle[~np.eye(3, dtype=bool)] = np.minimum(middle[~np.eye(3, dtype=bool)], 0)
         assert np.all(found.lower <= middle + 1e-12) and np.all(middle <= found.upper + 1e-12)
@@ -51,15 +46,8 @@ def test_a_lower_bound_above_the_upper_one_is_a_fault() -> None:
         enclosure(np.ones((1, 1)), np.zeros((1, 1)))
 
 
-def test_enclosures_of_one_matrix_intersect() -> None:
-    found = intersection(
-        [Enclosure(np.array([[1.0]]), np.array([[3.0]])), Enclosure(np.array([[0.0]]), np.array([[2.0]]))]
-    )
-    assert (found.lower[0, 0], found.upper[0, 0]) == (1.0, 2.0)
-
-
-def test_enclosures_that_exclude_each_other_contradict_and_give_what_holds_both() -> None:
-    """Only entries that have nothing in common: an interval is never upside down."""
+def test_enclosures_intersect_and_give_what_holds_both_where_they_exclude_each_other() -> None:
+    """Only entries that have nothing in common contradict: an interval is never upside down."""
     one = Enclosure(np.array([[1.0, -2.0]]), np.array([[2.0, -1.0]]))
     other = Enclosure(np.array([[3.0, -1.5]]), np.array([[4.0, -0.5]]))
     assert contradict([one, other]) and not contradict([one, one])
@@ -68,7 +56,7 @@ def test_enclosures_that_exclude_each_other_contradict_and_give_what_holds_both(
     np.testing.assert_array_equal(found.upper, [[4.0, -1.0]])
 
 
-def conductors_of(case: dict[str, Any]) -> Conductors:
+def conductors_in(case: dict[str, Any]) -> Conductors:
     bodies = [
         rectangle(str(k), *(np.array(plate[key]) for key in ("corner", "edge_u", "edge_v")))
         for k, plate in enumerate(case["rectangles"])
@@ -79,49 +67,42 @@ def conductors_of(case: dict[str, Any]) -> Conductors:
     )
 
 
-def alone(body: Body) -> Conductors:
-    return normalised([body.name], 1, [body], [0])
-
-
 def level(problem: Conductors, refinement: float) -> Level:
     return solve_level(problem, 1.0, Sizing(refinement=refinement), "enclosure", problem.mirror_planes)
 
 
-def widths_around(name: str, problem: Conductors, truth: float, truth_error: float) -> list[float]:
-    """Relative widths over three halvings of the edge size; asserts that the known value is inside each time."""
+@pytest.mark.parametrize(
+    "body, truth, exactness",
+    [
+        (PLATE, UNIT_SQUARE_PLATE, 3e-6),
+        (Cuboid("cube", ORIGIN, np.eye(3), (0.5, 0.5, 0.5)), UNIT_CUBE, 1e-12),
+    ],
+    ids=lambda value: getattr(value, "name", ""),
+)
+def test_the_width_falls_with_the_edge_size_around_the_truth(
+    body: Body, truth: float, exactness: float
+) -> None:
+    """The known value is inside at each of three halvings of the edge size."""
     widths = []
     for refinement in (1, 2, 4):
-        found = level(problem, refinement).enclosure
+        found = level(conductors_of([body]), refinement).enclosure
         assert found is not None
-        below, above = found.lower[0, 0] / truth - 1, found.upper[0, 0] / truth - 1
-        print(f"\n{name}, refinement {refinement}: truth {below:+.2e} … {above:+.2e}")
-        assert below <= truth_error and above >= -truth_error
+        below, above = (bound[0, 0] / (UNIT * truth) - 1 for bound in (found.lower, found.upper))
+        print(f"\n{body.name}, refinement {refinement}: truth {below:+.2e} … {above:+.2e}")
+        assert below <= exactness and above >= -exactness
         widths.append(above - below)
-    return widths
-
-
-def test_square_plate() -> None:
-    plate = alone(Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5)))
-    widths = widths_around("square plate", plate, 4 * np.pi * epsilon_0 * UNIT_SQUARE_PLATE, 3e-6)
-    order = np.log2(widths[0] / widths[2]) / 2
-    print(f"observed order of the width {order:.2f}")
-    assert 0.85 <= order <= 1.25 and widths[2] <= 6e-4
-
-
-def test_cube() -> None:
-    cube = alone(Cuboid("cube", np.zeros(3), np.eye(3), (0.5, 0.5, 0.5)))
-    widths = widths_around("cube", cube, 4 * np.pi * epsilon_0 * UNIT_CUBE, 1e-12)
     assert widths[1] < 0.6 * widths[0] and widths[2] < 0.6 * widths[1]
+    if body is PLATE:
+        order = np.log2(widths[0] / widths[2]) / 2
+        assert 0.85 <= order <= 1.25 and widths[2] <= 6e-4
 
 
 def covered_plate(contrast: float) -> Conductors:
     """A square plate under a layer of a tenth of its side; of an infinite `contrast` the layer is a conductor of the plate."""
-    plate = Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5))
     layer = Cuboid("layer", np.array([0, 0, 0.05]), np.eye(3), (0.5, 0.5, 0.05))
     if np.isinf(contrast):
-        return normalised(["plate"], 0, [layer], [0])
-    kind = Dielectric("layer", contrast, contrast)
-    return normalised(["plate"], 0, [plate, layer], [0, 1], dielectrics=(kind,))
+        return conductors_of([layer], 0)
+    return conductors_of([PLATE, layer], 0, dielectrics=(Dielectric("layer", contrast, contrast),))
 
 
 def test_bounds_beside_jumps_of_the_permittivity() -> None:
@@ -135,14 +116,14 @@ def test_bounds_beside_jumps_of_the_permittivity() -> None:
     coarse, fine = interval(6.0, 0.5), interval(6.0, 2.0)
     assert max(coarse[0], fine[0]) < min(coarse[1], fine[1]) and np.ptp(fine) < 0.7 * np.ptp(coarse)
     assert interval(1.0, 0.5)[1] < fine[0] and fine[1] < interval(np.inf, 0.5)[0]
-    bare, truth = interval(1.0, 0.5), 4 * np.pi * epsilon_0 * UNIT_SQUARE_PLATE
-    assert bare[0] < truth < bare[1], "a layer of the medium is not there"
+    bare = interval(1.0, 0.5)
+    assert bare[0] < UNIT * UNIT_SQUARE_PLATE < bare[1], "a layer of the medium is not there"
 
 
 @pytest.mark.parametrize("case", all_but(CASES[::3], CASES), ids=[case["name"] for case in CASES])
 def test_plates_against_boundary_elements(case: dict[str, Any]) -> None:
     """The coarsest mesh encloses every entry of every case within the error of the boundary elements."""
-    found = level(conductors_of(case), 1).enclosure
+    found = level(conductors_in(case), 1).enclosure
     assert found is not None
     truth = 1e-12 * np.array(case["maxwell_pF"])
     slack = case["relative_error"] * np.abs(truth)
@@ -152,21 +133,9 @@ def test_plates_against_boundary_elements(case: dict[str, Any]) -> None:
     assert width <= 0.03
 
 
-def test_twice_the_size_is_twice_the_bounds_to_rounding() -> None:
-    found = []
-    for scale in (1.0, 2.0):
-        interval = level(
-            alone(Rectangle("plate", np.zeros(3), np.eye(3), (0.5 * scale, 0.3 * scale))), 1
-        ).enclosure
-        assert interval is not None
-        found.append(np.array([interval.lower[0, 0], interval.upper[0, 0]]) / scale)
-    np.testing.assert_allclose(found[0], found[1], rtol=1e-12)
-
-
 def test_the_answer_stops_when_the_enclosure_is_narrow_enough_and_keeps_its_best_value_inside() -> None:
-    plate = alone(Rectangle("plate", np.zeros(3), np.eye(3), (0.5, 0.5)))
-    found = solve_conductors(plate, rtol=2e-4)
-    truth = 4 * np.pi * epsilon_0 * UNIT_SQUARE_PLATE
+    found = solve_conductors(conductors_of([PLATE]), rtol=2e-4)
+    truth = UNIT * UNIT_SQUARE_PLATE
     assert found.reached and found.error_kind == "enclosure" and found.worst <= 2e-4
     assert found.lower[0, 0] <= truth * (1 + 3e-6) and truth * (1 - 3e-6) <= found.upper[0, 0]
     assert found.lower[0, 0] <= found.maxwell.value[0, 0] <= found.upper[0, 0]
