@@ -179,6 +179,15 @@ INSTANTIATE_TEST_SUITE_P(
         Way{"ReducedMethodOfTriangles", by_the_reduced_method, true, false, {0.1}, 1e-5, 1e-4}),
     [](const testing::TestParamInfo<Way>& info) { return info.param.name; });
 
+// Scenes of triangles take half a minute to prepare for 1e-2, a cube two seconds.
+TEST(ReducedTriangles, HaveTheKnownCapacitanceOfACube) {
+  Scene scene;
+  scene.objects = {object("cube", Mesh{"", 1, triangulate(Cuboid{2, 2, 2})}, at(0.3, 0, 0))};
+  const MaxwellMatrix answer = by_the_reduced_method(scene, 1e-2);
+  EXPECT_TRUE(answer.reached);
+  EXPECT_NEAR(per_length(answer.values(0, 0), 2), 0.660678, per_length(answer.errors(0, 0), 2));
+}
+
 constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 
 /// A change of a plate above a sensor of 10 cm that makes a scene of which there is no matrix, and the
