@@ -143,6 +143,16 @@ def test_mouse_and_keyboard_move_the_hand_and_its_readings_follow(ready: Browser
     assert ready.complaints() == []
 
 
+def test_bars_have_room_on_a_wide_screen(page: Path) -> None:
+    with Browser(1300, 900) as wide:
+        opened(wide, page)
+        widths = wide.run(
+            """const shown = [...document.querySelectorAll(".bar")].filter(bar => bar.offsetParent);
+               return shown.map(bar => bar.clientWidth)"""
+        )
+    assert widths and min(widths) > 100
+
+
 def moved_hand(browser: Browser) -> Any:
     pose = browser.run("return window.livePage.scene.poses()[0]")
     return np.array(pose)[[3, 7, 11]]
