@@ -223,7 +223,7 @@ SMALL = {
     "python3 -m tests.model.random_soups": "python3 -m tests.model.random_soups --count 2",
     "sha256sum reference_table.csv": "sha256sum analysis/topics/published/reference_table.csv",
 }  # fmt: skip
-# Of minutes, also when they are asked for little.
+# These commands take minutes, also when they are asked for little.
 MINUTES = {
     "python3 -m tests.fem_reference.invariances": "python3 -m tests.fem_reference.invariances --first 31 --count 1",
     "build/bin/boundary_elements_benchmark": "build/bin/boundary_elements_benchmark",

@@ -271,7 +271,7 @@ ROUND_PLATE = '[[sensor]]\nname = "round"\nplates = [ { centre = [0, 0, 0], radi
 READING = '[[reading]]\nname = "r"\n'
 ELEVEN = "".join(SENSOR.replace("front", str(k)) for k in range(11))
 MEETS = "(from vertex 0) meets edge {}: the outline must not cross or touch itself"
-# What a scene has beside its sensor, and what both readers say of it.
+# Each row has what the scene has beside its sensor, and the reason that both readers give.
 REFUSED = [
     (object_of("a", 'conductor = ""'), 'object "a": conductor: must not be empty'),
     (

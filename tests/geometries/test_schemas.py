@@ -54,7 +54,7 @@ STUDY: Document = {
         },
     ],
 }
-# What the corpus of wrong input does not spoil: its scenes have no format and no mesh file.
+# The corpus of wrong input does not spoil these keys: its scenes have no format and no mesh file.
 MESH = ("object", 15, "shape")
 WRONG_SCENES: list[tuple[schemas.Place, Any]] = [
     (("format",), 2),

@@ -106,7 +106,7 @@ def grid_solid(random: Random) -> tuple[Solid, str, Parts]:
     touching = [_box_of_cells(lines, cell, cell) for cell in filled]
     overlapping = []
     for cell in filled:
-        # Of one or two cells: a neighbour has another box, too.
+        # The box covers one cell or two; its neighbour has a box of its own, too.
         near = filled[np.abs(filled - cell).sum(axis=1) <= 1]
         overlapping.append(_box_of_cells(lines, cell, near[random.integers(len(near))]))
     solid = Solid(overlapping, [_grid_surface(random, is_filled, lines)])

@@ -16,7 +16,7 @@ from tests.model.instruction_counts import RECORD_COMMAND, CountingFailed, compa
 HAS_AVX2 = "avx2" in Path("/proc/cpuinfo").read_text(encoding="utf-8").split()
 
 
-# One of each kind; the others by night.
+# By day one workload of each kind is counted, by night all.
 BY_DAY = [
     "II_fine/exact",
     "closed_mesh/batch",

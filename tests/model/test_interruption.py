@@ -46,9 +46,9 @@ LONG = SENSOR + (
     )
     + scenes.body("hand", "sphere", radius=0.05, segments=32, translation=[0, 0, 0.17])
 )
-# A second by the reduced method.
+# The reduced method takes about a second for this scene.
 SHORT = SENSOR + scenes.body("hand", "sphere", radius=0.05, segments=16, translation=[0, 0, 0.17])
-# A first matrix in about a second.
+# This scene has its first matrix after about a second.
 REFINED = SENSOR + (
     scenes.body("a", "cone", radius=0.05, height=0.1, segments=24, translation=[0, 0, 0.07])
     + scenes.body("b", "cylinder", radius=0.05, height=0.1, segments=24, translation=[0.15, 0, 0.07])

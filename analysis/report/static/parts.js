@@ -1,5 +1,5 @@
 "use strict";
-// What the scripts of several pages share: vectors and poses, elements of HTML, and scenes that plotly draws.
+// The scripts of several pages share these functions: vectors and poses, elements of HTML, and scenes that plotly draws.
 
 /** Vectors and poses. A pose is the rows of (R | t), 12 numbers from a link's frame to the world. */
 const space = {
@@ -27,7 +27,7 @@ function element(tag, className, text) {
   return made;
 }
 
-/** What plotly draws a body with {name, faces, vertices} by. */
+/** Makes the trace by which plotly draws a body of {name, faces, vertices}. */
 function solid(body, colour, more) {
   const [i, j, k] = [0, 1, 2].map(corner => body.faces.map(face => face[corner]));
   const [x, y, z] = [0, 1, 2].map(axis => body.vertices.map(p => p[axis]));

@@ -218,7 +218,7 @@ _COLUMNS: tuple[tuple[str, Callable[[Compared], str]], ...] = (
 )
 
 
-# With the source of every truth, and the run time of every answer.
+# The table of all answers also tells where each truth is from, and the run time.
 _ALL_COLUMNS = (
     *_COLUMNS,
     ("seconds", lambda row: f"{row.seconds:.1f}"),

@@ -321,6 +321,23 @@ void remark_on_insulators(const Scene& scene, const Evaluation& answer, const st
                         listed(enclosed), method));
 }
 
+/// Remarks on changes that auto takes from a method without a matrix, because that states a smaller error.
+/// Returns that method.
+std::optional<std::string> remark_on_changes_by_another_method(const Evaluation& answer,
+                                                               std::vector<std::string>& found) {
+  std::optional<std::string> method;
+  std::vector<std::string> readings;
+  for (const ReadingAnswer& reading : answer.readings)
+    if (reading.answered_by != answer.answered_by) {
+      method = reading.answered_by;
+      readings.push_back(reading.name);
+    }
+  if (method)
+    found.push_back(fmt::format("reading {}: the change is by {}, which states a smaller error than {}",
+                                listed(readings), *method, answer.answered_by));
+  return method;
+}
+
 /// Remarks on a room, of which no method of the library knows more than that it is there.
 void remark_on_room(const Scene& scene, const Evaluation& answer, std::vector<std::string>& found) {
   if (scene.has_room)
@@ -393,12 +410,8 @@ std::vector<std::string> remarks(const Scene& scene, const EvaluationOptions& op
     return reading.change.value || reading.value.value;
   });
   if (answer.matrix) {
-    // The method auto takes changes from a method without a matrix, too.
-    const auto other = std::ranges::find_if(answer.readings, [&](const ReadingAnswer& reading) {
-      return reading.answered_by != answer.answered_by;
-    });
-    if (other != answer.readings.end())
-      remark_on_insulators(scene, answer, other->answered_by, found);
+    if (const auto method = remark_on_changes_by_another_method(answer, found))
+      remark_on_insulators(scene, answer, *method, found);
     return found;
   }
   if (scene.sensors.empty() && !is_answered)

@@ -200,7 +200,7 @@ SQUARE = (0.1, 0.1)
         ),
         ({"to_ground": 2e-11, "relative_permittivity": 50.0}, "to ground 20 pF, relative permittivity 50"),
         ({"material": "floating", "machine": "housing"}, "material floating, machine housing"),
-        # What is so without being said is left out.
+        # Parameters that have their default values are left out.
         ({"material": "grounded", "to_ground": 0.0, "machine": "none", "gap": 0.02}, "gap 2 cm"),
     ],
 )

@@ -46,7 +46,7 @@ def outside(body: Body, points: Array) -> tuple[Array, Array]:
         (Cylinder("standing", above(1.0), np.eye(3), 0.3, 1.0), 0.5),
         (Cylinder("lying", above(1.0), LYING, 0.3, 1.0), 0.7),
         (Cone("tip down", above(1.0), UPSIDE_DOWN, 0.3, 1.0), 0.5),
-        # Its ends, beside the axis.
+        # The ends of the arc are nearest, beside its axis.
         (Arc("arc", np.array([2.0, 0, 0]), np.eye(3), 0.5, 1.0, 0.2, np.pi / 2), 1.5),
         (Sphere("crossing", above(0.1), 0.2), 0.0),
         (Ellipsoid("standing", above(1.0), np.eye(3), (0.1, 0.2, 0.4)), 0.6),

@@ -162,7 +162,7 @@ TEST(PanelQuadrature, GivesTheMeanOfThePotentialOfACharge) {
       EXPECT_NEAR(weights, 1, 1e-12);
       return sum;
     };
-    // Of quarters of quarters of quarters.
+    // The expected mean is that over 64 parts, by finer rules.
     std::vector<Triangle> parts{triangle};
     for (int k = 0; k < 3; ++k) {
       std::vector<Triangle> finer;

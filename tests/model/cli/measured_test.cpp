@@ -38,7 +38,7 @@ TEST(RemainingSeconds, AreThoseOfSolutionsThatGainAndTakeAsTheLastOne) {
   // Each gains a factor of 4 and takes twice as long: 1 s, 2 s, then 4 s and 8 s.
   EXPECT_DOUBLE_EQ(remaining_seconds({{0.16, 1}, {0.04, 3}}, 0.0026).value(), 12);
   EXPECT_DOUBLE_EQ(remaining_seconds({{0.64, 0.5}, {0.16, 1.5}, {0.04, 3.5}}, 0.02).value(), 4);
-  // The last one was faster than the first.
+  // The last refinement was faster than the first.
   EXPECT_DOUBLE_EQ(remaining_seconds({{0.16, 5}, {0.04, 6}}, 0.01).value(), 1);
   EXPECT_FALSE(remaining_seconds({{0.16, 1}}, 0.01));
   EXPECT_FALSE(remaining_seconds({{0.16, 1}, {0.155, 2}}, 0.01)) << "nothing is gained";

@@ -30,7 +30,7 @@ bool intersect(const Points& a, const Points& b) {
   return answer.intersects;
 }
 
-// What the answers are, in smaller and larger units too, collision_stress compares with linear programming.
+// The program collision_stress compares the answers with linear programming, also in other units of length.
 TEST(GjkIntersects, AnswersTheSameInTheSmallestAndTheLargestUnitsOfLength) {
   Random random(2);
   for (const test::PairClass& pair_class : test::pair_classes()) {

@@ -60,7 +60,7 @@ Isometry3d pose_of(const BoundingSphere& sphere) {
   return Isometry3d(Eigen::Translation3d(sphere.centre));
 }
 
-/// What an overlap test says of two volumes, and what is true of their shapes.
+/// The answer of an overlap test of two volumes, and whether their shapes intersect.
 struct Answer {
   bool said, truth;
 };
@@ -130,8 +130,8 @@ TEST(Overlap, AgreesWithTheIntersectionOfTheShapes) {
   }
 }
 
-// Of shapes that touch or almost touch, some of them a kilometre away: a common vertex lies in the volumes
-// around both.
+// The shapes touch or almost touch, some of them a kilometre away: a common vertex lies in the volumes around
+// both.
 TEST(Overlap, IsNeverDeniedWhenAVertexIsShared) {
   Random random(2);
   for (const test::PairClass& pair_class : test::pair_classes())

@@ -26,7 +26,7 @@ TEST(Conductors, AreSensorsAndThenObjectsAsTrianglesInTheWorld) {
   EXPECT_EQ(surfaces[0].triangles, (std::vector<Triangle>{{Vector3d{0, 0, 11}, {1, 0, 11}, {1, 2, 11}},
                                                           {Vector3d{0, 0, 11}, {1, 2, 11}, {0, 2, 11}}}));
   EXPECT_EQ(surfaces[1].name, "target");
-  // By its own pose, and then its link's.
+  // The triangle is moved by its own pose first, then by that of its link.
   EXPECT_EQ(surfaces[1].triangles[0][0], Vector3d(4, -1, 10));
 }
 

@@ -46,8 +46,7 @@ TEST(Polygons, WithVerticesInTheMiddleOfSidesHaveNoTriangleWithoutArea) {
   EXPECT_DOUBLE_EQ(area(triangles), 4);
 }
 
-// What is wrong of which polygon, both readers say in the same words in
-// tests/end_to_end/test_scene_readers_agree.py.
+// The messages are tested in tests/end_to_end/test_scene_readers_agree.py, for both readers.
 TEST(Polygons, ThatAreNotSimpleAreRefused) {
   EXPECT_EQ(defect_of_polygon(l_shape), std::nullopt);
   EXPECT_THROW(triangles_of_polygon(Vertices{{0, 0}, {1, 1}, {1, 0}, {0, 1}}), InputError);

@@ -259,7 +259,8 @@ TEST(Sight, IsOutwardWhenSomeOfThePlateLiesInFront) {
   EXPECT_EQ(sight(downward, plate_at_height(1)), Sight::none);
   EXPECT_EQ(sight(upward, plate_at_height(-1)), Sight::none);
   EXPECT_EQ(sight(downward, plate_at_height(-1)), Sight::outward);
-  // From both sides where the plate crosses the plane; the plates differ in the corner that lies in front.
+  // A triangle whose plane crosses the plate is seen from both sides; the plates differ in the corner in
+  // front.
   for (const Rectangle& plate :
        {Rectangle{{2, 0, 1}, {1, 0, -2}, {0, 1, 0}}, Rectangle{{2, 0, -1}, {1, 0, 2}, {0, 1, 0}},
         Rectangle{{2, 0, -1}, {0, 1, 0}, {1, 0, 2}}, Rectangle{{2, 0, -3}, {2, 0, 2}, {-2, 0, 2}}}) {

@@ -52,7 +52,7 @@ std::vector<Known> in_front() {
   return cases;
 }
 
-/// Beside the plate, in regions II and III, and across regions.
+/// Triangles beside the plate, in regions II and III, and across regions.
 std::vector<Known> beside() {
   std::vector<Known> cases;
   // d = √(x² + z²): ∫dA/d = w·(asinh(b/z) − asinh(a/z))

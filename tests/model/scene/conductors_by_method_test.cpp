@@ -68,7 +68,7 @@ std::vector<Triangle> with_triangles_on_others() {
 
 /// Loose enough for meshes that cross to be solved in seconds; tests.model.random_soups goes further.
 constexpr double rtol_of_elements = 3e-3;
-/// With this one few triangles suffice, so that bodies are prepared quickly.
+/// The reduced method needs few triangles for this accuracy, so that bodies are prepared quickly.
 constexpr double loose = 0.1;
 
 /// Expects the matrix of the sensor and the angle to be that of one clean mesh.
@@ -154,7 +154,7 @@ TEST_P(ConductorsByMethod, OfOneNameAreAtOnePotentialWhereverTheyStand) {
   const MatrixXd values = sum.transpose() * apart.values * sum;
   const MatrixXd errors = sum.transpose() * apart.errors * sum + together.errors;
   EXPECT_TRUE(((together.values - values).array().abs() <= errors.array()).all());
-  // Floating, they have no charge together, and no row.
+  // If both float, their charges add up to zero, and they have no row.
   scene.objects[0].role = scene.objects[2].role = Floating{};
   const MatrixXd floating = solve(scene).values,
                  without = values - values.col(1) * values.row(1) / values(1, 1);

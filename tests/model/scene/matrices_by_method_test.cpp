@@ -46,7 +46,7 @@ struct Way {
   double rounding;    ///< relative error that rounding leaves in an invariance
   double reordering;  ///< and another order of the conductors
 
-  /// The one for what holds at any.
+  /// Returns the accuracy at which properties are tested that hold at any.
   double rtol() const { return rtols.size() > 1 ? rtols[1] : rtols[0]; }
 };
 
@@ -173,7 +173,7 @@ INSTANTIATE_TEST_SUITE_P(
     By, MatricesByMethod,
     testing::Values(
         Way{"BoundaryElements", by_boundary_elements, false, true, {0.1, 1e-3, 1e-4}, 1e-9, 1e-7},
-        // What rounding decides of the quadratures may lead to another mesh.
+        // Rounding may change a decision of the refinement, and so the mesh.
         Way{"BoundaryElementsOfTriangles", by_boundary_elements, true, true, {3e-2, 1e-2}, 2e-4, 2e-4},
         Way{"ReducedMethod", by_the_reduced_method, false, false, {1e-2, 1e-3, 3e-4}, 1e-5, 1e-4},
         Way{"ReducedMethodOfTriangles", by_the_reduced_method, true, false, {0.1}, 1e-5, 1e-4}),

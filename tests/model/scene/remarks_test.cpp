@@ -112,6 +112,20 @@ TEST(Remarks, SayThatThereIsNoSensor) {
   EXPECT_THAT(remarks_on(scene, {}), ElementsAre(HasSubstr("boundary-elements, reduced and auto do")));
 }
 
+TEST(Remarks, NameChangesThatAutoTakesFromAMethodWithoutAMatrix) {
+  Scene scene = sensor_and_box();
+  const EvaluationOptions asked{.method = BoundaryElements{}, .rtol = 0.05};
+  Evaluation answer = evaluate(scene, asked);
+  EXPECT_THAT(remarks(scene, asked, answer), IsEmpty());
+  answer.readings.at(0).answered_by = "reduced";
+  const auto remark = StartsWith("reading \"front\": the change is by reduced, which states a smaller error");
+  EXPECT_THAT(remarks(scene, asked, answer), ElementsAre(remark));
+  scene.objects.push_back(object("cover", Cuboid{0.1, 0.1, 0.001}, at(0, 0, 0.0005), Dielectric{3}));
+  scene.objects.back().conductor = "front";
+  EXPECT_THAT(remarks(scene, asked, answer),
+              ElementsAre(remark, HasSubstr("reduced takes the cover by the layer rule")));
+}
+
 TEST(Remarks, NameSheetsOfWhichOnlyBacksAreSeen) {
   Scene scene = sensor_and_box();
   scene.objects = {object("sheet", Mesh{"body.stl", 1, triangulate(Plate{0.1, 0.1})}, {0, 0, 0.05})};
