@@ -14,9 +14,9 @@ from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from analysis.coverage.survey import Survey, over_thresholds
 from analysis.results.store import write_text
+from geometries.common.arrays import Array, Flags, Indices
 from geometries.common.children import temporary_folder
 
-Array = NDArray[np.float64]
 
 FINER = 12
 """Points for each step between two distances, at which the interpolated change is compared with a threshold."""
@@ -43,7 +43,7 @@ class Curves:
         self._last = self._at[np.clip(FINER * (last - 1), 0, count - 1)]
         self._has_any = last > 0
 
-    def noticed(self, threshold: float) -> tuple[Array, NDArray[np.bool_]]:
+    def noticed(self, threshold: float) -> tuple[Array, Flags]:
         """Returns the distances (n,) up to which everything is noticed, and whether a distance is only the last that was looked at.
 
         0 is a blind spot: the change is below the threshold at the first distance. NaN: the probe cannot be held there.
@@ -63,7 +63,7 @@ class Curves:
         return np.where(self._has_any, found, np.nan), is_last & self._has_any
 
 
-def _filled(at: Array, logs: Array, last: NDArray[np.int64]) -> Array:
+def _filled(at: Array, logs: Array, last: Indices) -> Array:
     """Continues each row along the line through its last two known values, which puts no kink between known ones; a row of one value by it, of none by 0."""
     rows = np.arange(len(logs))
     end, before = np.maximum(last - 1, 0), np.maximum(last - 2, 0)

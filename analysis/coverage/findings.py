@@ -6,14 +6,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.coverage.distances import Curves, distances
 from analysis.coverage.survey import Survey, over_thresholds
+from geometries.common.arrays import Array
 from geometries.scene.readings import readings
 from geometries.scene.scene import Scene
 
-Array = NDArray[np.float64]
 
 NEARBY = 0.1
 """Distance (m) from a sensor's plate up to which a place counts as nearby."""

@@ -15,14 +15,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy import linalg
 
 from analysis.coverage.probes import Probe
 from analysis.results.units import VACUUM_PERMITTIVITY
+from geometries.common.arrays import Array, Flags, Indices
 from geometries.common.errors import InputError
 
-Array = NDArray[np.float64]
 
 _RTOL, _PANELS, _FUNCTIONS = 0.004, 12000, 600
 """Accuracy of the machine's own charges, its most panels, and the most functions that stand for its answers."""
@@ -95,7 +94,7 @@ class Machine:
 
     def changes(
         self, level: Level, rotations: Array, translations: Array, to_ground: float | None
-    ) -> tuple[Array, NDArray[np.bool_]]:
+    ) -> tuple[Array, Flags]:
         """Returns the changes of all readings (n, readings) in F by a probe in so many poses, and whether it clears the machine (n,).
 
         `rotations` (n, 3, 3) and `translations` (n, 3) map the probe's frame to the world; the probe is grounded, or else connected to ground
@@ -146,7 +145,7 @@ def respond(probe: Probe, model: Any) -> Response:
     return Response(probe, tuple(levels))
 
 
-def _interpolated(centres: Array, outside: Array) -> tuple[NDArray[np.int64], Array]:
+def _interpolated(centres: Array, outside: Array) -> tuple[Indices, Array]:
     """Returns the numbers (p,) of the panels whose potentials by charges `outside` give those of all (n,), and the matrix T (n, p) that does it."""
     potentials = 1 / np.linalg.norm(centres[:, None] - outside, axis=2)
     potentials = np.column_stack([potentials / np.abs(potentials).max(axis=0), np.ones(len(centres))])

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 from markupsafe import Markup
-from numpy.typing import NDArray
 
 from analysis.coverage import findings
 from analysis.coverage.distances import ANY, distances, write_csv, write_vtu
@@ -32,11 +31,11 @@ from analysis.results.store import Document, write_text
 from analysis.show.data import mesh
 from analysis.show.make import find_scene
 from geometries.common import installation
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 
-Array = NDArray[np.float64]
 
 FACTORS = np.geomspace(0.1, 100, 31)
 """Thresholds of the slider, over the scene's."""

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from geometries.common.arrays import Array, Flags, Indices
+
 
 _LIFT = 1e-6
 """Distance of a ray's origin from its surface, over the size of the machine."""
@@ -79,8 +79,8 @@ def _side(triangles: Array) -> float:
 
 
 def _free_length(
-    origins: Array, directions: Array, triangles: Array, is_sheet: NDArray[np.bool_], least: float
-) -> tuple[Array, NDArray[np.bool_]]:
+    origins: Array, directions: Array, triangles: Array, is_sheet: Flags, least: float
+) -> tuple[Array, Flags]:
     """Returns how far rays go until they meet a triangle, and whether the first one, of no sheet, is met from behind: then the ray began inside.
 
     Triangles next to each other in the list, as those of a body are, are left out for the rays that miss the box around them.
@@ -104,7 +104,7 @@ _TRIANGLES = 64
 """Number of triangles that share a box."""
 
 
-def _meets_box(origins: Array, directions: Array, low: Array, high: Array) -> NDArray[np.bool_]:
+def _meets_box(origins: Array, directions: Array, low: Array, high: Array) -> Flags:
     """Returns which rays meet a box: the intervals within its three slabs have a common part (Kay and Kajiya 1986)."""
     with np.errstate(divide="ignore", invalid="ignore"):
         one, other = (low - origins) / directions, (high - origins) / directions
@@ -117,7 +117,7 @@ def _meets_box(origins: Array, directions: Array, low: Array, high: Array) -> ND
 
 def _first_hit(
     origins: Array, directions: Array, triangles: Array, least: float
-) -> tuple[Array, NDArray[np.int64], NDArray[np.bool_]]:
+) -> tuple[Array, Indices, Flags]:
     """Returns for each ray the length to the first triangle, infinite without any, its number, and whether the ray meets it from behind.
 
     Möller and Trumbore (1997).

@@ -8,15 +8,13 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene import shapes
 from geometries.scene.meshes import read_triangles
 from geometries.scene.person import Person
 
-Array = NDArray[np.float64]
 
 _SEGMENTS = 16
 _SHAPES: dict[str, tuple[tuple[str, ...], Callable[..., shapes.Shape]]] = {

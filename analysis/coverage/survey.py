@@ -9,18 +9,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.coverage.machine import Level, Machine, Reading, Response, respond
 from analysis.coverage.places import Places, spread
 from analysis.coverage.probes import Probe
 from analysis.show.data import load
+from geometries.common.arrays import Array, Flags, Indices
 from geometries.common.errors import InputError
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import SHEETS
 
-Array = NDArray[np.float64]
-Mask = NDArray[np.bool_]
 
 BOUNDARY_ELEMENTS, SMALL = "boundary-elements", "small-probe"
 """The survey's own method; and its limit for small probes, the probe's capacitance times the potentials φ·φ' at its middle."""
@@ -60,7 +58,7 @@ class Survey:
     distances: Array
     probes: tuple[Probe, ...]
     changes: tuple[Array, ...]
-    compared: NDArray[np.int64]
+    compared: Indices
     by_method: dict[str, tuple[Array, ...]]
     panels: int
     error: float
@@ -83,9 +81,9 @@ class Approach:
     rotations: Array
     translations: Array
     levels: tuple[Level, ...]
-    fits: Mask
+    fits: Flags
 
-    def at(self, places: NDArray[np.int64]) -> Approach:
+    def at(self, places: Indices) -> Approach:
         """Returns the same for some of the places."""
         return Approach(self.rotations[places], self.translations[:, places], self.levels, self.fits[places])
 
@@ -234,7 +232,7 @@ def _accurate(
     return _continued(found, estimate, exact)
 
 
-def _continued(found: Array, estimate: Array, exact: Mask) -> Array:
+def _continued(found: Array, estimate: Array, exact: Flags) -> Array:
     """Scales the estimates (places, distances, readings) beyond the last exact change by the ratio there, so that they go on from it."""
     count = exact.shape[1]
     last = count - 1 - exact[:, ::-1].argmax(axis=1)

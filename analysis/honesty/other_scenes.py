@@ -7,7 +7,6 @@ import math
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.honesty.before_sensors import TARGET, hand, on_machine
 from analysis.honesty.drawing import (
@@ -22,6 +21,7 @@ from analysis.honesty.drawing import (
     turn,
     uniform,
 )
+from geometries.common.arrays import Array
 from geometries.scene import meshes
 from geometries.scene.joints import Joint
 from geometries.scene.poses import AxisRotation, Pose, Vector3
@@ -29,7 +29,6 @@ from geometries.scene.scene import Link, Medium, Object, Plate, Reading, Scene, 
 from geometries.scene.shapes import Capsule, Cuboid, Cylinder, MeshShape, PlateShape
 from geometries.studies.machines import HOUSING, NONE
 
-Array = NDArray[np.float64]
 _SEGMENTS = 24
 _ROWS = 8
 

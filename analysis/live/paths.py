@@ -7,16 +7,15 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.results.store import Document
 from analysis.show.data import in_frame
+from geometries.common.arrays import Array
 from geometries.scene import poses as scene_poses
 from geometries.scene.motion import Frame, at_rest
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Scene
 
-Array = NDArray[np.float64]
 
 HEIGHTS = (0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.03, 0.02, 0.01)
 """Distances (m) of the target from the sensor's plane on the approach."""

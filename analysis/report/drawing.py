@@ -7,13 +7,12 @@ from typing import Any
 
 import numpy as np
 from markupsafe import Markup
-from numpy.typing import NDArray
 
 from analysis.report.plot import GRID, SENSOR_COLOUR
 from analysis.report.plots_in_space import EYE, colours, cut, triangles
+from geometries.common.arrays import Array
 from geometries.scene.scene import Scene
 
-Array = NDArray[np.float64]
 
 WIDTH, HEIGHT = 220, 140
 MARGIN = 8

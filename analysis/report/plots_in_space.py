@@ -6,13 +6,13 @@ from collections.abc import Iterable
 
 import numpy as np
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 
 from analysis.pipeline.model_stage import model_module
 from analysis.report.plot import INK, MACHINE_COLOUR, SENSOR_COLOUR, TARGET_COLOUR, Panel, axis, figure
 from analysis.results.store import Document
 from analysis.results.study_results import CaseResult
 from analysis.results.units import CENTIMETRE, VACUUM_PERMITTIVITY
+from geometries.common.arrays import Array, Indices
 from geometries.scene.poses import Transform
 from geometries.scene.readings import targets
 from geometries.scene.scene import Object, Scene
@@ -80,8 +80,6 @@ def areas(corners: Array) -> Array:
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return np.asarray(np.linalg.norm(normals, axis=1) / 2)
 
-
-Array = NDArray[np.float64]
 
 _DECIMALS = 4
 """Decimals of a coordinate in cm: a micrometre."""
@@ -151,7 +149,7 @@ def colours(scene: Scene, sensor: str) -> dict[str, str]:
     return found
 
 
-def indexed(own: Array) -> tuple[Array, NDArray[np.int64]]:
+def indexed(own: Array) -> tuple[Array, Indices]:
     """Returns the distinct vertices (p, 3) of triangles (n, 3, 3) in cm, and three of their indices for each triangle (n, 3)."""
     vertices = np.round(own.reshape(-1, 3) / CENTIMETRE, _DECIMALS) + 0.0
     distinct, numbers = np.unique(vertices, axis=0, return_inverse=True)

@@ -6,14 +6,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import lsq_linear
 
+from geometries.common.arrays import Array
 from geometries.scene.readings import targets
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import PlateShape
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

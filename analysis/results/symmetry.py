@@ -6,13 +6,12 @@ import itertools
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.results.answers import Estimate, MatrixAnswer
 from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.study_results import CaseResult
+from geometries.common.arrays import Array
 
-Array = NDArray[np.float64]
 
 # Relative tolerance for equal lengths, of the set-up's size: more than rounding, less than any intended difference.
 _TOLERANCE = 1e-9

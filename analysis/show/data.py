@@ -11,16 +11,15 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.results.store import Document
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene import poses as scene_poses
 from geometries.scene.motion import Frame, with_frames_between
 from geometries.scene.poses import Transform
 from geometries.scene.scene import Object, Scene, Sensor
 
-Array = NDArray[np.float64]
 
 _DIGITS = 5
 """Decimals of a coordinate in metres: hundredths of a millimetre are finer than any screen."""

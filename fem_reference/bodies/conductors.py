@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 from scipy.constants import epsilon_0
@@ -263,16 +263,18 @@ def wrapped(found: Assembly, geometry: Geometry) -> Conductors:
     )
     numbered = [*asked, *found.floating, *others, *(body.name for body in dielectrics)]
     sensors = [sensor.name for sensor in scene.sensors]
-    problem = normalised(
-        asked,
-        sum(name in asked for name in sensors),
-        [part.body for part in parts],
-        [numbered.index(part.conductor) for part in parts],
-        floating=found.floating,
-        dielectrics=dielectrics,
-        grounded=others,
-        grounded_sensors=sum(name in others for name in sensors),
-        room=room,
+    problem = scaled(
+        Conductors(
+            asked,
+            sum(name in asked for name in sensors),
+            tuple(part.body for part in parts),
+            tuple(numbered.index(part.conductor) for part in parts),
+            floating=found.floating,
+            dielectrics=dielectrics,
+            grounded=others,
+            grounded_sensors=sum(name in others for name in sensors),
+            room=room,
+        )
     )
     permittivity = epsilon_0 * medium
     return replace(
@@ -338,13 +340,6 @@ def _refuse_unknown(columns: Sequence[str], rows: Sequence[str], source: str) ->
         raise InputError(
             source, "columns", f'"{unknown[0]}" is not a conductor with a column: these are {known}'
         )
-
-
-def normalised(
-    names: Sequence[str], sensors: int, bodies: Sequence[Body], owner: Sequence[int], **others: Any
-) -> Conductors:
-    """Scale bodies given in metres to `Conductors`, whose attributes the arguments are."""
-    return scaled(Conductors(tuple(names), sensors, tuple(bodies), tuple(owner), **others))
 
 
 def scaled(problem: Conductors) -> Conductors:

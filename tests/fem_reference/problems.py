@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from fem_reference.bodies.conductors import Conductors, normalised
+from fem_reference.bodies.conductors import Conductors, scaled
 from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid, Sphere, Swept
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, PlanePolygon, Rectangle
 from fem_reference.mesh.body_distances import ClosedFormBody
@@ -23,8 +23,8 @@ TURNED = AxisRotation((1.0, 2.0, -0.5), 33.0).matrix().T
 def conductors_of(bodies: Sequence[Body], sensors: int = 1, **others: Any) -> Conductors:
     """Bodies of which each is a conductor, unless `others` name the last of them as floating, grounded or dielectric."""
     count = len(bodies) - sum(len(others.get(kind, ())) for kind in ("floating", "grounded", "dielectrics"))
-    names = [body.name for body in bodies[:count]]
-    return normalised(names, sensors, bodies, range(len(bodies)), **others)
+    names = tuple(body.name for body in bodies[:count])
+    return scaled(Conductors(names, sensors, tuple(bodies), tuple(range(len(bodies))), **others))
 
 
 def plate(name: str, half_widths: tuple[float, float] = (0.5, 0.5), *centre: float) -> Rectangle:

@@ -21,8 +21,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from geometries.common.arrays import Array
 from tests.model.soups import Relation, random_case, written
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -32,8 +32,6 @@ LONGEST = 120.0
 """Seconds after which a solve counts as one that hangs."""
 NOT_REACHED = 3
 """Exit status of an answer whose error is larger than `--rtol`."""
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -17,9 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from geometries.common.arrays import Array, Flags
 from tests import scenes
 
-Array = NDArray[np.float64]
 Random = np.random.Generator
 
 SLIVER = 1e-6
@@ -156,7 +156,7 @@ def _box_of_cells(lines: list[Array], cell: NDArray[np.int_], other: NDArray[np.
     return Box(corners[0], corners[1])
 
 
-def _grid_surface(random: Random, is_filled: NDArray[np.bool_], lines: list[Array]) -> Array:
+def _grid_surface(random: Random, is_filled: Flags, lines: list[Array]) -> Array:
     """The faces between filled and empty cells, each as two triangles, anticlockwise seen from outside."""
     padded = np.pad(is_filled, 1)
     triangles = []
@@ -178,7 +178,7 @@ def _grid_surface(random: Random, is_filled: NDArray[np.bool_], lines: list[Arra
 # Defects that leave the union as it is.
 
 
-def _chosen(random: Random, triangles: Array) -> NDArray[np.bool_]:
+def _chosen(random: Random, triangles: Array) -> Flags:
     return random.random(len(triangles)) < random.choice([0.1, 0.3, 1.0])
 
 

@@ -8,14 +8,13 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.pipeline.model_stage import model_module, options
 from analysis.results.units import percent
 from analysis.topics.corrections.set_ups import SetUp, Truth, load, set_ups
+from geometries.common.arrays import Array
 from geometries.common.installation import ROOT
 
-Array = NDArray[np.float64]
 PLAIN, FORMULA, REDUCED = "exact", "formula", "reduced"
 METHODS = (PLAIN, FORMULA, REDUCED)
 """The plain model, and what comes closer."""

@@ -10,16 +10,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from analysis.results.answers import Estimate
 from analysis.results.set_up import Rectangle
 from analysis.results.store import Document
 from analysis.results.table import DELTA_SELF, MUTUAL
+from geometries.common.arrays import Array
 
-
-Array = NDArray[np.float64]
 
 SEMICIRCLE = math.pi / 2
 """Length of a semicircle over its diameter: the field lines to a coplanar neighbour (ERRORS.md, section 2)."""

@@ -8,17 +8,16 @@ from typing import Any
 
 import numpy as np
 import plotly.graph_objects as go
-from numpy.typing import NDArray
 
 from analysis.report.plot import Panel, axis, figure, joined, log_axis, marks, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.commands import COMPARED_METHOD
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import CENTIMETRE
+from geometries.common.arrays import Array
 from geometries.common.measured import PICOFARAD
 from geometries.studies.study import Parameter
 
-Array = NDArray[np.float64]
 
 DISTANCE, ANGLE = "gap", "tilt_degrees"
 _HINGE = "hinge_gap"
@@ -199,7 +198,7 @@ Labelled = list[tuple[str, Curve]]
 """Curves with their names."""
 
 
-def ranges(labelled: Labelled, values: Callable[[Curve], NDArray[np.float64]], swept: str) -> str:
+def ranges(labelled: Labelled, values: Callable[[Curve], Array], swept: str) -> str:
     """Writes the least and the greatest value along each curve, with their places."""
     phrases = []
     for name, curve in labelled:

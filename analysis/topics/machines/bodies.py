@@ -14,15 +14,14 @@ from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.topics.draw import DIGITS, between, length, rotation
+from geometries.common.arrays import Array
 from geometries.scene.meshes import read_triangles
 from geometries.scene.poses import AxisRotation, Pose, Rotation, Vector3
 from geometries.scene.scene import Object
 from geometries.scene.shapes import Capsule, Cuboid, Cylinder, Ellipsoid, MeshShape, PlateShape, Shape, Sphere
 
-Array = NDArray[np.float64]
 # Sides of a round shape: its triangles are the truth here, and more of them cost time only.
 _SEGMENTS = 12
 _LINKS = tuple(Path(__file__).parent / "links" / f"{name}.obj" for name in ("shell", "bracket"))

@@ -11,12 +11,11 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from analysis.topics.verification.set_ups import Quantity, TrueCase, true_cases
 from fem_reference.answer.reference import Reference, solve_conductors
+from geometries.common.arrays import Array
 
-Array = NDArray[np.float64]
 Document = dict[str, Any]
 TRUTH_RTOL = 1e-3
 """The accuracy that the reference aims at by default."""

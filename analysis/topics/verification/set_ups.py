@@ -8,23 +8,22 @@ from functools import cache
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from analysis.topics.verification import truths
 from fem_reference.answer.reference import ErrorKind
-from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
+from fem_reference.bodies.conductors import Conductors, Dielectric, scaled
 from fem_reference.bodies.round_bodies import Cone, Cylinder, Sphere
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle, rectangle
+from geometries.common.arrays import Array
 from geometries.scene.poses import AxisRotation
 
-Array = NDArray[np.float64]
 UNIT = 4 * np.pi * epsilon_0
 
 
 @dataclass(frozen=True)
 class SetUp:
-    """Bodies, each a conductor unless said otherwise in `more` (`normalised`'s floating and dielectric ones)."""
+    """Bodies, each a conductor unless said otherwise in `more`, the attributes of `Conductors` for those that float or are dielectric."""
 
     bodies: tuple[Body, ...]
     names: tuple[str, ...]
@@ -34,8 +33,8 @@ class SetUp:
     """Which conductor each body is a part of; none: each is one."""
 
     def conductors(self) -> Conductors:
-        owner = self.owner or range(len(self.bodies))
-        return normalised(self.names, self.sensors, self.bodies, owner, **self.more)
+        owner = self.owner or tuple(range(len(self.bodies)))
+        return scaled(Conductors(self.names, self.sensors, self.bodies, owner, **self.more))
 
 
 @dataclass(frozen=True)

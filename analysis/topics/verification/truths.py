@@ -11,9 +11,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 from scipy.special import comb, ellipe, ellipeinc, ellipk, ellipkinc, ellipkm1
+
+from geometries.common.arrays import Array
 
 ORDERS = 60
 """Number of multipoles per ball; they fall by the ratio of radius to distance, at most 0.5 here."""
@@ -95,8 +96,6 @@ def _rings(outline: Sequence[tuple[float, float]], panels: int) -> float:
     density = np.linalg.solve(potential, np.ones(len(lengths)))
     return float(density @ (2 * np.pi * middles[:, 0] * lengths))
 
-
-Array = NDArray[np.float64]
 
 UNIT_SQUARE_PLATE = 0.366788
 """C / 4πε·side; two independent boundary-element computations, 1e-6; HierBEM gives 0.3667874."""

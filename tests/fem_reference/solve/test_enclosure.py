@@ -10,7 +10,7 @@ import pytest
 from analysis.topics.verification.set_ups import UNIT
 from analysis.topics.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
 from fem_reference.answer.reference import solve_conductors
-from fem_reference.bodies.conductors import Conductors, Dielectric, normalised
+from fem_reference.bodies.conductors import Conductors, Dielectric, scaled
 from fem_reference.bodies.shapes import Body, Cuboid, rectangle
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.solve.enclosure import Enclosure, contradict, enclosure, intersection
@@ -62,9 +62,8 @@ def conductors_in(case: dict[str, Any]) -> Conductors:
         for k, plate in enumerate(case["rectangles"])
     ]
     sensors = sum(conductor.startswith("sensor") for conductor in case["conductors"])
-    return normalised(
-        case["conductors"], sensors, bodies, [plate["conductor"] for plate in case["rectangles"]]
-    )
+    owner = tuple(plate["conductor"] for plate in case["rectangles"])
+    return scaled(Conductors(tuple(case["conductors"]), sensors, tuple(bodies), owner))
 
 
 def level(problem: Conductors, refinement: float) -> Level:

@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fem_reference.bodies.conductors import Conductors, normalised
+from fem_reference.bodies.conductors import Conductors, scaled
 from fem_reference.bodies.shapes import Body, Cuboid
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.mesh.tagged_mesh import FIRST_BODY, NEAR_EDGE, OUTER_RADIUS, TaggedMesh, tagged_mesh
@@ -108,6 +108,6 @@ def test_plates_of_one_sensor_are_one_conductor() -> None:
     values = []
     for half_width, aside in ((0.25, 0.25), (0.35, 0.15), (0.5, 0.0)):
         bodies: list[Body] = [plate("sensor", (half_width, 0.5), x, 0, 0) for x in sorted({-aside, aside})]
-        problem = normalised(["sensor"], 1, bodies, [0] * len(bodies))
+        problem = scaled(Conductors(("sensor",), 1, tuple(bodies), (0,) * len(bodies)))
         values.append(charges(FieldProblem(tagged_mesh(problem, Sizing()), problem), 1).maxwell[0, 0])
     assert values == pytest.approx([values[-1]] * 3, rel=1e-3)

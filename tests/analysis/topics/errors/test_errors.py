@@ -10,7 +10,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 from scipy.constants import epsilon_0
 
 from analysis.pipeline import model_stage
@@ -22,11 +21,11 @@ from analysis.topics.errors import parts, set_ups
 from analysis.topics.errors.parts import BACK, EFFECTS, LATERAL, PARTS, RECIPROCITY, TILT
 from analysis.topics.errors.set_ups import MAPS, Entry, SetUp, all_set_ups
 from analysis.topics.errors.topic import ABSENT, ERRORS as TOPIC
+from geometries.common.arrays import Array
 from geometries.scene.scene import Scene
 from geometries.studies import families
 from tests.analysis.synthetic import make_results, report_text
 
-Array = NDArray[np.float64]
 
 SQUARE = (0.1, 0.1)
 CHORD = parts.Stretch(1.0, 1.0)
