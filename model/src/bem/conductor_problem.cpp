@@ -502,8 +502,7 @@ class ConductorProblem : public AdaptiveProblem {
   /// with them as it did in the refinement before. The first adds few: errors are large at few places then,
   /// where many steps are better than many panels (nine robot arms).
   std::size_t most_added() const {
-    constexpr double least_growth = 0.1;
-    const double most_growth = is_first_ ? 0.25 : 0.4;
+    constexpr double least_growth = 0.1, most_growth = 0.25;
     const double excess = excess_margin * excess_ * (is_first_ ? expected_use : 1);
     const double growth = std::clamp(std::pow(excess, 1 / power_) - 1, least_growth, most_growth);
     return static_cast<std::size_t>(growth * static_cast<double>(panels()));

@@ -117,10 +117,19 @@ double mean_distance(const SurfaceMesh& mesh, const std::vector<std::uint32_t>& 
 }  // namespace
 
 Simplification::Zones::Zones(const ChargedBodies& bodies, std::size_t body, std::vector<AlignedBox3d> others)
-    : size_(box_of(bodies.bodies[body]).diagonal().norm() / 4), others_(std::move(others)) {
+    : others_(std::move(others)) {
+  /// Tolerance over the size of a body, relative to that over the size of its conductor. A small part of a
+  /// large conductor, far from all others, may lose more of its shape; with more than four times as much nine
+  /// robot arms became no faster.
+  constexpr double most_of_part = 4;
+  AlignedBox3d conductor;
   for (const ChargedBody& other : bodies.bodies)
-    if (other.conductor != bodies.bodies[body].conductor)
+    if (other.conductor == bodies.bodies[body].conductor)
+      conductor.extend(box_of(other));
+    else
       others_.push_back(box_of(other));
+  size_ =
+      std::min(conductor.diagonal().norm(), most_of_part * box_of(bodies.bodies[body]).diagonal().norm()) / 4;
 }
 
 std::size_t Simplification::Zones::zone(const Vector3d& point) const {

@@ -22,7 +22,7 @@ class Simplification {
   /// left, or as few as can be.
   ///
   /// @param tolerance distance between old and new surface, relative to the smallest of the size of the own
-  ///   conductor, the distance from another one and that from `others`
+  ///   conductor, four times that of the body, the distance from another conductor and that from `others`
   /// @param others boxes around bodies that are no conductors
   Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles,
                  std::vector<Eigen::AlignedBox3d> others = {});

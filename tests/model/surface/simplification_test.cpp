@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -63,6 +65,20 @@ TEST(Simplification, IsCoarserWhereFewTrianglesAreAllowed) {
   EXPECT_LE(triangles_of_ball(few.bodies()), 1500U);
   EXPECT_GT(triangles_of_ball(some.bodies()), 1500U);
   EXPECT_GT(few.deviation(1, Vector3d(0, 0, radius)), some.deviation(1, Vector3d(0, 0, radius)));
+}
+
+/// A ball alone keeps its shape to a part of its size, but as a small part of a conductor, far from all
+/// others, to four times that part.
+TEST(Simplification, IsCoarserOnASmallPartOfALargeConductor) {
+  const auto triangles_of_pair = [](const std::optional<std::string>& conductor) {
+    Scene scene = test::scene_of(test::square(0.03, -5), {object("ball", Sphere{radius, 8}, at(2, 0, 0)),
+                                                          object("same", Sphere{radius, 96}, at(0, 0, 0))});
+    for (Object& each : scene.objects)
+      each.conductor = conductor;
+    return triangles_of_ball(Simplification(charged_bodies(scene), 0.03, any_number).bodies());
+  };
+  EXPECT_LT(3 * triangles_of_pair("machine"), triangles_of_pair(std::nullopt));
+  EXPECT_GT(triangles_of_pair("machine"), 50U);
 }
 
 TEST(Simplification, EndsWhereItIsAskedTo) {
