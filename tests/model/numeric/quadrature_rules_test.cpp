@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <numbers>
+#include <span>
+#include <vector>
 
 #include <gtest/gtest.h>
 
@@ -53,6 +57,37 @@ TEST(QuadratureRules, OfTrianglesAreExactUpToTheirDegree) {
           sum += weight * std::pow(second, i) * std::pow(third, j);
         EXPECT_NEAR(sum / mean_of_monomial(i, j), 1, 1e-12) << rule.degree << ": " << i << ' ' << j;
       }
+  }
+}
+
+/// Returns Σw|δ|^power over the nodes of a rule on the triangle whose vertices are 1, e^(i·angle) and what
+/// brings its centroid to the origin.
+double sum_of_powers(std::span<const TriangleNode> nodes, double angle, int power) {
+  const std::complex<double> first = 1, second = std::polar(1.0, angle), third = -first - second;
+  double sum = 0;
+  for (const TriangleNode& node : nodes)
+    sum += node.weight *
+           std::pow(std::abs(first + node.second * (second - first) + node.third * (third - first)), power);
+  return sum;
+}
+
+// A convex function of the vertices is largest where two of them lie at distance 1 from the centroid, seen
+// from there under an angle between 120° and 180°.
+TEST(QuadratureRules, OfTrianglesHaveTheConstantsOfTheirErrorBound) {
+  std::vector<TriangleNode> fine;
+  for (const auto& [u, weight_u] : gauss_rule(20))
+    for (const auto& [v, weight_v] : gauss_rule(20))
+      fine.push_back({u * (1 - v), u * v, 2 * u * weight_u * weight_v});
+  for (const TriangleRule& rule : triangle_rules()) {
+    const std::span nodes(rule.nodes, static_cast<std::size_t>(rule.points));
+    double largest = 0;
+    for (int step = 0; step <= 100; ++step) {
+      const double angle = std::numbers::pi * (2 + step / 100.0) / 3;
+      largest = std::max(largest, sum_of_powers(fine, angle, rule.degree + 1) +
+                                      sum_of_powers(nodes, angle, rule.degree + 1));
+    }
+    EXPECT_LT(largest, rule.bound_constant) << rule.degree;
+    EXPECT_GT(1.02 * largest, rule.bound_constant) << rule.degree;
   }
 }
 

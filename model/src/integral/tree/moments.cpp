@@ -1,35 +1,13 @@
 #include "integral/tree/moments.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 
 #include "integral/tree/monomial_rows.hpp"
+#include "numeric/triangle_rules.hpp"
 
 namespace fringe::detail {
 namespace {
-
-struct RuleNode {
-  std::array<double, 3> barycentric;
-  double weight;
-};
-
-/// Returns the seven-point rule of degree 5 (J. Radon, Monatshefte für Mathematik und Physik 52, 1948, 286).
-std::array<RuleNode, 7> radon_rule() {
-  const double root = std::sqrt(15.0);
-  std::array<RuleNode, 7> rule{};
-  rule[0] = {{1.0 / 3, 1.0 / 3, 1.0 / 3}, 9.0 / 40};
-  std::size_t next = 1;
-  for (const double sign : {-1.0, 1.0}) {
-    const double beside = (6 + sign * root) / 21, weight = (155 + sign * root) / 1200;
-    for (std::size_t corner = 0; corner < 3; ++corner) {
-      RuleNode& node = rule[next++];
-      node = {{beside, beside, beside}, weight};
-      node.barycentric[corner] = 1 - 2 * beside;
-    }
-  }
-  return rule;
-}
 
 constexpr std::size_t powers = moment_degree + 1;
 
@@ -81,10 +59,11 @@ void shift_along(std::size_t axis, double shift, Moments& moments) {
 }  // namespace
 
 void append_rule(const Triangle& triangle, double area, std::vector<WeightedPoint>& points) {
-  static const std::array<RuleNode, 7> rule = radon_rule();
+  static const TriangleRule& rule =
+      *std::ranges::find(triangle_rules(), highest_degree, &TriangleRule::degree);
   const auto& [a, b, c] = triangle;
-  for (const auto& [barycentric, weight] : rule)
-    points.push_back({barycentric[0] * a + barycentric[1] * b + barycentric[2] * c, area * weight});
+  for (const auto& [second, third, weight] : std::span(rule.nodes, static_cast<std::size_t>(rule.points)))
+    points.push_back({(1 - second - third) * a + second * b + third * c, area * weight});
 }
 
 Moments moments_of(const std::vector<WeightedPoint>& points, const MomentFrame& frame) {

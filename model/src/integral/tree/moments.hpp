@@ -20,7 +20,7 @@ struct MomentFrame {
 
 using Moments = MonomialValues;
 
-/// Appends the points of a rule of degree 5 on the triangle.
+/// Appends the points of a rule on the triangle that is exact up to highest_degree.
 void append_rule(const Triangle& triangle, double area, std::vector<WeightedPoint>& points);
 
 /// Computes the moments of weighted points.
