@@ -11,14 +11,27 @@
 #include "fringe/error.hpp"
 #include "geometry/plate_frame.hpp"
 #include "integral/derivative/plate_wrench.hpp"
-#include "integral/exact_integral.hpp"
-#include "integral/gauss.hpp"
-#include "integral/splitting.hpp"
+#include "integral/kernel.hpp"
+#include "integral/node_sums.hpp"
+#include "integral/pieces.hpp"
 
 namespace fringe {
 namespace {
 
 using namespace detail;
+using Eigen::Vector3d;
+
+/// Computes ∫dA/d over one triangle of any shape in closed form. Cuts the triangle at the plate's border
+/// planes and integrates every piece in its own cell (model/NUMERICS.md, sections 2 to 7).
+double exact_integral(const PlateFrame& plate, const LocalTriangle& triangle, double twice_area) {
+  double sum = 0;
+  for_each_piece(plate, triangle,
+                 [&](Cell cell, const Vector3d& a, const Vector3d& b, const Vector3d& c, double share) {
+                   sum += share * kernel_from_plate(from_plate(plate, cell, a), from_plate(plate, cell, b),
+                                                    from_plate(plate, cell, c));
+                 });
+  return twice_area * sum;
+}
 
 /// Returns whether a triangle meets the plate's plane.
 bool meets_plane(const LocalTriangle& triangle) {
@@ -45,9 +58,10 @@ class Integrator {
     // plane can touch the plate.
     if (meets_plane(local) && std::isinf(exact_integral(plate, local, doubled)))
       return std::numeric_limits<double>::infinity();
+    const auto distance_to_plate = [&](const Vector3d& point) { return distance(plate, point); };
     if (const auto* split = std::get_if<Split>(&method_))
-      return split_integral(plate, local, doubled, split->levels);
-    return gauss_integral(plate, local, doubled, rule_);
+      return split_integral(local, doubled, split->levels, distance_to_plate);
+    return gauss_integral(local, doubled, rule_, distance_to_plate);
   }
 
  private:

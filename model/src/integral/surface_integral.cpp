@@ -12,8 +12,8 @@
 #include "geometry/plate_frame.hpp"
 #include "integral/derivative/plate_wrench.hpp"
 #include "integral/facing.hpp"
-#include "integral/nearest_nodes.hpp"
 #include "integral/nearest_plate.hpp"
+#include "integral/node_sums.hpp"
 #include "numeric/infinity.hpp"
 
 namespace fringe::detail {
@@ -106,9 +106,16 @@ double nearest_node_sum(std::span<const Rectangle> plates, const Triangle& trian
       return infinity;
     frames.push_back(plate_frame(plate));
   }
+  const auto least_distance = [&](const Eigen::Vector3d& point) {
+    double least = infinity;
+    for (const PlateFrame& plate : frames)
+      least = std::min(least, distance(plate, plate.axes * (point - plate.corner)));
+    return least;
+  };
   if (const auto* split = std::get_if<Split>(&method))
-    return nearest_node_sum(triangle, frames, *split);
-  return nearest_node_sum(triangle, frames, std::get<Gauss>(method));
+    return split_integral(triangle, twice_area(triangle), split->levels, least_distance);
+  return gauss_integral(triangle, twice_area(triangle), gauss_rule(std::get<Gauss>(method).points),
+                        least_distance);
 }
 
 SurfaceIntegral nearest_plate_by_nodes(std::span<const Rectangle> plates, std::span<const Triangle> triangles,

@@ -12,8 +12,6 @@
 #include "fringe/plate_integral.hpp"
 #include "fringe/triangulation.hpp"
 #include "geometry.hpp"
-#include "integral/gauss.hpp"
-#include "integral/splitting.hpp"
 
 /// ∫dA/d over whole surfaces: what encloses it, by which rules it is summed, and its derivatives.
 namespace fringe::detail::FRINGE_TEST_FILE {
@@ -183,18 +181,15 @@ TEST(SurfaceIntegral, HasTheDerivativesOfARigidMotion) {
 
 // Splitting is of second order: from one level to the next, a quarter of the error is left.
 TEST(SurfaceIntegral, BySplittingAndByGaussConverges) {
-  const PlateFrame plate = plate_frame(plates[0]);
   const Triangle triangle{Vector3d(-0.2, -0.3, 0.4), Vector3d(0.3, -0.2, 0.5), Vector3d(0, 0.3, 0.6)};
-  const LocalTriangle local = to_local(plate, triangle);
-  const double twice_area = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).norm();
   const double exact = plate_integral(triangle, plates[0]);
-  double before = std::abs(split_integral(plate, local, twice_area, 1) - exact);
+  double before = std::abs(plate_integral(triangle, plates[0], Split{1}) - exact);
   for (int levels = 2; levels < 6; ++levels) {
-    const double error = std::abs(split_integral(plate, local, twice_area, levels) - exact);
+    const double error = std::abs(plate_integral(triangle, plates[0], Split{levels}) - exact);
     EXPECT_NEAR(error / before, 0.25, 0.03) << levels;
     before = error;
   }
-  EXPECT_NEAR(gauss_integral(plate, local, twice_area, gauss_rule(12)), exact, 1e-13);
+  EXPECT_NEAR(plate_integral(triangle, plates[0], Gauss{12}), exact, 1e-13);
 }
 
 }  // namespace

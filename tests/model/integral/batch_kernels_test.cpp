@@ -8,13 +8,13 @@
 
 #include <gtest/gtest.h>
 
+#include "fringe/plate_integral.hpp"
 #include "geometry.hpp"
 #include "instruction_sets.hpp"
 #include "integral/batch/choices.hpp"
 #include "integral/batch/chunks.hpp"
 #include "integral/batch/kernels.hpp"
 #include "integral/batch/near_forms.hpp"
-#include "integral/exact_integral.hpp"
 #include "integral/tree/kernels.hpp"
 #include "numeric/triangle_rules.hpp"
 
@@ -46,8 +46,7 @@ class BatchKernelsTest : public testing::TestWithParam<InstructionSet> {
 };
 
 double exact(const Triangle& triangle) {
-  const PlateFrame frame = plate_frame(plate);
-  return exact_integral(frame, to_local(frame, triangle), twice_area(triangle));
+  return plate_integral(triangle, plate);
 }
 
 /// Returns random triangles around the plate whose size is a given share of their distance from it.

@@ -6,10 +6,11 @@
 #include <gtest/gtest.h>
 
 #include "fringe/capacitance.hpp"
+#include "fringe/plate_integral.hpp"
 #include "geometry.hpp"
 #include "integral/facing.hpp"
-#include "integral/nearest_nodes.hpp"
 #include "integral/nearest_plate.hpp"
+#include "integral/surface_integral.hpp"
 
 /// Which plate is nearest to which part of a triangle, and which triangles face a plate.
 namespace fringe::detail::FRINGE_TEST_FILE {
@@ -150,18 +151,21 @@ Case any_case(Random& random, int plates) {
   }
 }
 
+/// Returns ∫dA/min_k d_k as a sum over the nodes of a method.
+double nearest_node_sum(const Triangle& triangle, const std::vector<Rectangle>& plates,
+                        const Method& method) {
+  return surface_integral(make_surface({triangle}), plates, {method, PlateRule::nearest, FaceRule::all, 0}, 0)
+      .value;
+}
+
 TEST(NearestPlates, IsWhatFineNodesFind) {
   // The sum over centroids converges quadratically in their spacing, in spite of the kinks: the change from
   // one level to the next is three times the remaining error.
   Random random(5);
   for (int i = 0; i < draws(40); ++i) {
     const auto [plates, triangle] = any_case(random, 2 + i % 4);
-    std::vector<PlateFrame> frames;
-    frames.reserve(plates.size());
-    for (const Rectangle& plate : plates)
-      frames.push_back(plate_frame(plate));
-    const double coarse = nearest_node_sum(triangle, frames, Split{5}),
-                 fine = nearest_node_sum(triangle, frames, Split{6});
+    const double coarse = nearest_node_sum(triangle, plates, Split{5}),
+                 fine = nearest_node_sum(triangle, plates, Split{6});
     const double found = divide({triangle}, plates, 1e-12).integral;
     EXPECT_NEAR(found, fine, 2 * std::abs(fine - coarse) + 1e-5 * found);
   }
@@ -189,12 +193,11 @@ TEST(NearestNodes, OfOnePlateAreTheMethods) {
   for (int i = 0; i < 30; ++i) {
     const Rectangle plate = any_plate(random);
     const Triangle triangle = random.triangle_in_box({3, 3, 3}, {4, 4, 4});
-    const std::vector<PlateFrame> frames{plate_frame(plate), plate_frame(plate)};
     for (const int n : {0, 1, 3}) {
       const double split = plate_integral(triangle, plate, Split{n});
-      EXPECT_NEAR(nearest_node_sum(triangle, frames, Split{n}), split, 1e-13 * split);
+      EXPECT_NEAR(nearest_node_sum(triangle, {plate, plate}, Split{n}), split, 1e-13 * split);
       const double gauss = plate_integral(triangle, plate, Gauss{n + 1});
-      EXPECT_NEAR(nearest_node_sum(triangle, frames, Gauss{n + 1}), gauss, 1e-13 * gauss);
+      EXPECT_NEAR(nearest_node_sum(triangle, {plate, plate}, Gauss{n + 1}), gauss, 1e-13 * gauss);
     }
   }
 }

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "integral/batch/kernels.hpp"
-#include "integral/gauss.hpp"
+#include "numeric/gauss_rule.hpp"
 
 namespace fringe::detail {
 
