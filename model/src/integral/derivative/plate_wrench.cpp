@@ -7,8 +7,8 @@
 #include <limits>
 
 #include "geometry/plate_frame.hpp"
+#include "integral/batch/choices.hpp"
 #include "integral/batch/chunks.hpp"
-#include "integral/derivative/choices.hpp"
 #include "integral/derivative/kernels.hpp"
 #include "integral/pieces.hpp"
 #include "simd/dispatch.hpp"

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "fringe/plate_integral.hpp"
+#include "integral/batch/choices.hpp"
 #include "integral/batch/chunks.hpp"
 #include "integral/facing.hpp"
 #include "integral/tree/border_triangles.hpp"
-#include "integral/tree/direct_choices.hpp"
 #include "integral/tree/node_bound.hpp"
 #include "integral/tree/partition.hpp"
 #include "integral/tree/point_sum.hpp"
@@ -266,7 +266,7 @@ class Evaluation {
   }
 
   void integrate_direct(double tolerance) {
-    const auto& [relative_error, choices] = direct_choices(tolerance);
+    const auto& [relative_error, choices] = sum_choices(tolerance);
     const double sum = sum_ranges(kernels_, tree_.triangles, direct_, frame_, choices.choices());
     result_.value += sum;
     result_.bound = std::isinf(sum) ? 0.0 : result_.bound + bound_of_sum(sum, relative_error);
