@@ -1,19 +1,21 @@
 #pragma once
 
 #include <memory>
+#include <optional>
+#include <span>
 #include <string_view>
+#include <vector>
 
 #include <Eigen/Geometry>
 
+#include "formula/charged_surface.hpp"
 #include "fringe/evaluation.hpp"
 #include "fringe/reading_answer.hpp"
 #include "fringe/scene.hpp"
+#include "geometry/link_motion.hpp"
+#include "integral/surface_integral.hpp"
 
 namespace fringe {
-
-namespace detail {
-class LinkPoses;
-}
 
 /// Evaluates every sensor of a scene repeatedly while links move.
 ///
@@ -30,15 +32,9 @@ class SceneEvaluator {
   /// Prepares the scene for a LiveScene, which owns the poses.
   SceneEvaluator(const Scene& scene, const EvaluationOptions& options,
                  const std::shared_ptr<detail::LinkPoses>& poses);
-  ~SceneEvaluator();
-  SceneEvaluator(SceneEvaluator&&) noexcept;
-  SceneEvaluator& operator=(SceneEvaluator&&) noexcept;
-  SceneEvaluator(const SceneEvaluator&) = delete;
-  SceneEvaluator& operator=(const SceneEvaluator&) = delete;
-
   /// Replaces a link's pose relative to its parent.
   /// @throws InputError when no link has the name.
-  void set_pose(std::string_view link, const Eigen::Isometry3d& pose);
+  void set_pose(std::string_view link, const Eigen::Isometry3d& pose) { motion_.set_pose(link, pose); }
 
   /// Computes the answer for the current poses; valid until the next call. Its counts are the work of this
   /// call.
@@ -53,11 +49,69 @@ class SceneEvaluator {
   PoseDerivatives derivatives(std::size_t sensor, std::size_t object);
 
  private:
-  class Implementation;
-  static std::unique_ptr<Implementation> make_implementation(const Scene& scene,
-                                                             const EvaluationOptions& options,
-                                                             const std::shared_ptr<detail::LinkPoses>& poses);
-  std::unique_ptr<Implementation> implementation_;
+  /// A sensor's plates in the world.
+  struct PlacedSensor {
+    std::vector<Rectangle> plates;
+    std::vector<detail::PlateFrame> frames;
+  };
+
+  /// An object's surface and its pose.
+  struct PlacedObject {
+    std::optional<std::size_t> link;
+    Eigen::Isometry3d on_link;
+    detail::Surface surface;
+    FaceRule faces;
+    Eigen::Isometry3d to_world = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d from_world = Eigen::Isometry3d::Identity();
+    Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  };
+
+  /// The cached integral of one sensor and one object.
+  struct Pair {
+    detail::Enclosure enclosure;
+    detail::SurfaceIntegral integral;
+    std::optional<detail::Wrench> wrench = std::nullopt;  ///< of the integral, in the object's frame
+    bool known = false;
+  };
+
+  /// Moves a sensor's plates into the world. Throws InputError for an invalid plate.
+  static PlacedSensor placed(const Sensor& sensor, const Eigen::Isometry3d& pose);
+
+  /// Takes up the sensors and objects of a scene, all of which have capacitances.
+  void prepare(const Scene& scene, const EvaluationOptions& options);
+  bool has_moved(std::optional<std::size_t> link) const;
+  /// Updates the world poses of the sensors and objects that moved.
+  void place();
+  /// Sets in_object_frame_ to plates in the frame of an object.
+  void place_in_frame_of(const PlacedObject& object, std::span<const Rectangle> plates);
+  /// Whether groups of triangles may be lumped and objects replaced by their enclosures.
+  bool lumps() const { return options_.tolerance > 0 && options_.plates == PlateRule::sum; }
+  void evaluate(std::size_t sensor);
+  /// Returns the absolute error allowed for each object. Half of the tolerance applies to each object's own
+  /// integral. The other half, taken of a lower bound of the total, is divided equally among the objects, so
+  /// that the many that hardly matter need no accuracy of their own.
+  double allowance_per_object(std::span<const Pair> pairs) const;
+  /// Computes the integral of one pair, or keeps the known value if it is accurate enough, or estimates it
+  /// by the object's enclosure.
+  void integrate(Pair& pair, PlacedObject& object, std::span<const Rectangle> plates, double allowance);
+  /// Computes the formula's value of one pair, or keeps the known one.
+  void combine(Pair& pair, std::size_t sensor, std::size_t object);
+  /// Writes the results of one sensor into the answer.
+  void tell(std::size_t sensor, std::span<const Pair> pairs);
+
+  detail::IntegralOptions options_;
+  double permittivity_;
+  detail::LinkMotion motion_;
+  std::vector<Sensor> sensors_;
+  std::vector<PlacedSensor> placed_sensors_;
+  std::vector<PlacedObject> objects_;
+  // Of the formula; empty for triangle integrals.
+  std::vector<detail::ChargedSurface> charged_sensors_;  ///< in the frames of their links
+  std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames
+  std::vector<Pair> pairs_;  ///< those of the first sensor with every object, then those of the second
+  std::vector<Rectangle> in_object_frame_;
+  SceneCapacitance answer_;
+  std::size_t answers_ = 0;
 };
 
 }  // namespace fringe
