@@ -23,6 +23,13 @@ inline std::string plain_name(std::string name, const std::string& kept = "") {
   return name;
 }
 
+/// Replaces line breaks and other control characters, so that a name stays on one line of a file.
+inline std::string on_one_line(std::string name) {
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char letter) { return std::iscntrl(letter) != 0; }, '?');
+  return name;
+}
+
 /// Makes names unique by appending a number to a name that is taken already.
 class UniqueNames {
  public:

@@ -17,13 +17,6 @@ using Eigen::Index;
 /// Programs differ in how long a line may be.
 constexpr std::size_t nodes_in_a_line = 8;
 
-/// Returns a name in a comment: on one line.
-std::string in_comment(std::string name) {
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char letter) { return std::iscntrl(letter) != 0; }, '?');
-  return name;
-}
-
 /// Makes names that SPICE takes: they begin with a letter, and do not differ in the case of letters alone.
 class SpiceNames {
  public:
@@ -78,12 +71,12 @@ std::string capacitors(const MaxwellMatrix& matrix, const std::vector<std::strin
     const auto a = static_cast<std::size_t>(i);
     if (nodes[a] == "0")
       continue;
-    const std::string name = in_comment(matrix.conductors[a]);
+    const std::string name = on_one_line(matrix.conductors[a]);
     for (Index j = 0; j < values.cols(); ++j) {
       const auto b = static_cast<std::size_t>(j);
       // Each pair of nodes once; grounded conductors, which have no turn of their own, with every node.
       if (nodes[b] == "0" || j > i)
-        result.add(fmt::format("{} and {}", name, in_comment(matrix.conductors[b])), nodes[a], nodes[b],
+        result.add(fmt::format("{} and {}", name, on_one_line(matrix.conductors[b])), nodes[a], nodes[b],
                    -values(i, j), errors(i, j));
     }
     result.add(fmt::format("{} and infinity", name), nodes[a], "0", values.row(i).sum(), errors.row(i).sum());
@@ -121,15 +114,15 @@ std::string spice_subcircuit(const MaxwellMatrix& matrix, const std::vector<bool
       "* {}\n* A capacitance for every pair of conductors, in F. Node 0 is the ground, grounded conductors "
       "and\n"
       "* infinity. Floating conductors, which carry no net charge, are eliminated: they have no node.\n",
-      in_comment(remark));
+      on_one_line(remark));
   for (const std::string& floating : matrix.floating)
-    text += fmt::format("* floating: {}\n", in_comment(floating));
+    text += fmt::format("* floating: {}\n", on_one_line(floating));
   std::string head = fmt::format(".subckt {}", SpiceNames().take(name));
   std::size_t count = 0;
   for (std::size_t k = 0; k < nodes.size(); ++k) {
     if (nodes[k] != "0")
       head += fmt::format("{}{}", ++count % nodes_in_a_line == 0 ? "\n+ " : " ", nodes[k]);
-    text += fmt::format("* node {}: {}\n", nodes[k], in_comment(matrix.conductors[k]));
+    text += fmt::format("* node {}: {}\n", nodes[k], on_one_line(matrix.conductors[k]));
   }
   if (count == 0)
     throw InputError("all conductors are grounded: a circuit needs a sensor or an electrode");

@@ -1,7 +1,5 @@
 #include "export/panel_files.hpp"
 
-#include <algorithm>
-#include <cctype>
 #include <utility>
 #include <variant>
 #include <vector>
@@ -79,13 +77,6 @@ const char* description(detail::Role role) {
   return "";
 }
 
-/// Returns a name in the title of a file: on one line.
-std::string in_title(std::string name) {
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char letter) { return std::iscntrl(letter) != 0; }, '?');
-  return name;
-}
-
 /// Returns the surfaces of all sensors and objects by name. Meshes are those that boundary elements take: a
 /// duplicate or a triangle without area would make the matrix of other solvers singular.
 std::map<std::string, std::vector<Triangle>> surfaces_of(const Scene& scene) {
@@ -111,13 +102,13 @@ PanelFiles panel_files(const Scene& scene, const std::string& stem) {
   PanelFiles result;
   for (const detail::ChargedConductor& conductor : detail::charged_bodies(scene).conductors) {
     const std::string name = names.take(plain_name(conductor.name, "-").substr(0, longest_name));
-    result.list += fmt::format("* {}: {}\n", in_title(conductor.name), description(conductor.role));
+    result.list += fmt::format("* {}: {}\n", on_one_line(conductor.name), description(conductor.role));
     for (const std::string& member : conductor.members) {
       const std::string file =
           file_names.take(fmt::format("{}_{}", file_stem, plain_name(member, "-").substr(0, longest_name))) +
           ".qui";
       const PanelText panels = panel_text(surfaces.at(member), name);
-      result.files[file] = fmt::format("0 {}, in m\n{}", in_title(member), panels.text);
+      result.files[file] = fmt::format("0 {}, in m\n{}", on_one_line(member), panels.text);
       result.list += fmt::format("C {} {} 0 0 0{}\n", file, scene.medium.relative_permittivity,
                                  &member == &conductor.members.back() ? "" : " +");
       result.panels += panels.count;
