@@ -21,6 +21,15 @@ inline Eigen::Vector3d vector3(const Array& array, const char* name) {
   return Eigen::Vector3d(array.data());
 }
 
+inline std::vector<Eigen::Vector3d> points_of(const Array& array, const char* name) {
+  if (array.ndim() != 2 || array.shape(1) != 3)
+    throw InputError(fmt::format("{} must have shape (n, 3)", name));
+  std::vector<Eigen::Vector3d> points(static_cast<std::size_t>(array.shape(0)));
+  for (std::size_t k = 0; k < points.size(); ++k)
+    points[k] = Eigen::Vector3d(array.data() + 3 * k);
+  return points;
+}
+
 inline Array array_of(const std::vector<Triangle>& triangles) {
   Array array({static_cast<pybind11::ssize_t>(triangles.size()), pybind11::ssize_t{3}, pybind11::ssize_t{3}});
   double* target = array.mutable_data();

@@ -28,7 +28,7 @@ namespace {
 
 using namespace fringe;
 using namespace pybind11::literals;
-using python::Array, python::vector3;
+using python::Array, python::points_of, python::vector3;
 
 static_assert(sizeof(Triangle) == 9 * sizeof(double), "triangles lie in memory like an (n, 3, 3) array");
 
@@ -42,15 +42,6 @@ std::vector<Triangle> triangles_of(const Array& array) {
   return triangles;
 }
 
-std::vector<Eigen::Vector3d> vertices_of(const Array& array, const char* name) {
-  if (array.ndim() != 2 || array.shape(1) != 3)
-    throw InputError(fmt::format("{} must have shape (n, 3)", name));
-  std::vector<Eigen::Vector3d> vertices(static_cast<std::size_t>(array.shape(0)));
-  for (std::size_t i = 0; i < vertices.size(); ++i)
-    vertices[i] = Eigen::Vector3d(array.data() + 3 * i);
-  return vertices;
-}
-
 Eigen::MatrixXd single_layer_of(const Array& array, double tolerance) {
   const std::vector<Triangle> triangles = triangles_of(array);
   const py::gil_scoped_release unlocked;
@@ -58,7 +49,7 @@ Eigen::MatrixXd single_layer_of(const Array& array, double tolerance) {
 }
 
 TrianglePotentials triangle_potentials_of(const Array& positions, const Array& array) {
-  const std::vector<Eigen::Vector3d> points = vertices_of(positions, "points");
+  const std::vector<Eigen::Vector3d> points = points_of(positions, "points");
   const std::vector<Triangle> triangles = triangles_of(array);
   const py::gil_scoped_release unlocked;
   return triangle_potentials(points, triangles);
@@ -79,7 +70,7 @@ std::vector<Face> faces_of(const py::array_t<std::int64_t, py::array::c_style>& 
 }
 
 std::optional<bool> gjk_intersects_of(const Array& a, const Array& b, const std::string& method) {
-  const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
+  const std::vector<Eigen::Vector3d> hull_a = points_of(a, "a"), hull_b = points_of(b, "b");
   if (method != "exact" && method != "thesis")
     throw InputError(fmt::format(R"(method must be "exact" or "thesis", not "{}")", method));
   const py::gil_scoped_release unlocked;
@@ -89,7 +80,7 @@ std::optional<bool> gjk_intersects_of(const Array& a, const Array& b, const std:
 }
 
 py::tuple gjk_distance_of(const Array& a, const Array& b) {
-  const std::vector<Eigen::Vector3d> hull_a = vertices_of(a, "a"), hull_b = vertices_of(b, "b");
+  const std::vector<Eigen::Vector3d> hull_a = points_of(a, "a"), hull_b = points_of(b, "b");
   GjkDistance answer;
   {
     const py::gil_scoped_release unlocked;
@@ -99,17 +90,17 @@ py::tuple gjk_distance_of(const Array& a, const Array& b) {
 }
 
 py::tuple bounding_sphere_of(const Array& vertices) {
-  const auto [centre, radius] = bounding_sphere(vertices_of(vertices, "v"));
+  const auto [centre, radius] = bounding_sphere(points_of(vertices, "v"));
   return py::make_tuple(centre, radius);
 }
 
 py::tuple aabb_of(const Array& vertices) {
-  const Eigen::AlignedBox3d box = axis_aligned_box(vertices_of(vertices, "v"));
+  const Eigen::AlignedBox3d box = axis_aligned_box(points_of(vertices, "v"));
   return py::make_tuple(Eigen::Vector3d(box.min()), Eigen::Vector3d(box.max()));
 }
 
 py::tuple obb_of(const Array& vertices, const py::object& faces, const std::string& method) {
-  const std::vector<Eigen::Vector3d> points = vertices_of(vertices, "v");
+  const std::vector<Eigen::Vector3d> points = points_of(vertices, "v");
   std::vector<Face> triangles;
   if (!faces.is_none())
     triangles = faces_of(faces.cast<py::array_t<std::int64_t, py::array::c_style>>());

@@ -206,23 +206,14 @@ MachinePotentials machine_potentials_of(SharedScene& scene, double rtol, std::si
   });
 }
 
-std::vector<Eigen::Vector3d> points_of(const Array& positions) {
-  if (positions.ndim() != 2 || positions.shape(1) != 3)
-    throw InputError("points must have shape (n, 3)");
-  std::vector<Eigen::Vector3d> points(static_cast<std::size_t>(positions.shape(0)));
-  for (std::size_t k = 0; k < points.size(); ++k)
-    points[k] = Eigen::Vector3d(positions.data() + 3 * k);
-  return points;
-}
-
 TrianglePotentials potentials_at(const MachinePotentials& machine, const Array& positions) {
-  const std::vector<Eigen::Vector3d> points = points_of(positions);
+  const std::vector<Eigen::Vector3d> points = points_of(positions, "points");
   const py::gil_scoped_release unlocked;
   return machine.at(points);
 }
 
 Eigen::MatrixXf answers_about(const MachinePotentials& machine, const Array& positions) {
-  const std::vector<Eigen::Vector3d> places = points_of(positions);
+  const std::vector<Eigen::Vector3d> places = points_of(positions, "points");
   const py::gil_scoped_release unlocked;
   return machine.answers(places);
 }
@@ -230,8 +221,8 @@ Eigen::MatrixXf answers_about(const MachinePotentials& machine, const Array& pos
 py::tuple changes_by(const MachinePotentials& machine, const Array& positions,
                      const Eigen::MatrixXd& potentials, const Array& rotations, const Array& translations,
                      const Eigen::MatrixXf& answers, std::optional<double> to_ground) {
-  const MachinePotentials::Body body{points_of(positions), potentials};
-  const std::vector<Eigen::Vector3d> origins = points_of(translations);
+  const MachinePotentials::Body body{points_of(positions, "points"), potentials};
+  const std::vector<Eigen::Vector3d> origins = points_of(translations, "translations");
   if (rotations.ndim() != 3 || static_cast<std::size_t>(rotations.shape(0)) != origins.size() ||
       rotations.shape(1) != 3 || rotations.shape(2) != 3)
     throw InputError("rotations must have shape (n, 3, 3), as many as translations");
