@@ -1,6 +1,5 @@
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include "fringe/distance_sensor.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
+#include "random.hpp"
 
 /// Measures the queries of a distance sensor in a room full of bodies, by the tree and by testing every
 /// triangle, and the building of the tree. The sensors stand among the bodies and look in all directions;
@@ -24,28 +24,14 @@ constexpr int segments = 32;
 
 constexpr std::size_t questions = 256;  ///< number of cones
 
-class Uniform {
- public:
-  double operator()(double low, double high) {
-    return low + (high - low) * static_cast<double>(generator_() >> 11U) * 0x1p-53;
-  }
-
-  Vector3d in_box(double half) {
-    const double x = (*this)(-half, half), y = (*this)(-half, half);
-    return {x, y, (*this)(-half, half)};
-  }
-
- private:
-  std::mt19937_64 generator_{1};
-};
-
 /// Makes bodies of 10 to 40 cm in a room of 6 m.
 std::vector<Triangle> room(int bodies) {
-  Uniform uniform;
+  benchmarks::Random random;
   std::vector<Triangle> triangles;
   for (int i = 0; i < bodies; ++i) {
-    const double radius = uniform(0.05, 0.2);
-    const Eigen::Isometry3d place = pose_from_axis(uniform.in_box(1), uniform(0, 360), uniform.in_box(3));
+    const double radius = random.uniform(0.05, 0.2);
+    const Eigen::Isometry3d place =
+        pose_from_axis(random.in_cube(1), random.uniform(0, 360), random.in_cube(3));
     for (const Triangle& triangle : triangulate(Sphere{radius, segments}))
       triangles.push_back(transformed(triangle, place));
   }
@@ -53,10 +39,10 @@ std::vector<Triangle> room(int bodies) {
 }
 
 std::vector<SensingCone> cones(double degrees) {
-  Uniform uniform;
+  benchmarks::Random random;
   std::vector<SensingCone> result;
   for (std::size_t i = 0; i < questions; ++i) {
-    const Vector3d apex = uniform.in_box(2.5), direction = uniform.in_box(1);
+    const Vector3d apex = random.in_cube(2.5), direction = random.in_cube(1);
     result.push_back({apex, direction, degrees / 180 * std::numbers::pi, 2});
   }
   return result;

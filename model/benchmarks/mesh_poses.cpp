@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include "fringe/triangulation.hpp"
+#include "random.hpp"
 
 namespace fringe::benchmarks {
 namespace {
@@ -97,10 +97,8 @@ Scene mesh_scene(const Shape& shape) {
 
 std::vector<Isometry3d> mesh_poses(const Shape& shape, int count, std::uint64_t seed) {
   const std::vector<Triangle> triangles = triangulate(shape);
-  std::mt19937_64 random(seed);
-  const auto number = [&](double from, double to) {
-    return from + (to - from) * static_cast<double>(random() >> 11) * 0x1p-53;
-  };
+  Random random(seed);
+  const auto number = [&](double from, double to) { return random.uniform(from, to); };
   std::vector<Isometry3d> poses;
   while (static_cast<int>(poses.size()) < count) {
     Isometry3d pose(Eigen::Translation3d(number(-0.1, 0.1), number(-0.1, 0.1), number(0, 0.15)));

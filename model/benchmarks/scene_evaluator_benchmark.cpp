@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <string>
 #include <vector>
 
@@ -10,6 +9,7 @@
 #include <oneapi/tbb/global_control.h>
 
 #include "fringe/pose.hpp"
+#include "random.hpp"
 #include "scene/scene_evaluator.hpp"
 
 /// Measures the time of a pose in a scene whose arm moves: eight sensors on the arm, some bodies near it,
@@ -48,19 +48,16 @@ std::vector<Sensor> sensors_on_arm() {
 /// Makes a room of 10 m with the arm in its middle: bodies of 10 to 40 cm, the first few around the arm, the
 /// others at least 2 m away.
 Scene room(int bodies) {
-  std::mt19937_64 generator(1);
-  const auto uniform = [&](double low, double high) {
-    return low + (high - low) * static_cast<double>(generator() >> 11U) * 0x1p-53;
-  };
+  benchmarks::Random random;
   Scene scene;
   scene.links = {{"arm", std::nullopt, shifted({0, 0, 0})}};
   scene.sensors = sensors_on_arm();
   for (int i = 0; i < bodies; ++i) {
-    const double angle = 2 * std::numbers::pi * uniform(0, 1);
-    const double distance = i < near_bodies ? uniform(1.5, 1.9) : uniform(2, 5);
-    const Vector3d centre(distance * std::cos(angle), distance * std::sin(angle), uniform(-1, 1));
-    scene.objects.push_back({fmt::format("body {}", i), std::nullopt, Sphere{uniform(0.05, 0.2), segments},
-                             shifted(centre), Grounded{}, true});
+    const double angle = 2 * std::numbers::pi * random.uniform(0, 1);
+    const double distance = i < near_bodies ? random.uniform(1.5, 1.9) : random.uniform(2, 5);
+    const Vector3d centre(distance * std::cos(angle), distance * std::sin(angle), random.uniform(-1, 1));
+    scene.objects.push_back({fmt::format("body {}", i), std::nullopt,
+                             Sphere{random.uniform(0.05, 0.2), segments}, shifted(centre), Grounded{}, true});
   }
   return scene;
 }

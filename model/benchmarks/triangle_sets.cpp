@@ -2,46 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <random>
 
 #include "fringe/triangulation.hpp"
+#include "random.hpp"
 
 namespace fringe::benchmarks {
 namespace {
 
+using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
 constexpr double side = 0.1;
-
-struct Box {
-  Vector3d low;
-  Vector3d high;
-};
-
-/// Random numbers that are the same with every standard library: the standard specifies the engine
-/// completely, but not the distributions.
-class Random {
- public:
-  double uniform(double low, double high) {
-    return low + static_cast<double>(engine_() >> 11U) * 0x1p-53 * (high - low);
-  }
-
-  Vector3d in(const Box& box) {
-    const double x = uniform(box.low.x(), box.high.x()), y = uniform(box.low.y(), box.high.y());
-    return {x, y, uniform(box.low.z(), box.high.z())};
-  }
-
-  /// Returns a uniformly distributed direction: on a sphere the height is uniform (Archimedes).
-  Vector3d direction() {
-    const double height = uniform(-1, 1), angle = uniform(0, 2 * std::numbers::pi);
-    const double radius = std::sqrt(1 - height * height);
-    return {radius * std::cos(angle), radius * std::sin(angle), height};
-  }
-
- private:
-  std::mt19937_64 engine_{1};
-};
 
 double distance_from_plate(const Vector3d& point) {
   return std::hypot(point.x() - std::clamp(point.x(), 0.0, side),
@@ -56,11 +27,11 @@ Triangle triangle_about(Random& random, const Vector3d& centre, double radius) {
   return triangle;
 }
 
-std::vector<Triangle> triangles_in(const Box& box, double size_over_distance, std::size_t count) {
+std::vector<Triangle> triangles_in(const AlignedBox3d& box, double size_over_distance, std::size_t count) {
   Random random;
   std::vector<Triangle> triangles(count);
   for (Triangle& triangle : triangles) {
-    const Vector3d centre = random.in(box);
+    const Vector3d centre = random.in_box(box);
     triangle = triangle_about(random, centre, size_over_distance * distance_from_plate(centre));
   }
   return triangles;
@@ -68,16 +39,16 @@ std::vector<Triangle> triangles_in(const Box& box, double size_over_distance, st
 
 /// Returns the box of the centres. It is so far inside the region's cell, and so high, that coarse triangles
 /// stay in one cell and do not meet the plate's plane.
-Box box(Region region) {
+AlignedBox3d box(Region region) {
   switch (region) {
   case Region::face:
-    return {{0.04, 0.04, 0.02}, {0.06, 0.06, 0.1}};
+    return {Vector3d{0.04, 0.04, 0.02}, Vector3d{0.06, 0.06, 0.1}};
   case Region::edge:
-    return {{-0.08, 0.045, 0.04}, {-0.05, 0.055, 0.06}};
+    return {Vector3d{-0.08, 0.045, 0.04}, Vector3d{-0.05, 0.055, 0.06}};
   case Region::corner:
     break;
   }
-  return {{-0.1, -0.1, 0.06}, {-0.06, -0.06, 0.1}};
+  return {Vector3d{-0.1, -0.1, 0.06}, Vector3d{-0.06, -0.06, 0.1}};
 }
 
 std::string thesis_name(Region region) {
@@ -107,12 +78,12 @@ TriangleSet coarse_triangles(Region region, std::size_t count) {
 }
 
 TriangleSet small_straddlers(std::size_t count) {
-  const Box over_an_edge{{0, 0.02, 0.02}, {0, 0.08, 0.1}};
-  const Box beside_a_corner{{-0.1, 0, 0.02}, {-0.02, 0, 0.1}};
+  const AlignedBox3d over_an_edge{Vector3d{0, 0.02, 0.02}, Vector3d{0, 0.08, 0.1}};
+  const AlignedBox3d beside_a_corner{Vector3d{-0.1, 0, 0.02}, Vector3d{-0.02, 0, 0.1}};
   Random random;
   std::vector<Triangle> triangles(count);
   for (std::size_t i = 0; i < count; ++i) {
-    const Vector3d centre = random.in(i % 2 == 0 ? over_an_edge : beside_a_corner);
+    const Vector3d centre = random.in_box(i % 2 == 0 ? over_an_edge : beside_a_corner);
     const double size = random.uniform(0.02, 0.1) * distance_from_plate(centre);
     Triangle& triangle = triangles[i];
     triangle = triangle_about(random, centre, size);
@@ -129,7 +100,7 @@ TriangleSet nine_cell_straddlers(std::size_t count) {
   Random random;
   std::vector<Triangle> triangles(count);
   for (Triangle& triangle : triangles) {
-    const Vector3d centre = random.in({{0.03, 0.03, 0.1}, {0.07, 0.07, 0.2}});
+    const Vector3d centre = random.in_box({Vector3d{0.03, 0.03, 0.1}, Vector3d{0.07, 0.07, 0.2}});
     triangle = triangle_about(random, centre, size_over_height * centre.z());
     for (Vector3d& vertex : triangle)
       vertex.z() = centre.z() + height_share * (vertex.z() - centre.z());
