@@ -187,10 +187,6 @@ Eigen::Vector3d TableReader::vector(std::string_view key) {
   return Eigen::Vector3d(numbers(key, 3).data());
 }
 
-Eigen::Vector3d TableReader::vector_or_zero(std::string_view key) {
-  return find(key) == nullptr ? Eigen::Vector3d(Eigen::Vector3d::Zero()) : vector(key);
-}
-
 Eigen::Vector3d TableReader::nonzero_vector(std::string_view key) {
   Eigen::Vector3d value = vector(key);
   if (value.isZero(0))

@@ -49,7 +49,6 @@ class TableReader {
   /// Returns the points of a list of pairs of lengths.
   std::vector<Eigen::Vector2d> points(std::string_view key);
   Eigen::Vector3d vector(std::string_view key);
-  Eigen::Vector3d vector_or_zero(std::string_view key);
   Eigen::Vector3d nonzero_vector(std::string_view key);
 
   /// Sets the unit of lengths, here and in the tables within.
