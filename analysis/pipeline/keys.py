@@ -22,7 +22,7 @@ from geometries.studies.study import Study
 _SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
 # The files of geometries that read scenes. A new family or a new motion must not invalidate answers.
 _SCENE_SOURCES = ("common/errors.py", "common/tables.py", "scene/*.py")
-_NOT_SOLVING = {"motion.py", "__init__.py"}
+_NOT_SOLVING = {"motion.py"}
 _REPORT_SUFFIXES = {".css", ".html", ".js", ".py"}
 _REFERENCE_PACKAGES = ("fenics-dolfinx", "fenics-basix", "petsc4py", "numpy")
 _GMSH_VERSION = re.compile(r'^GMSH_API_VERSION *= *"([^"]+)"', re.MULTILINE)

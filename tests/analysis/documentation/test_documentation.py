@@ -9,12 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from analysis import documentation
 from analysis.documentation import make, measurements
 from analysis.pipeline.model_stage import model_module
 from geometries.common.installation import ROOT
 
-PAGES = Path(documentation.__file__).parent
+PAGES = Path(make.__file__).parent
 
 
 @pytest.mark.parametrize("page", sorted((PAGES / "algorithms").glob("*.md")), ids=lambda page: page.stem)

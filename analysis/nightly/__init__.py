@@ -1,1 +1,0 @@
-"""Runs a study night by night, on this machine or on a cluster."""

@@ -1,1 +1,0 @@
-"""Shows a scene and its motion on one page."""

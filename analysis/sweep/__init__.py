@@ -1,1 +1,0 @@
-"""A page on the readings over the frames of a motion."""

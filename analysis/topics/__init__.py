@@ -1,1 +1,0 @@
-"""One package for each question that a report answers, with its data, its computation and its section."""

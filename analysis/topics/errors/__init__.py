@@ -1,1 +1,0 @@
-"""Splits the model's error into named parts that add up, and maps it: ERRORS.md."""

@@ -1,1 +1,0 @@
-"""Experiment VIII: what insulators before a sensor do to its reading."""

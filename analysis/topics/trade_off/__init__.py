@@ -1,1 +1,0 @@
-"""Run time against error of all methods, compared with one truth."""

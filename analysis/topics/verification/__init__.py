@@ -1,1 +1,0 @@
-"""Verifies the reference: known capacitances, run time against error."""

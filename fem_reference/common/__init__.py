@@ -1,1 +1,0 @@
-"""Code that all folders of the reference use: limits, and names of the stages for messages."""

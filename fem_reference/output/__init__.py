@@ -1,1 +1,0 @@
-"""The output of the command: documents on standard output, and files."""

@@ -1,1 +1,0 @@
-"""Shared by all packages: errors, files, TOML tables, and where programs and results are installed."""

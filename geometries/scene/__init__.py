@@ -1,1 +1,0 @@
-"""Scenes: shapes, poses, meshes, motions, and the reader and writer of their files."""
