@@ -9,7 +9,6 @@ import shlex
 import shutil
 import subprocess
 import sys
-from importlib import import_module
 from pathlib import Path
 from typing import Any
 
@@ -291,15 +290,13 @@ def test_every_command_of_the_notes_is_known() -> None:
     assert not {*SMALL, *MINUTES} - set(commands)
 
 
-def test_every_measure_is_known_and_loads_and_each_is_in_a_note() -> None:
+def test_every_measure_is_known_and_each_is_in_a_note() -> None:
     named = {
         match[1]
         for command in given()
         if (match := re.match(r"python3 -m analysis measure ([a-z-]+)", command))
     }
     assert named == set(MEASURES)
-    for each in MEASURES.values():
-        assert callable(import_module(each.module).measure)
 
 
 @pytest.mark.night

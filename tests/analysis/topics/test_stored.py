@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import math
 from dataclasses import replace
@@ -13,7 +12,8 @@ import pytest
 from analysis.pipeline.stage import NoAnswer
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
-from analysis.topics import field_check, field_solver, truths
+from analysis import measure
+from analysis.topics import field_solver
 from analysis.topics.company.set_ups import CHECK, SetUp, all_set_ups, chosen
 from analysis.topics.field_solver import Comparison, FieldCheck, quantities_of
 from analysis.topics.stored import Completed, Stored, rounded
@@ -72,21 +72,17 @@ def test_the_commands_solve_by_topic_and_tell_what_is_left(
 ) -> None:
     solved: list[SetUp] = []
     kept = stored(tmp_path, solved)
-    monkeypatch.setitem(field_check._STORED, "company", kept)
-    parser = argparse.ArgumentParser()
-    field_check.arguments(parser)
-    assert field_check.measure(parser.parse_args(["company", "--seconds", "1e-9"])) == 1
-    assert field_check.measure(parser.parse_args(["company"])) == 0 and len(solved) == 2
+    monkeypatch.setitem(measure._CHECKS, "company", kept)
+    assert measure.run("field-check", ["company", "--seconds", "1e-9"]) == 1
+    assert measure.run("field-check", ["company"]) == 0 and len(solved) == 2
     assert "company: 2 set-ups solved, 0 remain without a record" in capsys.readouterr().out
     with pytest.raises(InputError, match="--boundary is an option of insulators"):
-        field_check.measure(parser.parse_args(["company", "--boundary"]))
-    monkeypatch.setitem(truths._MAKE, "machines", lambda: 3)
-    parser = argparse.ArgumentParser()
-    truths.arguments(parser)
-    assert truths.measure(parser.parse_args(["machines"])) == 0
+        measure.run("field-check", ["company", "--boundary"])
+    monkeypatch.setitem(measure._TRUTHS, "machines", lambda: 3)
+    assert measure.run("truths", ["machines"]) == 0
     assert capsys.readouterr().out == "machines: 3 set-ups solved\n"
-    assert set(field_check._STORED) == {"company", "insulators", "machines"}
-    assert set(truths._MAKE) == {"corrections", "insulators", "machines"}
+    assert set(measure._CHECKS) == {"company", "insulators", "machines"}
+    assert set(measure._TRUTHS) == {"corrections", "insulators", "machines"}
 
 
 def test_a_record_may_hold_both_methods(tmp_path: Path) -> None:
