@@ -96,7 +96,7 @@ def _extremes() -> list[Case]:
             SENSOR
             + "".join(
                 body(CUBE, f"translation = [0, 0, {k}]").replace('"body"', f'"body {k}"')
-                for k in range(1, 501)
+                for k in range(1, 201)
             ),
             None,
         ),

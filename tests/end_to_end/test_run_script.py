@@ -45,68 +45,56 @@ def test_help_and_a_name_that_is_no_study_are_answered_before_anything_is_instal
     assert not (folder / "build").exists()
 
 
+OF_THE_DEFAULT = """run default
+errors
+corrections
+company
+machines
+insulators
+show position_sensor --readings
+live sensor_head
+run default --measure-model""".splitlines()
+
+
 @pytest.mark.parametrize(
-    ("given", "asked"),
+    ("given", "known", "installed", "asked"),
     [
-        (
-            "./run",
-            [
-                "run default",
-                "errors",
-                "corrections",
-                "company",
-                "machines",
-                "insulators",
-                "show position_sensor --readings",
-                "live sensor_head",
-                "run default --measure-model",
-            ],
-        ),
-        ("./run experiment_1", ["run experiment_1"]),
-        ("./run nightly --profile slurm", ["nightly nightly --verify --profile slurm"]),
+        ("./run", "", ["first", "first second"], OF_THE_DEFAULT),
+        ("./run experiment_1", "first", [], ["run experiment_1"]),
+        ("./run nightly --profile slurm", "", ["first second"], ["nightly nightly --verify --profile slurm"]),
+        ("./run --prepare", "first", ["second"], []),
     ],
 )
-def test_what_it_asks_of_the_analysis(tmp_path: Path, given: str, asked: list[str]) -> None:
-    folder = empty_repository(tmp_path, "cmake", "em++")
+def test_what_it_installs_and_what_it_asks_of_the_analysis(
+    tmp_path: Path, given: str, known: str, installed: list[str], asked: list[str]
+) -> None:
+    folder = empty_repository(tmp_path, "cmake", "em++", "apt-get")
+    tells = f"echo '{known} install ok installed'" if known else "exit 1"
+    for program, does in {"dpkg-query": tells, "sudo": 'exec "$@"'}.items():
+        (folder / program).write_text(f"#!/bin/sh\n{does}\n")
+        (folder / program).chmod(0o755)
+    (folder / "packages.txt").write_text("# build\nfirst\n# -- the rest\n# documentation\nsecond\n")
     printed = run_in(folder, given)
-    assert re.findall(r"asked: (.*)", printed) == asked and "Installing" not in printed
+    assert re.findall("apt-get -q install -y --no-install-recommends (.*)", printed) == installed
+    assert ("Installing" in printed) == bool(installed)
+    assert re.findall(r"asked: (.*)", printed) == asked
     browsers = folder / "build-browser" / "build.log"
     assert browsers.is_file() == (given == "./run")
     if given == "./run":
         assert "cmake --preset browser" in browsers.read_text()
-        # The report is told before anything is built that it does not need.
+        # The report is told before anything is installed or built that it does not need.
         told = [
+            "recommends first",
             "Building study_programs",
             "asked: run default",
             "results/default/report.html",
             "Still to come",
+            "recommends first second",
             "Building product measurements",
             "for browsers",
         ]
         places = [printed.index(words) for words in told]
         assert places == sorted(places)
-
-
-def test_packages_that_no_report_needs_are_installed_after_it(tmp_path: Path) -> None:
-    folder = empty_repository(tmp_path, "cmake", "em++", "apt-get")
-    for program, does in {"dpkg-query": "exit 1", "sudo": 'exec "$@"'}.items():
-        (folder / program).write_text(f"#!/bin/sh\n{does}\n")
-        (folder / program).chmod(0o755)
-    (folder / "packages.txt").write_text("# build\nfirst\n# -- the rest\n# documentation\nsecond\n")
-    for given, installed in (
-        ("./run", ["first", "first second"]),
-        ("./run experiment_1", ["first"]),
-        ("./run nightly", ["first second"]),
-        ("./run --prepare", ["first second"]),
-    ):
-        printed = run_in(folder, given)
-        assert re.findall("apt-get -q install -y --no-install-recommends (.*)", printed) == installed
-        if given == "./run":
-            assert (
-                printed.index("install -y")
-                < printed.index("asked: run default")
-                < printed.index("first second")
-            )
 
 
 @pytest.mark.night
