@@ -23,7 +23,26 @@ ROOT = Path(__file__).resolve().parents[2]
 BUILD = ROOT / "build"
 
 SCENE = scenes.SENSOR + scenes.body("hand", "plate", size=[0.073, 0.119], translation=[0.01, 0, 0.03])
-CONSUMER = Path(__file__).with_name("consumer")
+CONSUMER_PROJECT = """
+cmake_minimum_required(VERSION 3.25)
+project(consumer LANGUAGES CXX)
+find_package(fringe 0.1 REQUIRED)
+add_executable(consumer main.cpp)
+target_link_libraries(consumer PRIVATE fringe::fringe)
+"""
+CONSUMER = r"""
+#include <cstdio>
+
+#include "fringe/evaluation.hpp"
+#include "fringe/scene_reader.hpp"
+#include "fringe/version.hpp"
+
+int main(int, char** arguments) {
+  const fringe::Scene scene = fringe::load_scene(arguments[1]);
+  std::printf("%s %.17g\n", fringe::version(), fringe::capacitance(scene).sensors.at(0).total);
+}
+"""
+"""Prints the version and what the first sensor of a scene feels, in farad."""
 # Only what is installed, wherever the user stands: nothing of the repository is on a path.
 ENVIRONMENT = {key: value for key, value in os.environ.items() if key != "PYTHONPATH"}
 
@@ -79,8 +98,8 @@ def test_a_project_finds_the_library_with_cmake(prefix: Path, scene: Path) -> No
     source = "".join(f'#include "fringe/{header.name}"\n' for header in headers)
     project = scene.parent / "consumer"
     project.mkdir()
-    (project / "CMakeLists.txt").write_text((CONSUMER / "CMakeLists.txt").read_text())
-    (project / "main.cpp").write_text(source + (CONSUMER / "main.cpp").read_text())
+    (project / "CMakeLists.txt").write_text(CONSUMER_PROJECT)
+    (project / "main.cpp").write_text(source + CONSUMER)
     configure = ["cmake", "-S", project, "-B", build, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}"]
     output_of([*configure, "-DCMAKE_BUILD_TYPE="], scene.parent)
     output_of(["cmake", "--build", build], scene.parent)
@@ -112,9 +131,10 @@ def test_a_project_finds_the_library_with_pkg_config(prefix: Path, scene: Path) 
         scene.parent,
         PKG_CONFIG_PATH=str(prefix / "lib/pkgconfig"),
     )
-    program = scene.parent / "consumer"
+    program, source = scene.parent / "consumer", scene.parent / "main.cpp"
+    source.write_text(CONSUMER)
     # Through a shell, as a makefile would do it: the flags are quoted for one.
-    command = f'g++ -std=c++20 "{CONSUMER / "main.cpp"}" -o "{program}" {flags}'
+    command = f'g++ -std=c++20 "{source}" -o "{program}" {flags}'
     output_of(["sh", "-c", command], scene.parent)
     assert float(output_of([program, scene], scene.parent).split()[1]) == total(prefix, scene)
 
