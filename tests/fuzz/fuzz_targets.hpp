@@ -1,13 +1,25 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 #include <span>
+#include <string_view>
+
+#include <fmt/format.h>
 
 /// The fuzz targets. Each decodes its input from bytes and aborts the process when a required property of the
 /// answer is violated. A refusal by InputError is a valid answer.
 namespace fringe::fuzz {
 
 using Bytes = std::span<const std::uint8_t>;
+
+/// Aborts the process unless the claim holds, so that a fuzzer keeps the input.
+inline void require(bool claim, std::string_view what) {
+  if (claim)
+    return;
+  fmt::print(stderr, "does not hold: {}\n", what);
+  std::abort();
+}
 
 /// Reads the bytes as a scene file. It must be accepted, or refused with a message of one printable line.
 void scene_reader(Bytes bytes);

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <vector>
+
+#include <Eigen/Core>
 
 #include "../model/geometry.hpp"
 #include "fringe/batch_integral.hpp"
@@ -9,11 +12,87 @@
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "fringe/plate_integral.hpp"
-#include "input.hpp"
+#include "fuzz_targets.hpp"
 
 /// The targets that decode numbers.
 namespace fringe::fuzz {
 namespace {
+
+/// Decodes numbers from bytes; returns zeros when the bytes are used up.
+class Input {
+ public:
+  explicit Input(Bytes bytes) : bytes_(bytes) {}
+
+  bool empty() const { return bytes_.empty(); }
+  std::uint8_t byte();
+
+  /// Decodes a point. The input's first byte selects the kind of number: either arbitrary bits, or sixteenths
+  /// of small integers times a power of two, exactly or a few units in the last place off. The latter often
+  /// give contact, collinear and coplanar points.
+  Eigen::Vector3d point();
+  double number();
+
+ private:
+  Bytes bytes_;
+  bool any_bits_ = false;
+  bool beside_ = false;
+  int exponent_ = 0;
+  bool begun_ = false;
+};
+
+std::uint8_t Input::byte() {
+  if (bytes_.empty())
+    return 0;
+  const std::uint8_t first = bytes_.front();
+  bytes_ = bytes_.subspan(1);
+  return first;
+}
+
+double Input::number() {
+  if (!begun_) {
+    begun_ = true;
+    const std::uint8_t kind = byte();
+    any_bits_ = kind % 4 == 0;
+    // The scale is mostly 1, otherwise between the smallest and the largest numbers.
+    beside_ = kind / 4 % 2 == 1;
+    exponent_ = kind % 4 == 1 ? 8 * static_cast<std::int8_t>(byte()) : 0;
+  }
+  if (any_bits_) {
+    std::uint64_t bits = 0;
+    for (int i = 0; i < 8; ++i)
+      bits = bits << 8U | byte();
+    return std::bit_cast<double>(bits);
+  }
+  const double sixteenths = static_cast<std::int8_t>(byte());
+  double value = std::ldexp(sixteenths, exponent_ - 4);
+  if (beside_)
+    for (int units = static_cast<std::int8_t>(byte()) % 4; units != 0; units -= units > 0 ? 1 : -1)
+      value = std::nextafter(value, units > 0 ? HUGE_VAL : -HUGE_VAL);
+  return value;
+}
+
+Eigen::Vector3d Input::point() {
+  const double x = number(), y = number(), z = number();
+  return {x, y, z};
+}
+
+/// Returns whether all numbers are within the limit of a scene file.
+bool in_a_scene(const std::vector<Eigen::Vector3d>& points) {
+  constexpr double most = 1e30;
+  return std::all_of(points.begin(), points.end(),
+                     [](const Eigen::Vector3d& point) { return point.cwiseAbs().maxCoeff() <= most; });
+}
+
+/// Returns whether the points are in the range without overflow and denormal numbers, where properties of the
+/// exact answer also hold for the rounded one.
+bool ordinary(const std::vector<Eigen::Vector3d>& points) {
+  constexpr double least = 1e-60, most = 1e60;
+  for (const Eigen::Vector3d& point : points)
+    for (const double value : point)
+      if (!(value == 0 || (std::abs(value) >= least && std::abs(value) <= most)))
+        return false;
+  return true;
+}
 
 /// Computes the greatest distance between a vertex of the triangle and a corner of the plate, which bounds
 /// the distance of any two of their points.

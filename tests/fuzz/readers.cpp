@@ -8,7 +8,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/scene_reader.hpp"
-#include "input.hpp"
+#include "fuzz_targets.hpp"
 #include "io/mesh_formats.hpp"
 
 namespace fringe::fuzz {
