@@ -1,4 +1,4 @@
-#include "graded_rule.hpp"
+#include "truth.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,6 @@
 #include <map>
 #include <numbers>
 #include <utility>
-
-#include "multiprecision.hpp"
 
 namespace fringe::stress {
 namespace {

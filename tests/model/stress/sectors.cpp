@@ -1,4 +1,4 @@
-#include "sectors.hpp"
+#include "truth.hpp"
 
 #include <algorithm>
 #include <cstddef>

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "graded_rule.hpp"
-
 namespace fringe::stress {
 namespace {
 
