@@ -57,9 +57,9 @@ def sensor(chance: Chance, name: str = "front", x: float = 0.0) -> Sensor:
     return Sensor(name, (Plate(corner, (width, 0.0, 0.0), (0.0, height, 0.0)),))
 
 
-def angular(chance: Chance, low: float = 0.02, high: float = 0.3) -> Shape:
-    """Draws a plate or a box with sides in this range."""
-    x, y, z = (logarithmic(chance, low, high) for _ in range(3))
+def angular(chance: Chance) -> Shape:
+    """Draws a plate or a box with sides of 2 to 30 cm."""
+    x, y, z = (logarithmic(chance, 0.02, 0.3) for _ in range(3))
     return PlateShape((x, y)) if chance.random() < 0.3 else Cuboid((x, y, z))
 
 

@@ -70,9 +70,9 @@ def log_axis(title: str, **more: Any) -> dict[str, Any]:
     return axis(title, type="log", tickvals=ticks, ticktext=[f"{tick:g}" for tick in ticks], **more)
 
 
-def power_axis(title: str, decades: int = 1, **more: Any) -> dict[str, Any]:
-    """Returns a logarithmic axis over many decades, whose ticks are powers of ten, one every so many decades."""
-    return axis(title, type="log", tick0=0, dtick=decades, exponentformat="power", **more)
+def power_axis(title: str, **more: Any) -> dict[str, Any]:
+    """Returns a logarithmic axis over many decades, whose ticks are powers of ten."""
+    return axis(title, type="log", tick0=0, dtick=1, exponentformat="power", **more)
 
 
 def rows_axis(names: list[str]) -> dict[str, Any]:
@@ -80,8 +80,8 @@ def rows_axis(names: list[str]) -> dict[str, Any]:
     return axis("", type="category", categoryarray=names[::-1], categoryorder="array")
 
 
-def boxes(points: list[tuple[str, float, str]], name: str, colour: str, what: str = "") -> go.Box:
-    """Returns a box for each row, with all points: each has its row, its value, and what it is called after the word `what`."""
+def boxes(points: list[tuple[str, float, str]], name: str, colour: str) -> go.Box:
+    """Returns a box for each row, with all points: each has its row, its value, and what it is called."""
     return go.Box(
         x=[value for _, value, _ in points],
         y=[row for row, _, _ in points],
@@ -92,7 +92,7 @@ def boxes(points: list[tuple[str, float, str]], name: str, colour: str, what: st
         marker={"color": colour, "size": 4},
         line={"width": 1.2},
         name=name,
-        hovertemplate="%{x:.4g}<br>" + what + "%{text}<extra>" + name + "</extra>",
+        hovertemplate="%{x:.4g}<br>%{text}<extra>" + name + "</extra>",
     )
 
 

@@ -13,6 +13,8 @@ from geometries.common.errors import InputError
 
 Vector3 = tuple[float, float, float]
 
+_FORMAT = 1
+"""The version of all formats that this program knows."""
 # The units that a document's lengths may have, by how many make a metre.
 UNITS_PER_METRE = {"m": 1.0, "mm": 1000.0}
 # Largest size of a number: beyond it, products of lengths in the integrals overflow.
@@ -111,11 +113,11 @@ class Table:
             if name not in self._asked:
                 raise self.error(name, f"unknown key; there are {', '.join(sorted(self._known))}")
 
-    def known_format(self, known: int = 1) -> None:
-        """Refuses a document whose format version is not `known`."""
-        version = self.integer("format", known, at_least=1, at_most=1_000_000)
-        if version != known:
-            raise self.error("format", f"is {version}, and this program knows {known} only")
+    def known_format(self) -> None:
+        """Refuses a document whose format version is not that of this program."""
+        version = self.integer("format", _FORMAT, at_least=1, at_most=1_000_000)
+        if version != _FORMAT:
+            raise self.error("format", f"is {version}, and this program knows {_FORMAT} only")
 
     def read_units(self) -> None:
         """Reads the unit of the document's lengths, metres if there is none."""
@@ -184,13 +186,11 @@ class Table:
             raise self.error(name, f"must be greater than 0, not {value!r}")
         return value
 
-    def vector(self, name: str, length: int, default: tuple[float, ...] | None = None) -> tuple[float, ...]:
-        if default is not None and not self.has(name):
-            return default
+    def vector(self, name: str, length: int) -> tuple[float, ...]:
         return self.as_vector(name, self.value(name), length)
 
-    def vector3(self, name: str, default: Vector3 | None = None) -> Vector3:
-        return cast(Vector3, self.vector(name, 3, default))
+    def vector3(self, name: str) -> Vector3:
+        return cast(Vector3, self.vector(name, 3))
 
     def length(self, name: str) -> float:
         """Returns a length in metres."""

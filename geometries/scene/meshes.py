@@ -32,9 +32,9 @@ SCENE_FORMATS = tuple(_READERS)
 _SURFACE_CELLS = {"triangle": 3, "quad": 4, "polygon": None}
 
 
-def read_triangles(path: Path, key: str = "") -> Array:
+def read_triangles(path: Path) -> Array:
     """Returns the triangles (n, 3, 3) of a mesh file, as `read_surface` does."""
-    return read_surface(path, key).triangles
+    return read_surface(path).triangles
 
 
 def read_surface(path: Path, key: str = "") -> Surface:

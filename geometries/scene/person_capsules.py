@@ -92,12 +92,12 @@ def _placed(person: Person, name: str, start: Array, end: Array, radius: float) 
     return PlacedCapsule(name, place(start), place(end), person.height * radius)
 
 
-def objects(person: Person, conductor: str = "person") -> str:
+def objects(person: Person) -> str:
     """Returns the objects of a scene file, all one conductor."""
-    return "\n".join(_object(capsule, conductor) for capsule in capsules(person))
+    return "\n".join(map(_object, capsules(person)))
 
 
-def _object(capsule: PlacedCapsule, conductor: str) -> str:
+def _object(capsule: PlacedCapsule) -> str:
     start, end = np.array(capsule.start), np.array(capsule.end)
     length = float(np.linalg.norm(end - start))
     along = (end - start) / length
@@ -106,7 +106,7 @@ def _object(capsule: PlacedCapsule, conductor: str) -> str:
     if not np.any(axis):
         axis = np.array([1.0, 0.0, 0.0])
     return (
-        f'[[object]]\nname = "{conductor} {capsule.name}"\nconductor = "{conductor}"\n'
+        f'[[object]]\nname = "person {capsule.name}"\nconductor = "person"\n'
         f'shape = {{ type = "capsule", radius = {capsule.radius:.6g}, length = {length:.6g}, segments = {SEGMENTS} }}\n'
         f"translation = {np.round((start + end) / 2, 6).tolist()}\n"
         f"rotation = {{ axis = {np.round(axis, 6).tolist()}, degrees = {degrees:.6g} }}\n"
