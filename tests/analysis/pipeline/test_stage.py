@@ -84,13 +84,6 @@ def test_a_damaged_document_counts_as_none(tmp_path: Path, content: str) -> None
     assert store.read_json(tmp_path / "a.json") is None
 
 
-def test_a_stored_answer_counts_under_its_own_key_only(tmp_path: Path) -> None:
-    store.write_json(tmp_path / "a.json", {"key": "k"})
-    assert store.read_current(tmp_path / "a.json", "k") == {"key": "k"}
-    assert store.read_current(tmp_path / "a.json", "l") is None
-    assert store.read_current(tmp_path / "b.json", "k") is None
-
-
 def test_the_reference_key_changes_with_scene_options_and_code() -> None:
     other = writer.identity(families.parallel((0.1, 0.1), (0.1, 0.1), 0.03))
     found = {
