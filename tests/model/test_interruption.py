@@ -140,7 +140,7 @@ def test_an_interrupted_scene_answers_as_if_nothing_had_been() -> None:
     np.testing.assert_array_equal(scene.maxwell(method="reduced", rtol=0.1)["maxwell"], expected)
 
 
-ENTRIES = ("--method", "boundary-elements", "--rtol", "1e-3", "--entries")
+ENTRIES = ("--method", "boundary-elements", "--rtol", "3e-3", "--entries")
 
 
 @dataclass(frozen=True)
@@ -152,7 +152,7 @@ class Whole:
     seconds: float
 
     def first_that_answers(self, call: Callable[[float], Done]) -> Done:
-        """Calls with ever more seconds, from far fewer than the whole answer takes: the first matrix takes a third of them."""
+        """Calls with ever more seconds, from far fewer than the whole answer takes: the first matrix takes a fifth of them."""
         seconds = self.seconds / 8
         while not (done := call(seconds)).stdout:
             seconds *= 1.5
@@ -173,7 +173,7 @@ def test_after_the_limit_of_time_the_best_matrix_is_printed(fringe_command: Comm
     words = ("capacitance", whole.scene, *ENTRIES, "--json", "--max-seconds")
     done = whole.first_that_answers(lambda seconds: fringe_command(*words, f"{seconds:g}"))
     assert done.returncode == 3
-    told = rf"fringe: {whole.scene}: stopped after [\d.]+ s: an error of 0\.001 was not reached\n"
+    told = rf"fringe: {whole.scene}: stopped after [\d.]+ s: an error of 0\.003 was not reached\n"
     assert re.fullmatch(told, done.stderr)
     found = json.loads(done.stdout)
     assert not found["reached"]
@@ -195,7 +195,7 @@ def test_after_ctrl_c_the_command_prints_the_best_matrix(whole: Whole) -> None:
         lambda seconds: interrupted(seconds, "capacitance", whole.scene, *ENTRIES)
     )
     assert done.returncode == 130 and "NOT reached" in done.stdout
-    assert done.stderr == f"fringe: {whole.scene}: interrupted: an error of 0.001 was not reached\n"
+    assert done.stderr == f"fringe: {whole.scene}: interrupted: an error of 0.003 was not reached\n"
 
 
 def test_an_interrupted_sweep_keeps_the_frames_that_are_finished(tmp_path: Path) -> None:
