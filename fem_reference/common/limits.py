@@ -1,9 +1,11 @@
-"""Limits on the time, the unknowns and the memory of an answer."""
+"""Limits on the time, the unknowns and the memory of an answer, and the names of its stages for messages."""
 
 from __future__ import annotations
 
 import math
 import resource
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 from mpi4py import MPI
@@ -36,3 +38,17 @@ def peak_memory() -> int:
     """Sum of the peak memories (bytes) of all processes so far."""
     own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * BYTES_PER_UNIT_OF_MAXRSS
     return int(MPI.COMM_WORLD.allreduce(own))
+
+
+@contextmanager
+def stage(name: str) -> Iterator[None]:
+    """Convert exceptions of the libraries into a RuntimeError that names the stage.
+
+    gmsh raises plain Exceptions, and PETSc RuntimeErrors that contain only a number. A MemoryError is not converted.
+    """
+    try:
+        yield
+    except MemoryError:
+        raise
+    except Exception as failure:
+        raise RuntimeError(f"{name} failed: {failure}") from failure

@@ -27,7 +27,7 @@ from fem_reference.mesh.curved_surfaces import (
 from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to, united
 from fem_reference.mesh.quarter_points import is_pulled, pull, straighten
 from fem_reference.mesh.sizing import Sizing, size_function
-from fem_reference.common.stages import stage
+from fem_reference.common.limits import stage
 from fem_reference.bodies.symmetry import Plane
 from geometries.common.arrays import Array, Flags, Integers
 

@@ -16,7 +16,7 @@ from petsc4py import PETSc
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.mesh.distributed import from_owners
 from fem_reference.mesh.tagged_mesh import AWAY_FROM_EDGES, FIRST_BODY, NEAR_EDGE, OUTER_SURFACE, TaggedMesh
-from fem_reference.common.stages import stage
+from fem_reference.common.limits import stage
 from geometries.common.arrays import Array, Integers
 
 Fields = Sequence[Array] | Array

@@ -14,13 +14,12 @@ from fem_reference.solve.body_charges import body_charges
 from fem_reference.solve.cell_gaps import bounded_matrix
 from fem_reference.solve.enclosure import Enclosure, enclosure, widened
 from fem_reference.solve.flux import CondensedCells
-from fem_reference.common.limits import peak_memory
+from fem_reference.common.limits import peak_memory, stage
 from fem_reference.mesh.tagged_mesh import TaggedMesh, tagged_mesh
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.mesh.marks import Marks, marks
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.solve.field_problem import Charges, FieldProblem, charges, release_unused
-from fem_reference.common.stages import stage
 from fem_reference.bodies.symmetry import Plane
 from fem_reference.solve.parts_of_errors import entries, parts_of_errors, parts_of_estimates
 from fem_reference.solve.readings import Bounded, LevelReadings, level_readings, quantities

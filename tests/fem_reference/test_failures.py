@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 from fem_reference.__main__ import main
-from fem_reference.common.stages import stage
+from fem_reference.common.limits import stage
 from fem_reference.mesh import tagged_mesh as mesh
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.mesh.tagged_mesh import tagged_mesh
