@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "wrap.hpp"
 
-#include <CGAL/IO/polygon_soup_io.h>
+#include <CGAL/IO/OFF.h>
 
 #include <fstream>
 #include <limits>
@@ -22,7 +22,7 @@ std::vector<Triangle> Soup::triangles() const {
 
 Soup read_soup(const std::string& file) {
   Soup soup;
-  if (!CGAL::IO::read_polygon_soup(file, soup.points, soup.faces))
+  if (!CGAL::IO::read_OFF(file, soup.points, soup.faces))
     throw std::runtime_error{file + ": is not an OFF file"};
   for (const auto& face : soup.faces)
     if (face.size() != 3)
