@@ -139,15 +139,6 @@ void divide(const PanelMesh& mesh, std::span<std::size_t> panels, std::size_t pa
   divide(mesh, panels.subspan(panels.size() / 2), parts / 2, divided);
 }
 
-void add_centres(const Triangle& triangle, std::size_t parts, std::vector<Vector3d>& centres) {
-  if (parts <= 1) {
-    centres.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);
-    return;
-  }
-  for (const Triangle& quarter : quarters(triangle))
-    add_centres(quarter, parts / 4, centres);
-}
-
 /// Returns the dipole moments about a centre of charges at points (rows), a column for each of the charges.
 MatrixXd moments_of(const std::vector<Vector3d>& points, const Vector3d& centre, const MatrixXd& charges) {
   MatrixXd moments = MatrixXd::Zero(3, charges.cols());
@@ -348,8 +339,11 @@ void ChargeFunctions::add_function(const PanelMesh& mesh, std::span<std::size_t>
         charges.emplace_back(charge);
         continue;
       }
+      int quarterings = 0;
+      for (std::size_t of_panel = (wanted + parts.size() - 1) / parts.size(); of_panel > 1; of_panel /= 4)
+        ++quarterings;
       std::vector<Vector3d> centres;
-      add_centres(mesh.panels()[part[0]].corners, (wanted + parts.size() - 1) / parts.size(), centres);
+      add_centres_of_parts(mesh.panels()[part[0]].corners, quarterings, centres);
       const auto count = static_cast<double>(centres.size());
       for (const Vector3d& centre : centres) {
         at.push_back(centre);

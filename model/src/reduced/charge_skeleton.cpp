@@ -37,16 +37,6 @@ struct SharedPoints {
   double ratio = 0;  ///< largest radius of the parts of panels that points stand for, over the distance
 };
 
-/// Adds the centres of a triangle's parts after so many quarterings.
-void add_parts(const Triangle& triangle, int quarterings, std::vector<Vector3d>& points) {
-  if (quarterings == 0) {
-    points.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);
-    return;
-  }
-  for (const Triangle& quarter : quarters(triangle))
-    add_parts(quarter, quarterings - 1, points);
-}
-
 /// Returns points on all panels which are so fine that at a distance they have the panels' potentials.
 SharedPoints fine_points(const PanelClusters& panels, double distance) {
   /// Ratio of a part's radius to the distance that is aimed at; it grows by a factor until there are at most
@@ -96,7 +86,7 @@ SharedPoints fine_points(const PanelClusters& panels, double distance) {
   for (const Source& source : sources) {
     const int times = quarterings(source, ratio);
     const std::size_t parts = std::size_t{1} << (2 * times);
-    add_parts(source.triangle, times, result.points);
+    add_centres_of_parts(source.triangle, times, result.points);
     result.places.insert(result.places.end(), parts, source.place);
     result.shares.insert(result.shares.end(), parts, 1 / static_cast<double>(parts));
     result.ratio = std::max(result.ratio, source.radius / (1 << times) / distance);

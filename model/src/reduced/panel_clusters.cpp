@@ -32,22 +32,12 @@ void divide(std::span<const Panel> panels, std::span<std::size_t> range,
   divide(panels, range.subspan(half), clusters);
 }
 
-/// Adds the centres of a triangle's parts after so many quarterings.
-void add_centres(const Triangle& triangle, int quarterings, std::vector<Vector3d>& centres) {
-  if (quarterings == 0) {
-    centres.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);
-    return;
-  }
-  for (const Triangle& quarter : quarters(triangle))
-    add_centres(quarter, quarterings - 1, centres);
-}
-
 void add_points(std::span<const Panel> panels, const PanelCluster& cluster, PanelClusters& result) {
   for (int fineness = 0; fineness <= PanelClusters::finest; ++fineness) {
     std::vector<std::vector<Vector3d>> centres(static_cast<std::size_t>(cluster.count));
     for (std::size_t k = 0; k < centres.size(); ++k)
-      add_centres(panels[result.panels[static_cast<std::size_t>(cluster.first) + k]].corners, fineness,
-                  centres[k]);
+      add_centres_of_parts(panels[result.panels[static_cast<std::size_t>(cluster.first) + k]].corners,
+                           fineness, centres[k]);
     for (std::size_t part = 0; part < centres[0].size(); ++part)
       for (const std::vector<Vector3d>& of_panel : centres)
         for (std::size_t axis = 0; axis < 3; ++axis)

@@ -43,6 +43,15 @@ std::array<Triangle, 4> quarters(const Triangle& triangle) {
   return quarters(triangle, middles_of_sides(triangle));
 }
 
+void add_centres_of_parts(const Triangle& triangle, int quarterings, std::vector<Vector3d>& centres) {
+  if (quarterings == 0) {
+    centres.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);
+    return;
+  }
+  for (const Triangle& quarter : quarters(triangle))
+    add_centres_of_parts(quarter, quarterings - 1, centres);
+}
+
 std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side, const Vector3d& middle) {
   const Vector3d &from = triangle[side], &to = triangle[(side + 1) % 3], &opposite = triangle[(side + 2) % 3];
   return {Triangle{from, middle, opposite}, Triangle{middle, to, opposite}};

@@ -27,6 +27,9 @@ std::array<Eigen::Vector3d, 3> middles_of_sides(const Triangle& triangle);
 std::array<Triangle, 4> quarters(const Triangle& triangle, const std::array<Eigen::Vector3d, 3>& middles);
 std::array<Triangle, 4> quarters(const Triangle& triangle);
 
+/// Adds the centres of the parts that so many quarterings make of a triangle.
+void add_centres_of_parts(const Triangle& triangle, int quarterings, std::vector<Eigen::Vector3d>& centres);
+
 /// Halves a triangle from a point of a side, or its middle, to the opposite corner. A side is given by the
 /// corner it begins at.
 std::array<Triangle, 2> halves(const Triangle& triangle, std::size_t side, const Eigen::Vector3d& middle);
