@@ -140,7 +140,7 @@ void MeshPair::place(const PlacedBody& a, int functions_a, const PlacedBody& b, 
     relative_error_ = part * skeleton->error;
     note_parts(*skeleton);
     outer_.set(mesh, skeleton->nodes, functions, 1 / first.scale);
-    next_band().outer.push_back({skeleton->nodes.panels.clusters.data(), 0});
+    next_band().outer.parts.push_back({skeleton->nodes.panels.clusters.data(), 0});
     if (inner_has_faces_) {
       place_skeleton_beside_faces(other, a_is_outer_ ? functions_b : functions_a, of_faces, digits);
       return;
@@ -164,8 +164,7 @@ MeshPair::Band& MeshPair::next_band() {
   if (used_ == bands_.size())
     bands_.emplace_back();
   Band& band = bands_[used_++];
-  band.outer.clear();
-  band.count = 0;
+  band.outer.parts.clear();
   return band;
 }
 
@@ -213,9 +212,9 @@ bool MeshPair::place_skeletons(const PlacedBody& other, int functions, double di
   if (skeleton == nullptr)
     return false;
   inner_.set(mesh, skeleton->nodes, functions, 1);
-  inner_parts_.assign(1, {skeleton->nodes.panels.clusters.data(), 0});
+  inner_nodes_.parts.assign(1, {skeleton->nodes.panels.clusters.data(), 0});
   lay_inner(other);
-  fill(bands_.front(), inner_points());
+  fill(bands_.front(), inner_nodes_.points());
   relative_error_ += part * skeleton->error;
   note_parts(*skeleton);
   return true;
@@ -242,7 +241,7 @@ void MeshPair::place_beside_faces(const PlacedBody& faces, int functions, Quadra
     for (const MeshPart& part : here)
       points.push_back(part.points(mesh.panels()));
     Band& band = next_band();
-    band.outer.swap(here);
+    band.outer.parts.swap(here);
     band.faces.choose_grids(faces, functions, smoothness_at(faces, points, Vector3d::Zero()), digits.inner,
                             most_node_points, missing);
     band.faces.lay(faces, Vector3d::Zero());
@@ -269,31 +268,40 @@ void MeshPair::place_beside_mesh(const PlacedBody& other, QuadratureDigits digit
   }
   Band& band = next_band();
   for (std::size_t k = 0; k < clusters.size(); ++k)
-    band.outer.push_back({&clusters[k], fineness(clusters[k].panel_radius, from_here[k], digits)});
-  inner_parts_.clear();
+    band.outer.parts.push_back({&clusters[k], fineness(clusters[k].panel_radius, from_here[k], digits)});
+  inner_nodes_.parts.clear();
   for (std::size_t l = 0; l < others.size(); ++l)
-    inner_parts_.push_back(
+    inner_nodes_.parts.push_back(
         {&others[l], fineness(other.scale * others[l].panel_radius, from_there[l], digits)});
   lay_inner(other);
-  fill(band, inner_points());
+  fill(band, inner_nodes_.points());
   relative_error_ = error_left(16) + error_per_square_between_meshes * coarsest_ * coarsest_;
 }
 
 void MeshPair::lay_inner(const PlacedBody& other) {
-  inner_count_ = 0;
-  for (const MeshPart& part : inner_parts_)
-    inner_count_ += part.count();
-  for (std::vector<float>& coordinates : inner_points_)
-    coordinates.resize(static_cast<std::size_t>(inner_count_));
-  inner_charges_.resize(static_cast<std::size_t>(inner_count_));
-  inner_potentials_.resize(static_cast<std::size_t>(inner_count_));
-  const Eigen::Matrix3f axes = (other.scale * other.axes).cast<float>();
-  const Eigen::Vector3f centre = other.centre.cast<float>();
+  inner_nodes_.lay(inner_.panels(), (other.scale * other.axes).cast<float>(), other.centre.cast<float>());
+}
+
+void MeshPair::fill(Band& band, const NodePoints& inner) {
+  check_interruption();
+  band.outer.lay(outer_.panels(), Eigen::Matrix3f::Identity(), Eigen::Vector3f::Zero());
+  const std::size_t size =
+      static_cast<std::size_t>(band.outer.count) * static_cast<std::size_t>(whole_blocks(inner.count));
+  band.matrix.resize(std::max(band.matrix.size(), size));
+  best_kernels<NodeKernels>().fill(band.outer.points(), inner, band.matrix.data());
+}
+
+void MeshNodes::lay(const PanelClusters& panels, const Eigen::Matrix3f& axes, const Eigen::Vector3f& centre) {
+  count = 0;
+  for (const MeshPart& part : parts)
+    count += part.count();
+  for (std::vector<float>* array : {&coordinates[0], &coordinates[1], &coordinates[2], &charges, &potentials})
+    array->resize(std::max(array->size(), static_cast<std::size_t>(count)));
   std::ptrdiff_t at = 0;
-  for (const MeshPart& part : inner_parts_) {
-    const NodePoints points = part.points(inner_.panels());
+  for (const MeshPart& part : parts) {
+    const NodePoints points = part.points(panels);
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      float* const to = inner_points_[static_cast<std::size_t>(axis)].data() + at;
+      float* const to = coordinates[static_cast<std::size_t>(axis)].data() + at;
       for (std::ptrdiff_t k = 0; k < points.count; ++k)
         to[k] = centre[axis] + axes(axis, 0) * points.x[k] + axes(axis, 1) * points.y[k] +
                 axes(axis, 2) * points.z[k];
@@ -302,44 +310,22 @@ void MeshPair::lay_inner(const PlacedBody& other) {
   }
 }
 
-void MeshPair::fill(Band& band, const NodePoints& inner) {
-  for (const MeshPart& part : band.outer)
-    band.count += part.count();
-  const auto rows = static_cast<std::size_t>(band.count);
-  const auto columns = static_cast<std::size_t>(whole_blocks(inner.count));
-  if (band.matrix.size() < rows * columns)
-    band.matrix.resize(rows * columns);
-  if (band.charges.size() < rows) {
-    band.charges.resize(rows);
-    band.potentials.resize(rows);
-  }
-  float* to = band.matrix.data();
-  for (const MeshPart& part : band.outer) {
-    check_interruption();
-    const NodePoints points = part.points(outer_.panels());
-    best_kernels<NodeKernels>().fill(points, inner, to);
-    to += static_cast<std::size_t>(points.count) * columns;
-  }
-}
-
-namespace {
-
-/// Distributes the charges of places over the parts' points.
-void spread_parts(const std::vector<MeshPart>& parts, const std::vector<float>& places, float* to) {
+void MeshNodes::spread(const MeshSide& body) {
+  float* to = charges.data();
   for (const MeshPart& part : parts) {
     const float share = 1.0F / static_cast<float>(part.repeats());
-    const float* const from = places.data() + part.cluster->first;
+    const float* const from = body.charges.data() + part.cluster->first;
     for (std::ptrdiff_t repeat = 0; repeat < part.repeats(); ++repeat, to += part.cluster->count)
       for (std::ptrdiff_t k = 0; k < part.cluster->count; ++k)
         to[k] = share * from[k];
   }
 }
 
-/// Averages the potentials at the parts' points for each place.
-void gather_parts(const std::vector<MeshPart>& parts, const float* from, std::vector<float>& places) {
+void MeshNodes::gather(MeshSide& body) const {
+  const float* from = potentials.data();
   for (const MeshPart& part : parts) {
     const float share = 1.0F / static_cast<float>(part.repeats());
-    float* const to = places.data() + part.cluster->first;
+    float* const to = body.potentials.data() + part.cluster->first;
     std::fill(to, to + part.cluster->count, 0.0F);
     for (std::ptrdiff_t repeat = 0; repeat < part.repeats(); ++repeat, from += part.cluster->count)
       for (std::ptrdiff_t k = 0; k < part.cluster->count; ++k)
@@ -347,7 +333,15 @@ void gather_parts(const std::vector<MeshPart>& parts, const float* from, std::ve
   }
 }
 
-}  // namespace
+ChargedNodes MeshNodes::charged(MeshSide& body, const Eigen::MatrixXf& coefficients) {
+  ChargedNodes result{points(), Eigen::MatrixXf(count, coefficients.cols())};
+  for (Eigen::Index column = 0; column < coefficients.cols(); ++column) {
+    body.spread(coefficients.col(column).data());
+    spread(body);
+    result.charges.col(column) = Eigen::Map<const Eigen::VectorXf>(charges.data(), count);
+  }
+  return result;
+}
 
 void MeshPair::potentials(const float* charges_a, const float* charges_b, float* moments_a,
                           float* moments_b) {
@@ -356,18 +350,18 @@ void MeshPair::potentials(const float* charges_a, const float* charges_b, float*
   outer_.spread(a_is_outer_ ? charges_a : charges_b);
   if (!inner_has_faces_) {
     inner_.spread(inner_charges);
-    spread_parts(inner_parts_, inner_.charges, inner_charges_.data());
+    inner_nodes_.spread(inner_);
   }
   bool is_first = true;
   for (std::size_t k = 0; k < used_; ++k) {
     Band& band = bands_[k];
-    spread_parts(band.outer, outer_.charges, band.charges.data());
+    band.outer.spread(outer_);
     if (inner_has_faces_) {
       NodeSide& faces = band.faces;
       faces.spread(inner_charges);
-      best_kernels<NodeKernels>().apply({band.matrix.data(), band.count, faces.count}, band.charges.data(),
-                                        faces.charges.data(), band.potentials.data(),
-                                        faces.potentials.data());
+      best_kernels<NodeKernels>().apply({band.matrix.data(), band.outer.count, faces.count},
+                                        band.outer.charges.data(), faces.charges.data(),
+                                        band.outer.potentials.data(), faces.potentials.data());
       if (is_first) {
         faces.gather(inner_moments);
       } else {
@@ -379,56 +373,27 @@ void MeshPair::potentials(const float* charges_a, const float* charges_b, float*
       }
       is_first = false;
     } else {
-      best_kernels<NodeKernels>().apply({band.matrix.data(), band.count, inner_count_}, band.charges.data(),
-                                        inner_charges_.data(), band.potentials.data(),
-                                        inner_potentials_.data());
-      gather_parts(inner_parts_, inner_potentials_.data(), inner_.potentials);
+      best_kernels<NodeKernels>().apply({band.matrix.data(), band.outer.count, inner_nodes_.count},
+                                        band.outer.charges.data(), inner_nodes_.charges.data(),
+                                        band.outer.potentials.data(), inner_nodes_.potentials.data());
+      inner_nodes_.gather(inner_);
       inner_.gather(inner_moments);
     }
-    gather_parts(band.outer, band.potentials.data(), outer_.potentials);
+    band.outer.gather(outer_);
   }
   outer_.gather(a_is_outer_ ? moments_a : moments_b);
-}
-
-ChargedNodes MeshPair::charged_outer(const Band& band, const Eigen::MatrixXf& coefficients) {
-  ChargedNodes result{{}, Eigen::MatrixXf(band.count, coefficients.cols())};
-  for (Eigen::Index column = 0; column < coefficients.cols(); ++column) {
-    outer_.spread(coefficients.col(column).data());
-    spread_parts(band.outer, outer_.charges, result.charges.col(column).data());
-  }
-  for (std::vector<float>& coordinates : outer_points_)
-    coordinates.clear();
-  for (const MeshPart& part : band.outer) {
-    const NodePoints points = part.points(outer_.panels());
-    const std::array<const float*, 3> from{points.x, points.y, points.z};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      outer_points_[axis].insert(outer_points_[axis].end(), from[axis], from[axis] + points.count);
-  }
-  result.points = {outer_points_[0].data(), outer_points_[1].data(), outer_points_[2].data(), band.count};
-  return result;
-}
-
-ChargedNodes MeshPair::charged_inner(Band& band, const Eigen::MatrixXf& coefficients) {
-  if (inner_has_faces_)
-    return band.faces.charged(coefficients);
-  ChargedNodes result{
-      {inner_points_[0].data(), inner_points_[1].data(), inner_points_[2].data(), inner_count_},
-      Eigen::MatrixXf(inner_count_, coefficients.cols())};
-  for (Eigen::Index column = 0; column < coefficients.cols(); ++column) {
-    inner_.spread(coefficients.col(column).data());
-    spread_parts(inner_parts_, inner_.charges, result.charges.col(column).data());
-  }
-  return result;
 }
 
 std::vector<Wrench> MeshPair::forces(const Eigen::MatrixXf& charges_a, const Eigen::MatrixXf& charges_b) {
   std::vector<Wrench> result(static_cast<std::size_t>(charges_a.cols()) / 2);
   for (std::size_t k = 0; k < used_; ++k) {
     Band& band = bands_[k];
-    const ChargedNodes outer = charged_outer(band, a_is_outer_ ? charges_a : charges_b);
-    const ChargedNodes inner = charged_inner(band, a_is_outer_ ? charges_b : charges_a);
+    const Eigen::MatrixXf& on_inner = a_is_outer_ ? charges_b : charges_a;
+    const ChargedNodes outer = band.outer.charged(outer_, a_is_outer_ ? charges_a : charges_b);
+    const ChargedNodes inner =
+        inner_has_faces_ ? band.faces.charged(on_inner) : inner_nodes_.charged(inner_, on_inner);
     const std::vector<Wrench> of_band =
-        node_forces({band.matrix.data(), band.count, inner.points.count}, outer, inner);
+        node_forces({band.matrix.data(), outer.points.count, inner.points.count}, outer, inner);
     for (std::size_t form = 0; form < result.size(); ++form)
       result[form] += of_band[form];
   }

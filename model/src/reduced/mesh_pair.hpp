@@ -35,6 +35,27 @@ class MeshSide {
   std::vector<float> coefficients_, unused_;
 };
 
+/// Points on parts of a body of triangles, with the charges and potentials there.
+struct MeshNodes {
+  std::vector<MeshPart> parts;
+  std::ptrdiff_t count = 0;
+  std::array<std::vector<float>, 3> coordinates;
+  std::vector<float> charges, potentials;
+
+  NodePoints points() const {
+    return {coordinates[0].data(), coordinates[1].data(), coordinates[2].data(), count};
+  }
+
+  /// Computes the points of the parts, of a body with axes in its unit about a centre.
+  void lay(const PanelClusters& panels, const Eigen::Matrix3f& axes, const Eigen::Vector3f& centre);
+  /// Distributes the charges of the panels' places over the points.
+  void spread(const MeshSide& body);
+  /// Averages the potentials at the points for each place.
+  void gather(MeshSide& body) const;
+  /// Returns the points with the charges by several columns of coefficients.
+  ChargedNodes charged(MeshSide& body, const Eigen::MatrixXf& coefficients);
+};
+
 /// The nodes of two bodies of which one or both consist of triangles, with the interface of NodePair.
 /// Coordinates and units are those of the first body of triangles.
 class MeshPair {
@@ -51,9 +72,7 @@ class MeshPair {
  private:
   /// Clusters at about the same distance from the other body, and the other body's nodes for them.
   struct Band {
-    std::vector<MeshPart> outer;
-    std::ptrdiff_t count = 0;  ///< of the outer points
-    std::vector<float> charges, potentials;
+    MeshNodes outer;
     NodeSide faces;  ///< the inner nodes, if the other body has faces
     std::vector<float> matrix;
   };
@@ -65,13 +84,8 @@ class MeshPair {
   void place_beside_faces(const PlacedBody& faces, int functions, QuadratureDigits digits);
   void place_beside_mesh(const PlacedBody& other, QuadratureDigits digits);
   void lay_inner(const PlacedBody& other);
-  NodePoints inner_points() const {
-    return {inner_points_[0].data(), inner_points_[1].data(), inner_points_[2].data(), inner_count_};
-  }
   Band& next_band();
   void fill(Band& band, const NodePoints& inner);
-  ChargedNodes charged_outer(const Band& band, const Eigen::MatrixXf& coefficients);
-  ChargedNodes charged_inner(Band& band, const Eigen::MatrixXf& coefficients);
   int fineness(double panel_radius, double distance, QuadratureDigits digits);
 
   bool a_is_outer_ = true;
@@ -81,10 +95,8 @@ class MeshPair {
   MeshSide outer_, inner_;
   std::vector<Band> bands_;
   std::size_t used_ = 0;
-  std::vector<MeshPart> inner_parts_;
-  std::array<std::vector<float>, 3> outer_points_, inner_points_;
-  std::ptrdiff_t inner_count_ = 0;
-  std::vector<float> inner_charges_, inner_potentials_, moments_;
+  MeshNodes inner_nodes_;
+  std::vector<float> moments_;
   double coarsest_ = 0;  ///< largest ratio of a panel part's radius to its distance
   double relative_error_ = 0;
   bool is_cut_short_ = false;
