@@ -13,57 +13,50 @@ namespace fringe::detail {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Returns the energies of the highest functions of a body in charges, which are given by their coefficients
-/// (columns): what the body alone gains by these functions.
-MatrixXd ReducedSystem::highest_energies(std::size_t body, const MatrixXd& charges) {
+/// Adds the charges on a body that combinations (columns) of the vectors make, each in a column of so many
+/// numbers.
+void ReducedSystem::add_charges(std::size_t body, const MatrixXd& combinations, float* to,
+                                std::ptrdiff_t stride) const {
   const auto& kernels = best_kernels<NodeKernels>();
-  const PreparedLevel& prepared = level(body);
-  const auto count = static_cast<std::ptrdiff_t>(prepared.highest.size());
-  const std::ptrdiff_t padded = whole_blocks(count);
-  work_.assign(static_cast<std::size_t>(charges.cols() * padded), 0.0F);
-  stiff_.resize(static_cast<std::size_t>(padded));
-  MatrixXd energies(charges.cols(), charges.cols());
-  for (Index c = 0; c < charges.cols(); ++c) {
-    float* const high = work_.data() + c * padded;
-    for (std::size_t k = 0; k < extended_; ++k) {
-      if (vectors_[k].body != body)
-        continue;
-      const auto factor = static_cast<float>(charges(static_cast<Index>(k), c));
-      for (std::size_t h = 0; h < prepared.highest.size(); ++h)
-        high[h] += factor * vectors_[k].charge[prepared.highest[h]];
-    }
-    kernels.multiply(prepared.stiffness.data(), count, high, stiff_.data());
-    for (Index d = 0; d <= c; ++d)
-      energies(c, d) = energies(d, c) =
-          kernels.dot(work_.data() + d * padded, stiff_.data(), padded) / bodies_[body].scale;
-  }
-  return energies;
-}
-
-/// Returns a form of the charges of a body of triangles, such as the energies that coarser ones would miss,
-/// as highest_energies() does; zero if the form is empty.
-MatrixXd ReducedSystem::triangle_energies(std::size_t body, const std::vector<float>& form,
-                                          const MatrixXd& charges) {
-  const auto& kernels = best_kernels<NodeKernels>();
-  const PreparedLevel& prepared = level(body);
-  MatrixXd energies = MatrixXd::Zero(charges.cols(), charges.cols());
-  if (form.empty())
-    return energies;
-  work_.assign(static_cast<std::size_t>(charges.cols() * prepared.padded), 0.0F);
-  stiff_.resize(static_cast<std::size_t>(prepared.padded));
-  for (Index c = 0; c < charges.cols(); ++c) {
-    float* const charge = work_.data() + c * prepared.padded;
+  for (Index c = 0; c < combinations.cols(); ++c)
     for (std::size_t k = 0; k < extended_; ++k)
       if (vectors_[k].body == body)
-        kernels.add(static_cast<float>(charges(static_cast<Index>(k), c)), vectors_[k].charge, charge,
-                    prepared.padded);
-    kernels.multiply(form.data(), prepared.count, charge, stiff_.data());
+        kernels.add(static_cast<float>(combinations(static_cast<Index>(k), c)), vectors_[k].charge,
+                    to + c * stride, level(body).padded);
+}
+
+/// Returns a form of a body's charges, which are given by their coefficients (columns), such as what the body
+/// alone gains by its highest functions, or the energies that coarser triangles would miss; zero if the form
+/// is empty. `functions` are those that the form has, in ascending order; null: all.
+MatrixXd ReducedSystem::form_of_charges(std::size_t body, const std::vector<float>& form,
+                                        const std::vector<int>* functions, const MatrixXd& charges) {
+  const auto& kernels = best_kernels<NodeKernels>();
+  const std::ptrdiff_t padded = level(body).padded;
+  MatrixXd result = MatrixXd::Zero(charges.cols(), charges.cols());
+  if (form.empty())
+    return result;
+  const std::ptrdiff_t count = functions != nullptr ? index_of(functions->size()) : level(body).count;
+  work_.assign(static_cast<std::size_t>(charges.cols() * padded), 0.0F);
+  stiff_.resize(static_cast<std::size_t>(padded));
+  add_charges(body, charges, work_.data(), padded);
+  for (Index c = 0; c < charges.cols(); ++c) {
+    float* const charge = work_.data() + c * padded;
+    if (functions != nullptr) {
+      for (std::size_t k = 0; k < functions->size(); ++k)
+        charge[k] = charge[(*functions)[k]];
+      std::fill(charge + count, charge + padded, 0.0F);
+    }
+    kernels.multiply(form.data(), count, charge, stiff_.data());
     for (Index d = 0; d <= c; ++d)
-      energies(c, d) = energies(d, c) =
-          kernels.dot(work_.data() + d * prepared.padded, stiff_.data(), prepared.padded) /
-          bodies_[body].scale;
+      result(c, d) = result(d, c) =
+          kernels.dot(work_.data() + d * padded, stiff_.data(), whole_blocks(count)) / bodies_[body].scale;
   }
-  return energies;
+  return result;
+}
+
+/// Returns what the highest functions of a body alone gain.
+MatrixXd ReducedSystem::highest_energies(std::size_t body, const MatrixXd& charges) {
+  return form_of_charges(body, level(body).stiffness, &level(body).highest, charges);
 }
 
 /// Returns what the residuals add to the capacitances: their products with their corrections, those of the
@@ -127,8 +120,8 @@ void ReducedSystem::find_change() {
   result.facets = MatrixXd::Zero(2 * count, 2 * count);
   MatrixXd added = result.truncation;
   for (std::size_t body = 0; body < bodies_.size(); ++body) {
-    const MatrixXd triangles = triangle_energies(body, level(body).missing, charges);
-    result.facets += triangle_energies(body, level(body).facets, charges);
+    const MatrixXd triangles = form_of_charges(body, level(body).missing, nullptr, charges);
+    result.facets += form_of_charges(body, level(body).facets, nullptr, charges);
     added += likely_missing * triangles;
     result.discretisation.emplace_back(highest_energies(body, charges) + triangles);
     std::vector<Index> own;
@@ -150,13 +143,9 @@ Eigen::MatrixXf ReducedSystem::charges_in_change(std::size_t body, const MatrixX
   const std::ptrdiff_t padded = level(body).padded;
   const auto count = static_cast<Index>(conductors_);
   Eigen::MatrixXf result = Eigen::MatrixXf::Zero(padded + node_block, combination.cols());
-  const MatrixXd coefficients = charges_in_change_ * combination;
+  add_charges(body, charges_in_change_ * combination, result.data(), result.rows());
   for (Index column = 0; column < combination.cols(); ++column) {
     float* const charge = result.col(column).data();
-    for (std::size_t k = 0; k < extended_; ++k)
-      if (vectors_[k].body == body)
-        kernels.add(static_cast<float>(coefficients(static_cast<Index>(k), column)), vectors_[k].charge,
-                    charge, padded);
     for (Index c = 0; c < count; ++c) {
       const std::size_t at = body * conductors_ + static_cast<std::size_t>(c);
       const double change = combination(count + c, column), background = combination(c, column) - change;

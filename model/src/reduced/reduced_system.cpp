@@ -34,15 +34,11 @@ double parallel(const float* vector, const float* other, std::ptrdiff_t padded) 
   return product * product >= (1 - nearly) * square * other_square && square > 0 ? product / square : 0;
 }
 
-Index signed_of(std::size_t k) {
-  return static_cast<Index>(k);
-}
-
 /// Adds to an entry of a symmetric matrix.
 void add(MatrixXd& matrix, std::size_t row, std::size_t column, double change) {
-  matrix(signed_of(row), signed_of(column)) += change;
+  matrix(index_of(row), index_of(column)) += change;
   if (row != column)
-    matrix(signed_of(column), signed_of(row)) += change;
+    matrix(index_of(column), index_of(row)) += change;
 }
 
 }  // namespace
@@ -118,7 +114,7 @@ void ReducedSystem::return_to_machine() {
   gram_.resize(used_ * (used_ + 1) / 2);
   factor_.resize(gram_.size());
   for (std::size_t k = 0; k < used_; ++k)
-    std::fill(vectors_[k].potentials.begin() + signed_of(bodies), vectors_[k].potentials.end(), nullptr);
+    std::fill(vectors_[k].potentials.begin() + index_of(bodies), vectors_[k].potentials.end(), nullptr);
 }
 
 ReducedSystem::Vector& ReducedSystem::new_vector(std::size_t body) {
@@ -190,8 +186,8 @@ void ReducedSystem::apply_off_diagonal_blocks(std::size_t active) {
 /// Appends rows to the Cholesky factor for the vectors that it does not contain yet.
 void ReducedSystem::append_factor_rows() {
   const auto& kernels = best_kernels<NodeKernels>();
-  if (net_.rows() < signed_of(used_))
-    net_.conservativeResize(2 * signed_of(used_), signed_of(conductors_));
+  if (net_.rows() < index_of(used_))
+    net_.conservativeResize(2 * index_of(used_), index_of(conductors_));
   for (; extended_ < used_; ++extended_) {
     const Vector& vector = vectors_[extended_];
     const std::size_t start = factor_.size();
@@ -216,26 +212,26 @@ void ReducedSystem::append_factor_rows() {
       return;
     }
     row[extended_] = std::sqrt(square);
-    const auto at = signed_of(extended_);
+    const auto at = index_of(extended_);
     for (std::size_t c = 0; c < conductors_; ++c) {
       double value = bodies_[vector.body].conductor == c ? vector.net : 0;
       for (std::size_t k = 0; k < extended_; ++k)
-        value -= row[k] * net_(signed_of(k), signed_of(c));
-      net_(at, signed_of(c)) = value / row[extended_];
+        value -= row[k] * net_(index_of(k), index_of(c));
+      net_(at, index_of(c)) = value / row[extended_];
     }
   }
 }
 
 /// Computes the coefficients of the vectors by back substitution.
 void ReducedSystem::substitute_back(std::size_t conductors) {
-  if (charges_.rows() < signed_of(used_))
-    charges_.resize(2 * signed_of(used_), signed_of(conductors_));
+  if (charges_.rows() < index_of(used_))
+    charges_.resize(2 * index_of(used_), index_of(conductors_));
   for (std::size_t c = 0; c < conductors; ++c)
     for (std::size_t k = extended_; k-- > 0;) {
-      double value = net_(signed_of(k), signed_of(c));
+      double value = net_(index_of(k), index_of(c));
       for (std::size_t l = k + 1; l < extended_; ++l)
-        value -= factor_[l * (l + 1) / 2 + k] * charges_(signed_of(l), signed_of(c));
-      charges_(signed_of(k), signed_of(c)) = value / factor_[k * (k + 1) / 2 + k];
+        value -= factor_[l * (l + 1) / 2 + k] * charges_(index_of(l), index_of(c));
+      charges_(index_of(k), index_of(c)) = value / factor_[k * (k + 1) / 2 + k];
     }
 }
 
@@ -257,7 +253,7 @@ void ReducedSystem::compute_residuals(std::size_t active, std::size_t conductors
         std::fill_n(residual, prepared.padded, 0.0F);
       for (std::size_t k = 0; k < extended_; ++k) {
         const Vector& vector = vectors_[k];
-        const auto coefficient = static_cast<float>(charges(signed_of(k), signed_of(c)));
+        const auto coefficient = static_cast<float>(charges(index_of(k), index_of(c)));
         if (coefficient != 0)
           kernels.add(-coefficient, vector.body == body ? vector.moments : vector.potentials[body], residual,
                       prepared.padded);
@@ -281,7 +277,7 @@ void ReducedSystem::compute_residuals(std::size_t active, std::size_t conductors
 /// Computes what the corrections of the last residuals add to the capacitances (`truncation`).
 void ReducedSystem::sum_truncation(std::size_t active, std::size_t conductors) {
   const auto& kernels = best_kernels<NodeKernels>();
-  solution_.truncation.setZero(signed_of(conductors_), signed_of(conductors_));
+  solution_.truncation.setZero(index_of(conductors_), index_of(conductors_));
   for (std::size_t body = 0; body < active; ++body)
     for (std::size_t c = 0; c < conductors; ++c)
       for (std::size_t d = 0; d <= c; ++d)
@@ -300,7 +296,7 @@ bool ReducedSystem::append_residuals(std::size_t active, std::size_t conductors)
       float* const charge = residuals_.corrections[body * conductors_ + c];
       float* const moments = residuals_.moments[body * conductors_ + c];
       const double before = kernels.dot(charge, moments, padded);
-      const double self = net_.col(signed_of(c)).head(signed_of(extended_)).squaredNorm();
+      const double self = net_.col(index_of(c)).head(index_of(extended_)).squaredNorm();
       if (!(before > nothing * self))
         continue;
       orthogonalise(body, charge, moments);
@@ -339,8 +335,8 @@ void ReducedSystem::extend_basis(const ReductionLimits& limits, std::size_t acti
     sum_truncation(active, conductors);
     if (steps >= limits.most_steps)
       return;
-    const auto size = signed_of(conductors);
-    const auto reached = net_.topLeftCorner(signed_of(extended_), size);
+    const auto size = index_of(conductors);
+    const auto reached = net_.topLeftCorner(index_of(extended_), size);
     const bool enough =
         steps >= limits.least_steps &&
         (solution_.truncation_left * solution_.truncation.topLeftCorner(size, size).array().abs() <=
@@ -356,7 +352,7 @@ void ReducedSystem::extend_basis(const ReductionLimits& limits, std::size_t acti
 double ReducedSystem::coupling(std::size_t first, std::size_t second) const {
   const std::size_t body = vectors_[first].body;
   return std::abs(best_kernels<NodeKernels>().dot(vectors_[first].charge, vectors_[second].potentials[body],
-                                                  bodies_[body].shape->level(bodies_[body].level).padded));
+                                                  level(body).padded));
 }
 
 /// Estimates the fraction of the truncation that is still missing. Charges that answer the residuals on each
@@ -377,27 +373,27 @@ void ReducedSystem::estimate_truncation_left() {
 /// Returns the contribution of the highest functions of the first bodies to the capacitances, and stores that
 /// of each body.
 MatrixXd ReducedSystem::discretisation(std::size_t active, std::size_t conductors) {
-  const auto size = signed_of(conductors);
+  const auto size = index_of(conductors);
   MatrixXd result = MatrixXd::Zero(size, size);
-  const Eigen::VectorXd own = net_.topLeftCorner(signed_of(extended_), size).colwise().squaredNorm();
-  solution_.body_discretisation.setZero(signed_of(bodies_.size()));
+  const Eigen::VectorXd own = net_.topLeftCorner(index_of(extended_), size).colwise().squaredNorm();
+  solution_.body_discretisation.setZero(index_of(bodies_.size()));
   for (std::size_t body = 0; body < active; ++body) {
     const MatrixXd energies = highest_energies(body, charges_.leftCols(size));
     result += energies;
     for (Index c = 0; c < size; ++c)
       if (own[c] > 0)
-        solution_.body_discretisation[signed_of(body)] =
-            std::max(solution_.body_discretisation[signed_of(body)], energies(c, c) / own[c]);
+        solution_.body_discretisation[index_of(body)] =
+            std::max(solution_.body_discretisation[index_of(body)], energies(c, c) / own[c]);
   }
   return result;
 }
 
 /// Returns the change of the first bodies' capacitances from coarser triangles to the present ones.
 MatrixXd ReducedSystem::missing(std::size_t active, std::size_t conductors) {
-  const auto size = signed_of(conductors);
+  const auto size = index_of(conductors);
   MatrixXd result = MatrixXd::Zero(size, size);
   for (std::size_t body = 0; body < active; ++body)
-    result += triangle_energies(body, level(body).missing, charges_.leftCols(size));
+    result += form_of_charges(body, level(body).missing, nullptr, charges_.leftCols(size));
   return result;
 }
 
@@ -405,20 +401,20 @@ MatrixXd ReducedSystem::missing(std::size_t active, std::size_t conductors) {
 /// bodies. This interaction is at most the geometric mean of their energies, times the coupling of their
 /// first vectors.
 void ReducedSystem::estimate_quadrature() {
-  const auto size = signed_of(bodies_.size());
+  const auto size = index_of(bodies_.size());
   solution_.pair_errors.setZero(size, size);
   solution_.couplings.setZero(size, size);
   for (std::size_t a = 0; a < bodies_.size(); ++a)
     for (std::size_t b = 0; b < bodies_.size(); ++b)
       if (a != b) {
-        double& interaction = solution_.couplings(signed_of(a), signed_of(b));
+        double& interaction = solution_.couplings(index_of(a), index_of(b));
         interaction = coupling(equilibria_[a], equilibria_[b]);
-        solution_.pair_errors(signed_of(a), signed_of(b)) =
+        solution_.pair_errors(index_of(a), index_of(b)) =
             pair(std::min(a, b), std::max(a, b)).relative_error() * interaction;
       }
-  MatrixXd roots = MatrixXd::Zero(size, signed_of(conductors_));
+  MatrixXd roots = MatrixXd::Zero(size, index_of(conductors_));
   for (std::size_t k = 0; k < extended_; ++k)
-    roots.row(signed_of(vectors_[k].body)) += charges_.row(signed_of(k)).cwiseAbs2();
+    roots.row(index_of(vectors_[k].body)) += charges_.row(index_of(k)).cwiseAbs2();
   roots = roots.cwiseSqrt();
   solution_.quadrature = roots.transpose() * solution_.pair_errors * roots;
 }
@@ -431,19 +427,19 @@ MatrixXd ReducedSystem::surface_charges() {
     const std::span<const std::vector<float>> nets =
         prepared.surface_nets.empty() ? std::span(&prepared.net, 1) : std::span(prepared.surface_nets);
     for (const std::vector<float>& net : nets) {
-      Eigen::RowVectorXd& row = rows.emplace_back(signed_of(conductors_));
+      Eigen::RowVectorXd& row = rows.emplace_back(index_of(conductors_));
       for (std::size_t c = 0; c < conductors_; ++c)
-        row[signed_of(c)] =
+        row[index_of(c)] =
             kernels.dot(residuals_.corrections[body * conductors_ + c], net.data(), prepared.padded);
       for (std::size_t k = 0; k < extended_; ++k)
         if (vectors_[k].body == body)
           row += kernels.dot(vectors_[k].charge, net.data(), prepared.padded) *
-                 charges_.row(signed_of(k)).head(signed_of(conductors_));
+                 charges_.row(index_of(k)).head(index_of(conductors_));
     }
   }
-  MatrixXd result(signed_of(rows.size()), signed_of(conductors_));
+  MatrixXd result(index_of(rows.size()), index_of(conductors_));
   for (std::size_t k = 0; k < rows.size(); ++k)
-    result.row(signed_of(k)) = rows[k];
+    result.row(index_of(k)) = rows[k];
   return result;
 }
 
@@ -461,7 +457,7 @@ bool ReducedSystem::solve_machine(const ReductionLimits& limits) {
     return false;
   machine.alone = extended_;
   if (sensor_bodies_ > 0) {
-    machine.truncation_alone = solution_.truncation.diagonal().head(signed_of(sensors_));
+    machine.truncation_alone = solution_.truncation.diagonal().head(index_of(sensors_));
     machine.coarser_alone = missing(sensor_bodies_, sensors_).diagonal();
     machine.discretisation_alone =
         discretisation(sensor_bodies_, sensors_).diagonal() + machine.coarser_alone;
@@ -484,7 +480,7 @@ bool ReducedSystem::solve_machine(const ReductionLimits& limits) {
 }
 
 const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
-  const auto sensors = signed_of(sensors_);
+  const auto sensors = index_of(sensors_);
   if (fit_slots() && knows_machine(limits))
     return_to_machine();
   else
@@ -497,7 +493,7 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
   solution_.positive_definite = positive_definite_;
   if (!positive_definite_)
     return solution_;
-  const auto reached = net_.topRows(signed_of(extended_));
+  const auto reached = net_.topRows(index_of(extended_));
   solution_.values.noalias() = reached.transpose() * reached;
   solution_.values += solution_.truncation;
   solution_.discretisation = discretisation(bodies_.size(), conductors_);
@@ -507,7 +503,7 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
   if (sensor_bodies_ > 0) {
     const Eigen::VectorXd truncation = solution_.truncation.diagonal().head(sensors);
     solution_.delta_self =
-        reached.bottomRows(signed_of(extended_ - machine_->alone)).leftCols(sensors).colwise().squaredNorm();
+        reached.bottomRows(index_of(extended_ - machine_->alone)).leftCols(sensors).colwise().squaredNorm();
     solution_.delta_self += truncation - machine_->truncation_alone;
     solution_.delta_self +=
         likely_missing * (solution_.coarser.diagonal().head(sensors) - machine_->coarser_alone);
@@ -515,10 +511,10 @@ const ReducedSolution& ReducedSystem::solve(const ReductionLimits& limits) {
     solution_.delta_discretisation =
         (solution_.discretisation.diagonal().head(sensors) - machine_->discretisation_alone).cwiseAbs();
   }
-  solution_.facets = MatrixXd::Zero(signed_of(conductors_), signed_of(conductors_));
+  solution_.facets = MatrixXd::Zero(index_of(conductors_), index_of(conductors_));
   for (std::size_t body = 0; body < bodies_.size(); ++body)
     solution_.facets +=
-        triangle_energies(body, level(body).facets, charges_.leftCols(signed_of(conductors_)));
+        form_of_charges(body, level(body).facets, nullptr, charges_.leftCols(index_of(conductors_)));
   estimate_quadrature();
   if (machine_bodies_)
     find_change();

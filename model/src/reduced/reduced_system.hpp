@@ -129,7 +129,9 @@ class ReducedSystem {
   };
 
   float* slot();
-  const PreparedLevel& level(std::size_t body) { return bodies_[body].shape->level(bodies_[body].level); }
+  const PreparedLevel& level(std::size_t body) const {
+    return bodies_[body].shape->level(bodies_[body].level);
+  }
   bool fit_slots();
   void begin();
   bool knows_machine(const ReductionLimits& limits) const;
@@ -147,9 +149,11 @@ class ReducedSystem {
   void sum_truncation(std::size_t active, std::size_t conductors);
   bool append_residuals(std::size_t active, std::size_t conductors);
   void extend_basis(const ReductionLimits& limits, std::size_t active, std::size_t conductors);
+  void add_charges(std::size_t body, const Eigen::MatrixXd& combinations, float* to,
+                   std::ptrdiff_t stride) const;
+  Eigen::MatrixXd form_of_charges(std::size_t body, const std::vector<float>& form,
+                                  const std::vector<int>* functions, const Eigen::MatrixXd& charges);
   Eigen::MatrixXd highest_energies(std::size_t body, const Eigen::MatrixXd& charges);
-  Eigen::MatrixXd triangle_energies(std::size_t body, const std::vector<float>& form,
-                                    const Eigen::MatrixXd& charges);
   Eigen::MatrixXd discretisation(std::size_t active, std::size_t conductors);
   Eigen::MatrixXd missing(std::size_t active, std::size_t conductors);
   void find_change();
