@@ -9,6 +9,7 @@
 #include "bem/insulated_system.hpp"
 #include "fringe/error.hpp"
 #include "numeric/cholesky.hpp"
+#include "reduced/single_body_system.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -70,14 +71,6 @@ Outermost outermost_of(const InsulatedSystem& system) {
   return result;
 }
 
-/// Potentials of degree 0 and 1 on the panels; without conductors those of degree 1 only.
-MatrixXd plain_potentials(const PanelMesh& mesh, bool has_conductors) {
-  MatrixXd result(index_of(mesh.panels().size()), 4);
-  for (std::size_t k = 0; k < mesh.panels().size(); ++k)
-    result.row(index_of(k)) << 1, mesh.panels()[k].centre.transpose();
-  return has_conductors ? result : MatrixXd(result.rightCols(3));
-}
-
 /// Writes responses and energies.
 void answer(const InsulatedResponse& response, const Outermost& outermost, const MatrixXd& potentials,
             InsulatedBody& body) {
@@ -85,7 +78,6 @@ void answer(const InsulatedResponse& response, const Outermost& outermost, const
   body.responses = outermost.factor.solve(outer - outermost.at(response.potentials));
   const MatrixXd coarse =
       outermost.coarse.solve(outermost.means(outer - outermost.at(response.coarse_potentials)));
-  const auto symmetric = [](const MatrixXd& matrix) { return MatrixXd((matrix + matrix.transpose()) / 2); };
   body.energies = symmetric(outer.transpose() * body.responses);
   body.coarse_energies = symmetric(outermost.means(outer).transpose() * coarse);
 }
@@ -148,17 +140,14 @@ class InsulatedBodyProblem : public AdaptiveProblem {
   Assessment solve() override {
     /// Ratio of the matrix elements' quadrature tolerance to the accuracy of the energies.
     constexpr double tolerance_per_accuracy = 0.02;
-    /// Least response that counts, relative to the largest one to a linear potential: a flat body has almost
-    /// none across it.
-    constexpr double least_response = 0.1;
     system_.evaluate(tolerance_per_accuracy * accuracy_);
     outermost = outermost_of(system_);
-    const MatrixXd plain = plain_potentials(system_.mesh(), has_conductors_);
+    // Without conductors a constant potential moves no charge.
+    const MatrixXd plain = plain_potentials(system_.mesh()).rightCols(has_conductors_ ? 4 : 3);
     const InsulatedResponse response = system_.respond(plain, VectorXd::Ones(plain.cols()));
     answer(response, outermost, plain, body);
     values_ = response.potentials + response.charges;
-    VectorXd own = body.energies.diagonal();
-    own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
+    const VectorXd own = counted_energies(body.energies.diagonal());
     // A body of almost the medium's permittivity may respond by rounding errors alone.
     if (!(own.maxCoeff() > 0))
       return {true, {}, 0, 0};
@@ -210,7 +199,6 @@ InsulatedBody solve_insulated_body(const InsulatedBodies& bodies, double accurac
   const InsulatedResponse response = system.respond(outer, VectorXd::Ones(outer.cols()));
   answer(response, outermost, outer, body);
   if (!has_conductors) {
-    // Without conductors a constant potential moves no charge.
     body.responses.col(0).setZero();
     for (MatrixXd* const energies : {&body.energies, &body.coarse_energies}) {
       energies->row(0).setZero();
@@ -220,11 +208,7 @@ InsulatedBody solve_insulated_body(const InsulatedBodies& bodies, double accurac
   for (const Index panel : outermost.panels)
     body.panels.push_back(all[static_cast<std::size_t>(panel)]);
   body.facet_effects = facet_effects(bodies, system, outermost, response, body.responses);
-  body.free_charges = MatrixXd::Zero(index_of(bodies.conductors.bodies.size()), outer.cols());
-  for (const PanelGroup& group : system.mesh().groups())
-    if (group.body < bodies.conductors.bodies.size())
-      body.free_charges.row(index_of(group.body)) -=
-          response.charges.middleRows(index_of(group.first), index_of(group.count)).colwise().sum();
+  body.free_charges = -net_charges(system.mesh(), response.charges, bodies.conductors.bodies.size());
   return std::move(body);
 }
 

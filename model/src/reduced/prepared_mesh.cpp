@@ -43,53 +43,19 @@ MatrixXd potentials_on(const std::vector<Panel>& panels, const std::vector<Outsi
   return potentials;
 }
 
-/// Potentials as sums of a constant and of the potentials of outside charges, one column for each.
-struct Loads {
-  RowVectorXd constants;
-  MatrixXd charges;
-};
-
-/// Computes the loads to which the body's responses are orthonormal: first the constant, then the principal
-/// ones of the outside charges, by a principal component analysis in the energy.
-Loads principal_loads(const SingleBodySystem& panels, const MatrixXd& potentials, Index most) {
-  const VectorXd alone = panels.factor.solve_lower(VectorXd::Ones(potentials.rows()));
-  const MatrixXd all = panels.factor.solve_lower(potentials);
-  const RowVectorXd common = alone.transpose() * all / alone.squaredNorm();
-  const MatrixXd others = all - alone * common;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(others.transpose() * others);
-  /// Least eigenvalue, relative to the largest. Eigenvalues below it are rounding noise.
-  constexpr double least_energy = 1e-11;
-  const double largest = solver.eigenvalues().tail(1)[0];
-  const Index sources = potentials.cols();
-  Index count = 1;
-  while (count < std::min(most, sources + 1) &&
-         solver.eigenvalues()[sources - count] > least_energy * largest)
-    ++count;
-  Loads loads{RowVectorXd::Zero(count), MatrixXd::Zero(sources, count)};
-  loads.constants[0] = 1 / alone.norm();
-  for (Index k = 1; k < count; ++k) {
-    const double root = std::sqrt(solver.eigenvalues()[sources - k]);
-    loads.charges.col(k) = solver.eigenvectors().col(sources - k) / root;
-    loads.constants[k] = -common.dot(loads.charges.col(k));
-  }
-  return loads;
-}
-
 /// Computes the combinations of a constant and of other potentials (rows) to which a body's responses are
 /// orthonormal in the energy: first the constant, if it has an energy, then the principal ones of the others.
 /// For a body that answers nothing, as one of the medium's permittivity, it is one that is zero.
-MatrixXd principal_loads(const MatrixXd& energies, Index most) {
-  /// Least eigenvalue, relative to the largest: the panels' errors are larger than smaller ones.
-  constexpr double least_energy = 1e-6;
-  const Index sources = energies.rows() - 1;
-  const double own = energies(0, 0);
-  RowVectorXd common = RowVectorXd::Zero(sources);
-  if (own > 0)
-    common = energies.row(0).tail(sources) / own;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(energies.bottomRightCorner(sources, sources) -
-                                                       own * common.transpose() * common);
+/// @param own the energy of the response to the constant
+/// @param common what each of the others has of the constant
+/// @param others the energies of the rest of these
+/// @param least_energy least eigenvalue, relative to the largest: smaller ones are rounding noise or less
+/// than the panels' errors
+MatrixXd principal_loads(double own, const RowVectorXd& common, const MatrixXd& others, Index most,
+                         double least_energy) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(others);
+  const Index sources = others.rows(), first = own > 0 ? 1 : 0;
   const double largest = solver.eigenvalues().tail(1)[0];
-  const Index first = own > 0 ? 1 : 0;
   Index count = first;
   while (count < std::min(most, sources + first) &&
          solver.eigenvalues()[sources - 1 - count + first] > least_energy * largest)
@@ -103,6 +69,29 @@ MatrixXd principal_loads(const MatrixXd& energies, Index most) {
     loads(0, k) = -common.dot(loads.col(k).tail(sources));
   }
   return loads;
+}
+
+/// Computes them for panels of conductors and other potentials there (columns).
+MatrixXd principal_loads(const SingleBodySystem& panels, const MatrixXd& potentials, Index most) {
+  const VectorXd alone = panels.factor.solve_lower(VectorXd::Ones(potentials.rows()));
+  const MatrixXd all = panels.factor.solve_lower(potentials);
+  const RowVectorXd common = alone.transpose() * all / alone.squaredNorm();
+  const MatrixXd others = all - alone * common;
+  constexpr double least_energy = 1e-11;
+  return principal_loads(alone.squaredNorm(), common, others.transpose() * others, most, least_energy);
+}
+
+/// Computes them by the energies of a constant (first) and of the other potentials.
+MatrixXd principal_loads(const MatrixXd& energies, Index most) {
+  const Index sources = energies.rows() - 1;
+  const double own = energies(0, 0);
+  RowVectorXd common = RowVectorXd::Zero(sources);
+  if (own > 0)
+    common = energies.row(0).tail(sources) / own;
+  constexpr double least_energy = 1e-6;
+  return principal_loads(own, common,
+                         energies.bottomRightCorner(sources, sources) - own * common.transpose() * common,
+                         most, least_energy);
 }
 
 /// Returns a symmetric matrix with its eigenvalues' magnitudes.
@@ -134,15 +123,6 @@ bool is_any_closed(const std::vector<TriangleSurface>& surfaces) {
                      [](const TriangleSurface& surface) { return is_closed(surface.triangles); });
 }
 
-/// Returns the net charges on each surface (rows) of the panels' charges in all columns.
-MatrixXd net_charges(const PanelMesh& mesh, const MatrixXd& charges, std::size_t surfaces) {
-  MatrixXd net = MatrixXd::Zero(static_cast<Index>(surfaces), charges.cols());
-  for (const PanelGroup& group : mesh.groups())
-    net.row(static_cast<Index>(group.body)) +=
-        charges.middleRows(static_cast<Index>(group.first), static_cast<Index>(group.count)).colwise().sum();
-  return net;
-}
-
 /// Returns what the facets of round shapes may add to the energies of the panels' charges, between all
 /// columns.
 MatrixXd facet_effects(const std::vector<TriangleSurface>& surfaces, const PanelMesh& mesh,
@@ -166,12 +146,13 @@ PreparedMesh::PreparedMesh(std::vector<TriangleSurface> surfaces, double accurac
   const std::vector<Panel>& all = panels.mesh.panels();
   const std::vector<OutsideCharge> charges = outside_charges(surfaces_, all);
   const MatrixXd outside = potentials_on(all, charges);
-  const Loads loads = principal_loads(panels, outside, mesh_functions.back());
-  MatrixXd potentials = outside * loads.charges;
-  potentials.rowwise() += loads.constants;
+  const MatrixXd loads = principal_loads(panels, outside, mesh_functions.back());
+  const auto of_charges = loads.bottomRows(outside.cols());
+  MatrixXd potentials = outside * of_charges;
+  potentials.rowwise() += loads.row(0);
   const MatrixXd responses = panels.factor.solve(potentials);
   missing_ = missing_energies(panels, potentials, responses, [&](const Vector3d& point) -> RowVectorXd {
-    return potentials_at(point, charges) * loads.charges + loads.constants;
+    return potentials_at(point, charges) * of_charges + loads.row(0);
   });
   facets_ = facet_effects(surfaces_, panels.mesh, responses);
   root_ = responses.col(0).sum();

@@ -31,14 +31,6 @@ MatrixXd coarse_energies(const SingleBodySystem& panels, const VectorXd& shares,
   return reached.transpose() * reached;
 }
 
-/// Evaluates the potentials of degree 0 and 1 on the panels.
-MatrixXd plain_potentials(const PanelMesh& mesh) {
-  MatrixXd potentials(index_of(mesh.panels().size()), 4);
-  for (std::size_t k = 0; k < mesh.panels().size(); ++k)
-    potentials.row(index_of(k)) << 1, mesh.panels()[k].centre.transpose();
-  return potentials;
-}
-
 /// Factorises the matrix. Returns false if it is not positive definite, or only by errors of its elements.
 bool factorise_as_it_is(SingleBodySystem& panels) {
   /// Least energy that a panel adds to earlier ones, relative to its own: of a panel between others it is
@@ -99,13 +91,10 @@ class SingleBodyProblem : public AdaptiveProblem {
     factorise(panels_, accuracy_);
     const MatrixXd potentials = plain_potentials(panels_.mesh);
     responses_ = panels_.factor.solve(potentials);
-    VectorXd own = potentials.cwiseProduct(responses_).colwise().sum();
+    const VectorXd energies = potentials.cwiseProduct(responses_).colwise().sum();
     const VectorXd shares = area_shares(panels_.mesh);
-    const VectorXd change = own - coarse_energies(panels_, shares, potentials).diagonal();
-    // Least response that counts, relative to the largest one to a linear potential. A flat body has almost
-    // no response across it, and what is missing of it does not matter.
-    constexpr double least_response = 0.1;
-    own.tail(3) = own.tail(3).cwiseMax(least_response * own.tail(3).maxCoeff());
+    const VectorXd change = energies - coarse_energies(panels_, shares, potentials).diagonal();
+    const VectorXd own = counted_energies(energies);
     const double error = error_per_panel_change * (change.array() / own.array()).maxCoeff();
     const std::size_t count = panels_.mesh.panels().size();
     Assessment found{error <= accuracy_, {}, 0, most_panels_ - std::min(most_panels_, count)};
@@ -147,6 +136,28 @@ PanelMesh panels_of(std::span<const TriangleSurface> surfaces) {
   for (std::size_t k = 0; k < surfaces.size(); ++k)
     mesh.add(k, surfaces[k].triangles);
   return mesh;
+}
+
+MatrixXd plain_potentials(const PanelMesh& mesh) {
+  MatrixXd potentials(index_of(mesh.panels().size()), 4);
+  for (std::size_t k = 0; k < mesh.panels().size(); ++k)
+    potentials.row(index_of(k)) << 1, mesh.panels()[k].centre.transpose();
+  return potentials;
+}
+
+VectorXd counted_energies(VectorXd energies) {
+  constexpr double least_response = 0.1;
+  energies.tail(3) = energies.tail(3).cwiseMax(least_response * energies.tail(3).maxCoeff());
+  return energies;
+}
+
+MatrixXd net_charges(const PanelMesh& mesh, const MatrixXd& charges, std::size_t bodies) {
+  MatrixXd net = MatrixXd::Zero(index_of(bodies), charges.cols());
+  for (const PanelGroup& group : mesh.groups())
+    if (group.body < bodies)
+      net.row(index_of(group.body)) +=
+          charges.middleRows(index_of(group.first), index_of(group.count)).colwise().sum();
+  return net;
 }
 
 SingleBodySystem solve_single_body(std::span<const TriangleSurface> surfaces, double accuracy,

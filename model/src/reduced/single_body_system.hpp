@@ -25,6 +25,17 @@ struct SingleBodySystem {
 /// inside another surface has none.
 PanelMesh panels_of(std::span<const TriangleSurface> surfaces);
 
+/// Returns potentials of degree 0 and 1 on panels (rows).
+Eigen::MatrixXd plain_potentials(const PanelMesh& mesh);
+
+/// Returns the energies of the responses to these, of which those to linear potentials count as at least a
+/// part of the largest one. A flat body has almost no response across it, and what is missing of it does not
+/// matter.
+Eigen::VectorXd counted_energies(Eigen::VectorXd energies);
+
+/// Returns the net charges on the first bodies (rows) of the panels' charges in all columns.
+Eigen::MatrixXd net_charges(const PanelMesh& mesh, const Eigen::MatrixXd& charges, std::size_t bodies);
+
 /// Refines the panels of a body of one or more surfaces until the energies of the charges that potentials of
 /// degree 0 and 1 induce have an error below `accuracy`, as far as `most_panels` panels allow.
 /// @throws InputError if the quadratures cannot make the matrix positive definite.
