@@ -18,6 +18,13 @@ std::size_t depth(const std::vector<Link>& links, std::size_t link) {
 
 }  // namespace
 
+bool are_equal(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other, double size) {
+  /// Relative rounding error of the product of a few poses, with a margin.
+  constexpr double rounding = 1e-12;
+  return (one.linear() - other.linear()).norm() <= rounding &&
+         (one.translation() - other.translation()).norm() <= rounding * (size + other.translation().norm());
+}
+
 LinkPoses::LinkPoses(const std::vector<Link>& links)
     : links_(links), world_poses_(fringe::world_poses(links)), outdated_(links.size()),
       last_changes_(links.size()) {

@@ -15,6 +15,9 @@
 
 namespace fringe::detail {
 
+/// Tells whether two poses differ only by the rounding of products of a few, for bodies of a size in m.
+bool are_equal(const Eigen::Isometry3d& one, const Eigen::Isometry3d& other, double size = 1);
+
 /// The poses of a scene's links, and when each of them was last replaced. A LiveScene has one, which all of
 /// its evaluators share.
 class LinkPoses {

@@ -50,14 +50,6 @@ std::optional<std::size_t> targets_last(std::vector<BodyGroup>& groups, const Ch
   return static_cast<std::size_t>(targets - groups.begin());
 }
 
-/// Returns true if two poses differ only by rounding, for bodies of a given size.
-bool are_equal(const Isometry3d& one, const Isometry3d& other, double size) {
-  /// Relative rounding error of the product of a few poses, with a margin.
-  constexpr double rounding = 1e-12;
-  return (one.linear() - other.linear()).norm() <= rounding &&
-         (one.translation() - other.translation()).norm() <= rounding * (size + other.translation().norm());
-}
-
 }  // namespace
 
 Arrangement::Arrangement(const Scene& scene, ReducedContacts contacts, double accuracy,

@@ -12,6 +12,7 @@
 #include "numeric/infinity.hpp"
 #include "numeric/parallel.hpp"
 #include "numeric/progress.hpp"
+#include "surface/contact.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -125,15 +126,15 @@ RigidGroup ArticulatedModel::group_of(const ChargedBodies& bodies, const Members
   return result;
 }
 
-bool ArticulatedModel::keeps(const RigidGroup& group, const AreRigid& are_rigid) {
+bool ArticulatedModel::keeps(const RigidGroup& group, const LinkMotion& motion) {
   return std::ranges::all_of(group.bodies.bodies,
-                             [&](const ChargedBody& body) { return are_rigid(body.link, group.frame); });
+                             [&](const ChargedBody& body) { return motion.rigid(body.link, group.frame); });
 }
 
 /// Tells whether the machine has groups, and these keep together.
-bool ArticulatedModel::links_keep(const AreRigid& are_rigid) const {
+bool ArticulatedModel::links_keep(const LinkMotion& motion) const {
   return !links_.empty() &&
-         std::ranges::all_of(links_, [&](const RigidGroup& group) { return keeps(group, are_rigid); });
+         std::ranges::all_of(links_, [&](const RigidGroup& group) { return keeps(group, motion); });
 }
 
 /// Groups bodies of the machine that are rigid to each other. The whole machine is one group if a floating
@@ -204,17 +205,10 @@ void ArticulatedModel::prepare_machine(std::span<const PoseOfMachine> poses, std
   std::vector<ChargedBodies> bodies;
   for (const RigidGroup& link : links_)
     bodies.push_back(link.bodies);
-  std::vector<std::vector<Isometry3d>> of_links;
-  std::vector<Isometry3d> of_targets;
   // A machine at rest is prepared for targets wherever they go.
-  if (!is_at_rest())
-    for (const PoseOfMachine& pose : poses) {
-      of_links.push_back(pose.links);
-      of_targets.push_back(pose.target);
-    }
   machine_ = std::make_unique<const LinkedMachine>(
-      std::move(bodies), readings_, of_links,
-      is_at_rest() ? std::vector<Eigen::AlignedBox3d>() : targets_->boxes, of_targets,
+      std::move(bodies), readings_, is_at_rest() ? std::span<const PoseOfMachine>() : poses,
+      is_at_rest() ? std::vector<Eigen::AlignedBox3d>() : targets_->boxes,
       machine_resolution(accuracy_->rtol, accuracy_->is_rough, is_at_rest()), threads, files_.get());
   tabulated_.reset();
   tables_.reset();
@@ -222,18 +216,13 @@ void ArticulatedModel::prepare_machine(std::span<const PoseOfMachine> poses, std
 
 void ArticulatedModel::prepare_targets(std::span<const PoseOfMachine> poses) {
   const auto are_same = [](const PoseOfMachine& a, const PoseOfMachine& b) {
-    return keep_relative_pose(a.target, b.target) &&
-           std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(), keep_relative_pose);
+    return are_equal(a.target, b.target) &&
+           std::equal(a.links.begin(), a.links.end(), b.links.begin(), b.links.end(),
+                      [](const Isometry3d& one, const Isometry3d& other) { return are_equal(one, other); });
   };
   if (target_ && std::equal(poses.begin(), poses.end(), approach_.begin(), approach_.end(), are_same))
     return;
-  std::vector<std::vector<Isometry3d>> of_links;
-  std::vector<Isometry3d> of_targets;
-  for (const PoseOfMachine& pose : poses) {
-    of_links.push_back(pose.links);
-    of_targets.push_back(pose.target);
-  }
-  const Approach approach = machine_->approach(of_targets, of_links, LinkedMachine::none);
+  const Approach approach = machine_->approach(poses, LinkedMachine::none);
   const SurfaceResolution resolution = target_resolution(*accuracy_, is_at_rest());
   const ProgressPart part("targets");
   target_input_ = bytes_of_bodies(targets_->bodies) + bytes_of(resolution, approach);
@@ -348,16 +337,13 @@ void ArticulatedModel::write_pose(Solvers& solvers, const PoseOfMachine& pose,
 void ArticulatedModel::write(const Scene& scene, std::vector<ReadingAnswer>& answers,
                              const ModelAccuracy& accuracy, bool with_derivatives) {
   motion_.update();
-  const AreRigid keep_poses = [&](std::optional<std::size_t> a, std::optional<std::size_t> b) {
-    return motion_.rigid(a, b);
-  };
   const bool is_to_divide = with_derivatives && !is_divided_ && is_at_rest() &&
                             std::ranges::any_of(links_.front().bodies.bodies, [&](const ChargedBody& body) {
                               return body.link != links_.front().frame;
                             });
   // Finding groups forgets all moves, so that both are asked first.
-  const bool links_stay = !is_to_divide && links_keep(keep_poses),
-             targets_stay = targets_ && keeps(*targets_, keep_poses);
+  const bool links_stay = !is_to_divide && links_keep(motion_),
+             targets_stay = targets_ && keeps(*targets_, motion_);
   if (!links_stay) {
     // Which links will move is not known: once some have, or derivatives are asked for, bodies on different
     // links are prepared by themselves.
@@ -467,9 +453,6 @@ ArticulatedModel::write_frames(const Scene& scene, std::size_t frames,
     if (frame == 0)
       in_frames.settle();
   }
-  const AreRigid keep_in_frames = [&](std::optional<std::size_t> a, std::optional<std::size_t> b) {
-    return in_frames.rigid(a, b);
-  };
   std::vector<std::vector<ReadingAnswer>> answers(frames);
   std::vector<PoseOfMachine> poses;
   const auto answer_all = [&](std::size_t end) {
@@ -479,16 +462,13 @@ ArticulatedModel::write_frames(const Scene& scene, std::size_t frames,
   for (std::size_t frame = 0; frame < frames; ++frame) {
     pose(frame);
     motion_.update();
-    const AreRigid keep_poses = [&](std::optional<std::size_t> a, std::optional<std::size_t> b) {
-      return motion_.rigid(a, b);
-    };
-    const bool links_stay = links_keep(keep_poses) && (frame > 0 || links_keep(keep_in_frames)),
-               targets_stay = targets_ && keeps(*targets_, keep_poses);
+    const bool links_stay = links_keep(motion_) && (frame > 0 || links_keep(in_frames)),
+               targets_stay = targets_ && keeps(*targets_, motion_);
     if (!links_stay || !targets_stay)
       answer_all(frame);
     if (!links_stay) {
       is_divided_ = false;
-      find_links(scene, keep_in_frames);
+      find_links(scene, std::bind_front(&LinkMotion::rigid, &in_frames));
     }
     if (!targets_stay)
       find_targets(scene);

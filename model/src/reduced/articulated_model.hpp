@@ -75,8 +75,8 @@ class ArticulatedModel {
     MovingSolver moving;
   };
 
-  static bool keeps(const RigidGroup& group, const AreRigid& are_rigid);
-  bool links_keep(const AreRigid& are_rigid) const;
+  static bool keeps(const RigidGroup& group, const LinkMotion& motion);
+  bool links_keep(const LinkMotion& motion) const;
   void find_links(const Scene& scene, const AreRigid& are_rigid);
   void find_targets(const Scene& scene);
   RigidGroup group_of(const ChargedBodies& bodies, const Members& members) const;

@@ -398,14 +398,6 @@ double ChargeFunctions::facet_effect(const Eigen::Ref<const Eigen::VectorXf>& ch
       (facets_.array() * charges.head(functions).array().abs() * others.head(functions).array().abs()).sum());
 }
 
-std::size_t ChargeFunctions::most_points() const {
-  std::size_t most = 0;
-  for (const FunctionPoints& points : points_)
-    for (std::size_t function = 0; function < count(); ++function)
-      most = std::max(most, points.first[function + 1] - points.first[function]);
-  return most;
-}
-
 MatrixXd ChargeFunctions::net(std::size_t conductors) const {
   MatrixXd net = MatrixXd::Zero(index_of(count()), index_of(conductors));
   for (std::size_t function = 0; function < count(); ++function)
@@ -413,7 +405,13 @@ MatrixXd ChargeFunctions::net(std::size_t conductors) const {
   return net;
 }
 
-std::size_t ChargeFunctions::level(std::size_t function, double distance) const {
+std::size_t ChargeFunctions::level(std::size_t function, const Eigen::Isometry3d& to_others,
+                                   std::span<const AlignedBox3d> others) const {
+  const Vector3d centre = to_others * centres_[function];
+  double nearest = std::numeric_limits<double>::infinity();
+  for (const AlignedBox3d& box : others)
+    nearest = std::min(nearest, box.squaredExteriorDistance(centre));
+  const double distance = std::sqrt(nearest);
   std::size_t level = 0;
   while (level < largest_ratios.size() && radii_[function] > largest_ratios[level] * distance)
     ++level;

@@ -24,6 +24,9 @@ struct FunctionPoints {
   std::vector<float> shares;        ///< charges at the points of a function with unit charge
   Eigen::MatrixXf given;            ///< the given charges at the points (rows)
 
+  /// Returns the number of points of a function.
+  std::size_t count(std::size_t function) const { return first[function + 1] - first[function]; }
+
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {
     archive(self.first, self.at, self.shares, self.given);
@@ -86,8 +89,6 @@ class ChargeFunctions {
   double radius(std::size_t function) const { return radii_[function]; }
   std::size_t conductor(std::size_t function) const { return conductors_[function]; }
   const FunctionPoints& points(std::size_t level) const { return points_[level]; }
-  /// Returns the largest number of points of a function, on any level.
-  std::size_t most_points() const;
   const FunctionPanels& panels() const { return panels_; }
   /// Returns boxes around the bodies.
   const std::vector<Eigen::AlignedBox3d>& boxes() const { return boxes_; }
@@ -104,8 +105,22 @@ class ChargeFunctions {
   /// Returns the functions' net charges on each conductor (columns).
   Eigen::MatrixXd net(std::size_t conductors) const;
 
-  /// Returns the level whose points resolve a function's charge at a distance from it.
-  std::size_t level(std::size_t function, double distance) const;
+  /// Returns the level whose points resolve a function's charge beside other bodies.
+  /// @param to_others the pose in the frame of the boxes around these
+  std::size_t level(std::size_t function, const Eigen::Isometry3d& to_others,
+                    std::span<const Eigen::AlignedBox3d> others) const;
+
+  /// Calls a function with every point of all functions in a pose, the number of its function, the points of
+  /// this one's level, and its place among them.
+  /// @param level_of the level of a function
+  template <typename Level, typename Visit>
+  void visit_points(const Eigen::Isometry3d& pose, const Level& level_of, const Visit& visit) const {
+    for (std::size_t function = 0; function < count(); ++function) {
+      const FunctionPoints& points = points_[level_of(function)];
+      for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k)
+        visit(pose * points.at[k].cast<double>(), function, points, k);
+    }
+  }
 
   template <typename Archive, typename Self>
   static void describe(Archive& archive, Self& self) {

@@ -2,8 +2,6 @@
 
 #include <utility>
 
-#include <Eigen/Cholesky>
-
 #include "numeric/cholesky.hpp"
 
 namespace fringe::detail {
@@ -46,14 +44,21 @@ MatrixXd charges_by_potentials(const MatrixXd& energies) {
   }
 }
 
+void FloatingCharges::take(const Eigen::Ref<const MatrixXd>& net, const Eigen::Ref<const MatrixXd>& responses,
+                           const VectorXd& to_ground, Eigen::Ref<MatrixXd> charges) {
+  if (net.cols() == 0)
+    return;
+  block_.noalias() = net.transpose() * responses;
+  block_.diagonal() += to_ground;
+  factor_.compute(block_);
+  taken_.noalias() = net.transpose() * charges;
+  factor_.solveInPlace(taken_);
+  charges.noalias() -= responses * taken_;
+}
+
 MatrixXd charges_by_potentials(const MatrixXd& energies, const MatrixXd& net, const VectorXd& to_ground) {
   MatrixXd answers = charges_by_potentials(energies);
-  if (net.cols() > 0) {
-    const MatrixXd responses = answers * net;
-    MatrixXd block = net.transpose() * responses;
-    block.diagonal() += to_ground;
-    answers -= responses * block.llt().solve(responses.transpose());
-  }
+  FloatingCharges().take(net, answers * net, to_ground, answers);
   return answers;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <Eigen/Core>
+#include <Eigen/Cholesky>
 
 #include "reduced/charge_functions.hpp"
 #include "surface/bodies.hpp"
@@ -14,6 +14,21 @@ Eigen::VectorXd to_ground_of(const ChargedBodies& bodies);
 
 /// Returns the net charges of functions on the conductors that float (columns).
 Eigen::MatrixXd net_on_floating(const ChargeFunctions& functions, const ChargedBodies& bodies);
+
+/// Takes from charges what conductors that float cannot have: their net charges are those of their
+/// capacitances to the ground. Allocates no memory once it has had the sizes.
+class FloatingCharges {
+ public:
+  /// @param net the net charges on the conductors (columns) by the functions (rows)
+  /// @param responses charges of the functions for each conductor at unit potential
+  /// @param charges of the functions for some potentials (columns) with these conductors grounded
+  void take(const Eigen::Ref<const Eigen::MatrixXd>& net, const Eigen::Ref<const Eigen::MatrixXd>& responses,
+            const Eigen::VectorXd& to_ground, Eigen::Ref<Eigen::MatrixXd> charges);
+
+ private:
+  Eigen::MatrixXd block_, taken_;
+  Eigen::LLT<Eigen::MatrixXd> factor_;
+};
 
 /// Returns the inverse of a single-layer matrix. Functions that coincide up to rounding share their charge.
 Eigen::MatrixXd charges_by_potentials(const Eigen::MatrixXd& energies);

@@ -8,6 +8,7 @@
 #include <Eigen/Geometry>
 
 #include "reduced/charge_functions.hpp"
+#include "reduced/node_kernels.hpp"
 #include "reduced/table_forces.hpp"
 
 /// Potentials between the charge functions of two groups of bodies that move against each other
@@ -20,17 +21,50 @@ struct LinkCoupling {
   Eigen::MatrixXf functions;   ///< of the first one's functions (columns) on the second one's (rows)
   /// Potentials of the first one's given charges (columns) on the second one's functions, and below these the
   /// energies of these charges with those that the second one carries for loads.
-  Eigen::MatrixXf given_first;
-  Eigen::MatrixXf given_second;  ///< the same of the second one's given charges and the first one
+  TrianglePotentials given_first;
+  TrianglePotentials given_second;  ///< the same of the second one's given charges and the first one
 };
 
-/// Returns the level of a function's points beside the other group's bodies, of which `to_other` is the
-/// frame.
-std::size_t level_beside(const ChargeFunctions& functions, std::size_t function,
-                         const Eigen::Isometry3d& to_other, std::span<const Eigen::AlignedBox3d> others);
+/// Points whose unit charges have limited potentials, in whole blocks once they are filled up.
+struct LimitedPoints {
+  std::vector<float> x, y, z;
+  std::vector<float> limits;  ///< largest potentials of unit charges
+  std::size_t count = 0;
 
-/// Tells whether a relative pose is the same up to rounding.
-bool keep_relative_pose(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
+  void clear();
+  void add(const Eigen::Vector3f& at, float limit);
+  /// Adds points far away until the last block is whole.
+  void fill_up();
+  NodePoints points() const { return {x.data(), y.data(), z.data(), index_of(count)}; }
+};
+
+/// Finds the forces on points in the fields of point charges, where their potentials are not limited, with
+/// arrays that are used again.
+class PointForces {
+ public:
+  /// A point on which forces act, a part of a function.
+  struct Point {
+    Eigen::Vector3f at;
+    Eigen::Index function;
+    float share;
+    float limit;  ///< largest 1/r; infinite where it is not limited, also not by the sources
+  };
+  /// Begins with sources, and returns their charges, zeros yet: for every point those of all fields.
+  std::vector<float>& start(const LimitedPoints& sources, std::size_t fields);
+  /// Adds the forces on a point, at the latest when finish() is called.
+  void add(const Point& point, Forces& forces);
+  void finish(Forces& forces);
+
+ private:
+  const LimitedPoints* sources_ = nullptr;
+  std::size_t fields_count_ = 0;
+  std::vector<float> charges_;
+  std::vector<Point> points_;  ///< up to one block
+  std::vector<float> inverse_distances_;
+  std::array<std::vector<float>, 3> gradients_;  ///< of 1/r, for some sources a block each
+  std::vector<float> fields_;                    ///< a block for each component and field
+  std::vector<float> sums_;
+};
 
 /// Evaluates couplings, with arrays that are used again. Charges are points, the finer the nearer the other
 /// group is. Points that are closer than their parts of the surface are large count as spheres of the parts'
@@ -50,28 +84,14 @@ class LinkCoupler {
                    const Eigen::MatrixXf& charges, Forces& forces);
 
  private:
-  void add_fields(std::size_t fields, Forces& forces);
-
   void place(const ChargeFunctions& functions, const Eigen::Isometry3d& to_other,
              std::span<const Eigen::AlignedBox3d> others);
   void gather(const ChargeFunctions& functions, float* of_functions) const;
 
   std::vector<std::size_t> levels_;  ///< of the placed functions
-  std::vector<float> x_, y_, z_, shares_, limits_;
-  std::size_t count_ = 0;
-  std::vector<float> row_x_, row_y_, row_z_, inverse_distances_, potentials_;
-  /// Up to one block of points on which forces act, with the functions that they are parts of.
-  struct ForcePoint {
-    Eigen::Vector3f at;
-    Eigen::Index function;
-    float share;
-    float limit;  ///< largest 1/r; infinite where it is not limited, also not by the sources
-  };
-  std::vector<ForcePoint> force_points_;
-  std::vector<float> field_charges_;             ///< of every placed point for all fields
-  std::array<std::vector<float>, 3> gradients_;  ///< of 1/r, for some sources a block each
-  std::vector<float> fields_;                    ///< a block for each component and field
-  std::vector<float> sums_;
+  LimitedPoints points_, of_row_;
+  std::vector<float> shares_, potentials_;  ///< of the placed points
+  PointForces forces_;
 };
 
 }  // namespace fringe::detail

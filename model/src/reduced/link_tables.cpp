@@ -1,11 +1,10 @@
 #include "reduced/link_tables.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
-#include "reduced/link_couplings.hpp"
 #include "reduced/node_kernels.hpp"
 #include "simd/dispatch.hpp"
 
@@ -17,11 +16,6 @@ using Eigen::Isometry3d;
 using Eigen::MatrixXf;
 using Eigen::Vector3d;
 
-using TableRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// Side of the largest cells over the diagonal of the box around the targets.
-constexpr double largest_link_cell = 1;
-
 /// The level of the link's points for places that are in no cell.
 constexpr std::size_t level_of_near = 2;
 
@@ -32,34 +26,10 @@ constexpr std::size_t level_at_near = 1;
 /// middle of its part of the surface.
 constexpr double most_of_part = 2;
 
-double side_of_largest_cells(const TargetAtRest& target) {
-  Eigen::AlignedBox3d box;
-  for (const Eigen::AlignedBox3d& each : target.functions().boxes())
-    box.extend(each);
-  return largest_link_cell * box.diagonal().norm();
-}
-
-/// Calls a function with every point of functions beside a link, the number of its function, and its place
-/// among the points of a level. Functions whose centres are in no cell of the table have a few points.
-template <typename Visit>
-void visit_points_beside(const ChargeFunctions& functions, const Isometry3d& pose,
-                         const ChargeFunctions& of_link, const PotentialTable& table,
-                         std::size_t coarsest_level, const Visit& visit) {
-  for (std::size_t function = 0; function < functions.count(); ++function) {
-    std::size_t level = std::max(level_beside(functions, function, pose, of_link.boxes()), coarsest_level);
-    if (level > level_at_near && !table.find(pose * functions.centre(function)))
-      level = level_at_near;
-    const FunctionPoints& points = functions.points(level);
-    for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k)
-      visit(pose * points.at[k].cast<double>(), function, points, k);
-  }
-}
-
 /// Returns the largest potential of a point of a link's function.
 double limit_of_part(const ChargeFunctions& link, std::size_t function) {
-  const FunctionPoints& points = link.points(level_of_near);
-  const std::size_t count = points.first[function + 1] - points.first[function];
-  return most_of_part * std::sqrt(static_cast<double>(count)) / link.radius(function);
+  const auto count = static_cast<double>(link.points(level_of_near).count(function));
+  return most_of_part * std::sqrt(count) / link.radius(function);
 }
 
 }  // namespace
@@ -67,78 +37,40 @@ double limit_of_part(const ChargeFunctions& link, std::size_t function) {
 LinkTable::LinkTable(const ChargeFunctions& functions, double largest)
     : functions_(functions), potentials_(functions), table_(potentials_, largest) {
   const FunctionPoints& points = functions.points(level_of_near);
-  const Index count = index_of(points.at.size());
-  const auto padded = static_cast<std::size_t>(whole_blocks(count));
-  for (std::vector<float>* coordinates : {&near_x_, &near_y_, &near_z_})
-    coordinates->assign(padded, padded_coordinate);
-  near_limits_.assign(padded, 1.0F);
-  near_charges_.setZero(index_of(padded), points.given.cols());
-  near_charges_.topRows(count) = points.given;
-  for (std::size_t k = 0; k < points.at.size(); ++k)
-    near_x_[k] = points.at[k].x(), near_y_[k] = points.at[k].y(), near_z_[k] = points.at[k].z();
   for (std::size_t function = 0; function < functions.count(); ++function)
-    std::fill(near_limits_.begin() + static_cast<std::ptrdiff_t>(points.first[function]),
-              near_limits_.begin() + static_cast<std::ptrdiff_t>(points.first[function + 1]),
-              static_cast<float>(limit_of_part(functions, function)));
+    for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k)
+      near_.add(points.at[k], static_cast<float>(limit_of_part(functions, function)));
+  near_.fill_up();
+  near_charges_.setZero(index_of(near_.limits.size()), points.given.cols());
+  near_charges_.topRows(points.given.rows()) = points.given;
+}
+
+/// Returns the level of a function beside the link. Those whose centres are in no cell have a few points.
+std::size_t LinkTable::level(const ChargeFunctions& others, std::size_t function, const Isometry3d& pose,
+                             std::size_t coarsest) const {
+  const std::size_t level = std::max(others.level(function, pose, functions_.boxes()), coarsest);
+  return level > level_at_near && !table_.find(pose * others.centre(function)) ? level_at_near : level;
 }
 
 /// Adds the potentials of the given charges at points close to the link to the rows that these are shares
 /// of. Charges are points, too.
-void LinkTable::add_near(NearPoints& workspace, MatrixXf& given) const {
-  /// Number of charges that are evaluated together: their distances stay in the nearest cache.
-  constexpr std::size_t together = 128;
-  constexpr auto in_block = static_cast<std::size_t>(node_block);
-  const auto& kernels = best_kernels<NodeKernels>();
-  const std::vector<NearPoints::Share>& shares = workspace.shares;
-  const Index loads = given.cols();
-  const auto size = static_cast<std::size_t>(loads) * in_block;
-  workspace.potentials.resize(together * in_block);
-  workspace.of_chunk.resize(size);
-  std::array<std::array<float, in_block>, 3> at{};
-  for (std::size_t first = 0; first < shares.size(); first += in_block) {
-    for (std::size_t p = 0; p < in_block; ++p)
-      for (std::size_t axis = 0; axis < 3; ++axis)
-        at[axis][p] = static_cast<float>(shares[std::min(first + p, shares.size() - 1)].at[index_of(axis)]);
-    workspace.of_loads.assign(size, 0.0F);
-    for (std::size_t begin = 0; begin < near_limits_.size(); begin += together) {
-      const std::size_t count = std::min(together, near_limits_.size() - begin);
-      float* const values = workspace.potentials.data();
-      kernels.fill({near_x_.data() + begin, near_y_.data() + begin, near_z_.data() + begin, index_of(count)},
-                   {at[0].data(), at[1].data(), at[2].data(), node_block}, values);
-      for (std::size_t k = 0; k < count; ++k) {
-        // At the same place 1/r is not a number, which is not less than the limit.
-        const float limit = near_limits_[begin + k];
-        for (std::size_t p = k * in_block; p < (k + 1) * in_block; ++p)
-          values[p] = values[p] < limit ? values[p] : limit;
-      }
-      kernels.combine({values, index_of(count)}, {near_charges_.row(index_of(begin)).data(), loads, loads},
-                      workspace.of_chunk.data());
-      kernels.add(1, workspace.of_chunk.data(), workspace.of_loads.data(), index_of(size));
+void LinkTable::add_near(BesideLink& workspace, TrianglePotentials& given) const {
+  const std::vector<BesideLink::Near>& near = workspace.near;
+  workspace.at_link.resize(near_.limits.size());
+  for (std::size_t first = 0, end = 0; first < near.size(); first = end) {
+    workspace.of_row.clear();
+    workspace.shares.clear();
+    for (; end < near.size() && near[end].row == near[first].row; ++end) {
+      workspace.of_row.add(near[end].at.cast<float>(), 0);
+      workspace.shares.push_back(near[end].share);
     }
-    for (std::size_t p = 0; p < std::min(in_block, shares.size() - first); ++p)
-      for (Index load = 0; load < loads; ++load)
-        given(shares[first + p].row, load) +=
-            shares[first + p].share * workspace.of_loads[static_cast<std::size_t>(load) * in_block + p];
-  }
-}
-
-/// Adds the forces on a share of a function's charge close to the link: the derivatives of what add_near()
-/// finds.
-void LinkTable::add_near_force(const Vector3d& place, std::size_t function, float share,
-                               const std::vector<Index>& carried, Forces& forces) const {
-  for (std::size_t k = 0; k < near_limits_.size(); ++k) {
-    const Vector3d towards = Eigen::Vector3f(near_x_[k], near_y_[k], near_z_[k]).cast<double>() - place;
-    const double inverse_distance = 1 / towards.norm();
-    // Below the limit the potential is constant.
-    if (!(inverse_distance < near_limits_[k]))
-      continue;
-    const Vector3d gradient = share * std::pow(inverse_distance, 3) * towards, moment = place.cross(gradient);
-    for (std::size_t load = 0; load < carried.size(); ++load) {
-      const double charge = near_charges_(index_of(k), index_of(load));
-      auto force = forces.col(carried[load]).segment<6>(6 * index_of(function));
-      force.head<3>() += charge * gradient;
-      force.tail<3>() += charge * moment;
-    }
+    // The potential of a point at another is that of the other at it.
+    best_kernels<NodeKernels>().add_up_limited(workspace.of_row.points(), workspace.shares.data(),
+                                               std::numeric_limits<float>::max(), near_.points(),
+                                               near_.limits.data(), workspace.at_link.data());
+    const Eigen::Map<const Eigen::VectorXf> at_link(workspace.at_link.data(), near_charges_.rows());
+    for (Index load = 0; load < near_charges_.cols(); ++load)
+      given(near[first].row, load) += near_charges_.col(load).dot(at_link);
   }
 }
 
@@ -147,8 +79,8 @@ bool LinkTable::add(const ChargeFunctions& others, const Isometry3d& pose) {
   const auto add_point = [&](const Vector3d& at) { have_cells = table_.add(at) && have_cells; };
   for (std::size_t function = 0; function < others.count(); ++function)
     add_point(pose * others.centre(function));
-  visit_points_beside(
-      others, pose, functions_, table_, 0,
+  others.visit_points(
+      pose, [&](std::size_t function) { return level(others, function, pose); },
       [&](const Vector3d& at, std::size_t, const FunctionPoints&, std::size_t) { add_point(at); });
   return have_cells;
 }
@@ -157,73 +89,67 @@ void LinkTable::fill(std::size_t threads) {
   table_.fill(MatrixXf(static_cast<Index>(functions_.count()), 0), threads);
 }
 
-void LinkTable::write(const ChargeFunctions& others, const Isometry3d& pose, MatrixXf& given,
-                      NearPoints& workspace) const {
-  const Index count = functions_.panels().given.cols(), functions = index_of(others.count()),
-              carried = others.panels().given.cols() / 2;
-  given.setZero(functions + carried, count);
-  if (count == 0)
+void LinkTable::write(const ChargeFunctions& others, const Isometry3d& pose, TrianglePotentials& given,
+                      BesideLink& workspace) const {
+  const Index functions = index_of(others.count()), carried = others.panels().given.cols() / 2;
+  given.setZero(functions + carried, index_of(table_.width()));
+  if (functions_.panels().given.cols() == 0)
     return;
-  std::array<float, PotentialTable::nodes> weights{};
-  std::optional<std::size_t> cell;
-  Index current = 0;
-  const auto finish = [&] {
-    if (!cell)
-      return;
-    const Eigen::Map<const TableRows, 0, Eigen::OuterStride<>> values(
-        table_.values(*cell), PotentialTable::nodes, count,
-        Eigen::OuterStride<>(static_cast<Index>(table_.width())));
-    given.row(current).noalias() +=
-        Eigen::Map<const Eigen::RowVectorXf>(weights.data(), PotentialTable::nodes) * values;
-    weights.fill(0);
-    cell.reset();
-  };
-  workspace.shares.clear();
+  workspace.potentials.start(table_, given);
+  workspace.near.clear();
   const auto add = [&](const Vector3d& at, Index row, float charge) {
-    if (row != current || !cell || !table_.contains(*cell, at)) {
-      finish();
-      current = row;
-      cell = table_.find(at);
-    }
-    if (cell)
-      table_.add_weights(*cell, at, charge, weights);
-    else
-      workspace.shares.push_back({at, row, charge});
+    if (!workspace.potentials.add(at, row, charge))
+      workspace.near.push_back({at, row, charge});
   };
-  visit_points_beside(others, pose, functions_, table_, 0,
-                      [&](const Vector3d& at, std::size_t function, const FunctionPoints& points,
-                          std::size_t k) { add(at, index_of(function), points.shares[k]); });
+  others.visit_points(
+      pose, [&](std::size_t function) { return level(others, function, pose); },
+      [&](const Vector3d& at, std::size_t function, const FunctionPoints& points, std::size_t k) {
+        add(at, index_of(function), points.shares[k]);
+      });
   for (Index load = 0; load < carried; ++load)
-    visit_points_beside(others, pose, functions_, table_, ChargeFunctions::first_with_moments,
-                        [&](const Vector3d& at, std::size_t, const FunctionPoints& points, std::size_t k) {
-                          add(at, functions + load, points.given(index_of(k), load));
-                        });
-  finish();
+    others.visit_points(
+        pose,
+        [&](std::size_t function) {
+          return level(others, function, pose, ChargeFunctions::first_with_moments);
+        },
+        [&](const Vector3d& at, std::size_t, const FunctionPoints& points, std::size_t k) {
+          add(at, functions + load, points.given(index_of(k), load));
+        });
+  workspace.potentials.finish();
   add_near(workspace, given);
 }
 
 void LinkTable::find_forces(const ChargeFunctions& others, const Isometry3d& pose, Index loads,
-                            const std::vector<Index>& carried, TableForces& workspace, Forces& forces) const {
+                            const std::vector<Index>& carried, BesideLink& workspace, Forces& forces) const {
   forces.setZero(6 * index_of(others.count()), loads);
   if (carried.empty())
     return;
   MatrixXf factors = MatrixXf::Zero(index_of(table_.width()), loads);
-  for (std::size_t load = 0; load < carried.size(); ++load)
+  std::vector<float>& charges = workspace.near_forces.start(near_, static_cast<std::size_t>(loads));
+  for (std::size_t load = 0; load < carried.size(); ++load) {
     factors(index_of(load), carried[load]) = 1;
-  workspace.start(table_, factors);
-  visit_points_beside(
-      others, pose, functions_, table_, 0,
+    for (std::size_t k = 0; k < near_.count; ++k)
+      charges[k * static_cast<std::size_t>(loads) + static_cast<std::size_t>(carried[load])] =
+          near_charges_(index_of(k), index_of(load));
+  }
+  workspace.forces.start(table_, factors);
+  others.visit_points(
+      pose, [&](std::size_t function) { return level(others, function, pose); },
       [&](const Vector3d& at, std::size_t function, const FunctionPoints& points, std::size_t k) {
-        if (!workspace.add(at, function, points.shares[k], forces))
-          add_near_force(at, function, points.shares[k], carried, forces);
+        // Only the link's own points are limited.
+        if (!workspace.forces.add(at, function, points.shares[k], forces))
+          workspace.near_forces.add(
+              {at.cast<float>(), index_of(function), points.shares[k], std::numeric_limits<float>::max()},
+              forces);
       });
-  workspace.finish(forces);
+  workspace.forces.finish(forces);
+  workspace.near_forces.finish(forces);
 }
 
 LinkTables::LinkTables(const LinkedMachine& machine, const TargetAtRest& target) {
-  const double largest = side_of_largest_cells(target);
+  // The largest cells are as large as all targets.
   for (const MachineLink& link : machine.links())
-    tables_.emplace_back(link.functions(), largest);
+    tables_.emplace_back(link.functions(), target.size());
 }
 
 void LinkTables::extend(const LinkedMachine& machine, const TargetAtRest& target,
@@ -236,7 +162,7 @@ void LinkTables::extend(const LinkedMachine& machine, const TargetAtRest& target
       have_cells = tables_[link].add(target.functions(), to_link * pose.target) && have_cells;
       for (std::size_t other = 0; other < before_.size(); ++other) {
         const Isometry3d relative = to_link * pose.links[other];
-        if (other == link || (before_[other] && keep_relative_pose(*before_[other], relative)))
+        if (other == link || (before_[other] && are_equal(*before_[other], relative)))
           continue;
         have_cells = tables_[link].add(machine.links()[other].functions(), relative) && have_cells;
         before_[other] = relative;
@@ -247,12 +173,7 @@ void LinkTables::extend(const LinkedMachine& machine, const TargetAtRest& target
   for (std::size_t link = 0; link < tables_.size(); ++link) {
     if (machine.links()[link].loads().empty())
       continue;
-    const bool is_first = tables_[link].is_empty();
-    if (!add(link) && !is_first) {
-      // Places of long ago make room.
-      tables_[link].clear();
-      add(link);
-    }
+    tables_[link].table().make_room_for([&] { return add(link); });
     tables_[link].fill(threads);
   }
 }

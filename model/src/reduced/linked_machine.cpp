@@ -75,16 +75,14 @@ std::pair<MatrixXd, std::vector<OfReading>> loads_of(const std::vector<ChargedRe
   return {matrix, places};
 }
 
-/// Returns how near targets come to a body, in its own frame.
+/// Returns how near targets come to a link, in its own frame.
 /// @param targets boxes in the frame of the targets
-/// @param of_targets the poses of this frame
-/// @param frames the poses of the body's frame
-Approach approach_of(const std::vector<AlignedBox3d>& targets, const std::vector<Isometry3d>& of_targets,
-                     const std::vector<Isometry3d>& frames) {
+Approach approach_of(const std::vector<AlignedBox3d>& targets, std::span<const PoseOfMachine> poses,
+                     std::size_t link) {
   Approach result{{}, {Isometry3d::Identity()}};
-  for (std::size_t pose = 0; pose < frames.size(); pose += stride_of(frames.size()))
+  for (std::size_t k = 0; k < poses.size(); k += stride_of(poses.size()))
     for (const AlignedBox3d& box : targets)
-      result.boxes.push_back({of_targets[pose].inverse(Eigen::Isometry) * frames[pose], box});
+      result.boxes.push_back({poses[k].target.inverse(Eigen::Isometry) * poses[k].links[link], box});
   return result;
 }
 
@@ -100,10 +98,9 @@ MachineResolution machine_resolution(double rtol, bool is_rough, bool has_one_li
 }
 
 LinkedMachine::LinkedMachine(std::vector<ChargedBodies> links, const std::vector<Reading>& readings,
-                             const std::vector<std::vector<Isometry3d>>& poses,
-                             const std::vector<AlignedBox3d>& targets,
-                             const std::vector<Isometry3d>& of_targets, const MachineResolution& resolutions,
-                             std::size_t threads, const PreparedFiles* files) {
+                             std::span<const PoseOfMachine> poses, const std::vector<AlignedBox3d>& targets,
+                             const MachineResolution& resolutions, std::size_t threads,
+                             const PreparedFiles* files) {
   std::vector<std::string> names;
   for (const ChargedBodies& bodies : links)
     for (const std::string& name : drivable_conductors(bodies))
@@ -125,12 +122,7 @@ LinkedMachine::LinkedMachine(std::vector<ChargedBodies> links, const std::vector
     for (std::size_t row = 0; row < own.size(); ++row)
       if (const auto known = std::find(names.begin(), names.end(), own[row]); known != names.end())
         potentials.row(index_of(row)) = loads.row(known - names.begin());
-    std::vector<Isometry3d> frames;
-    frames.reserve(poses.size());
-    for (const std::vector<Isometry3d>& pose : poses)
-      frames.push_back(pose[k]);
-    const Approach nearness = approach(frames, poses, k),
-                   to_targets = approach_of(targets, of_targets, frames);
+    const Approach nearness = approach(poses, k), to_targets = approach_of(targets, poses, k);
     SurfaceResolution resolution = used_[k].empty() ? resolutions.others : resolutions.used;
     resolution.threads = links.size() > 1 ? 1 : threads;
     MachineLink link;
@@ -156,17 +148,20 @@ std::pair<double, double> LinkedMachine::background(const OfReading& reading) co
           links_.front().own_error() * std::sqrt(own(sense, sense) * own(drive, drive))};
 }
 
-double stated_error_of(double change, double parts, double nearness) {
+double stated_error(double change, const TargetAtRest& target, const ErrorsOfChange& errors) {
   /// Ratio of the stated error to the sum of its parts: measured (model/CORRECTIONS.md, section 8).
   constexpr double stated_per_parts = 2;
   /// Largest ratio of a function's radius to its distance at which its points see the gap: below, a change
   /// may be many times what is found.
   constexpr double most_nearness = 4;
-  if (nearness > most_nearness)
+  if (errors.nearness > most_nearness)
     return infinity;
-  // Gaps below a function are hardly resolved; then the change may be wrong by as much as it is.
-  return std::min(stated_per_parts * parts * std::max(nearness, 1.0),
-                  std::max(stated_per_parts * parts, std::abs(change)));
+  const double parts = stated_per_parts * (errors.of_others + errors.of_target +
+                                           target.error_of_panels(change, errors.of_target));
+  // Gaps below a function are hardly resolved; then the change may be wrong by as much as it is. The facets
+  // of the machine count for the sensed and for the driven conductor.
+  return std::min(parts * std::max(errors.nearness, 1.0), std::max(parts, std::abs(change))) +
+         errors.of_facets + 2 * errors.of_given_facets * std::abs(change);
 }
 
 double nearness(const std::vector<PlacedBox>& used, const TargetAtRest& target, const Isometry3d& pose) {
@@ -185,16 +180,14 @@ double nearness(const LinkedMachine& machine, const TargetAtRest& target, const 
   return largest;
 }
 
-Approach LinkedMachine::approach(const std::vector<Isometry3d>& frames,
-                                 const std::vector<std::vector<Isometry3d>>& poses,
-                                 std::size_t skipped) const {
+Approach LinkedMachine::approach(std::span<const PoseOfMachine> poses, std::size_t link) const {
   Approach result{{}, {Isometry3d::Identity()}};
-  for (std::size_t pose = 0; pose < poses.size(); pose += stride_of(poses.size()))
-    for (std::size_t link = 0; link < used_.size(); ++link)
-      if (link != skipped)
-        for (const PlacedBox& box : used_[link])
+  for (std::size_t k = 0; k < poses.size(); k += stride_of(poses.size()))
+    for (std::size_t other = 0; other < used_.size(); ++other)
+      if (other != link)
+        for (const PlacedBox& box : used_[other])
           result.boxes.push_back(
-              {box.to_box * (poses[pose][link].inverse(Eigen::Isometry) * frames[pose]), box.box});
+              {box.to_box * (poses[k].links[other].inverse(Eigen::Isometry) * poses[k].of(link)), box.box});
   return result;
 }
 

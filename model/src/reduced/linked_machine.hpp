@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,8 @@ struct PoseOfMachine {
   std::vector<Eigen::Isometry3d> links;
   Eigen::Isometry3d target;
 
+  /// Returns the pose of a link; of the targets if it is none.
+  const Eigen::Isometry3d& of(std::size_t link) const { return link < links.size() ? links[link] : target; }
   /// Returns the pose from the frame of the targets to that of a link.
   Eigen::Isometry3d of_target(std::size_t link) const {
     return links[link].inverse(Eigen::Isometry) * target;
@@ -43,9 +46,24 @@ struct SolvedReading {
   double background_error;
 };
 
-/// Returns the error stated of a change, from the sum of its estimated parts; infinity where it is not known.
-/// @param nearness the largest ratio of the radius of a function of the targets to its distance
-double stated_error_of(double change, double parts, double nearness);
+/// Returns what of an energy, such as one that functions lack, belongs to two loads.
+template <typename Energies>
+double shared_energy(const Energies& energies, Eigen::Index one, Eigen::Index other) {
+  const double first = energies(one, one), second = energies(other, other);
+  return std::sqrt(std::max(first, 0.0) * std::max(second, 0.0));
+}
+
+/// What the error of a change consists of.
+struct ErrorsOfChange {
+  double of_target;        ///< by the targets' functions
+  double of_others;        ///< by all else but panels, facets and gaps
+  double of_facets;        ///< by the facets of the targets
+  double of_given_facets;  ///< by those of the machine, relative to its charges
+  double nearness;         ///< the largest ratio of the radius of a function of the targets to its distance
+};
+
+/// Returns the error stated of a change; infinity where it is not known.
+double stated_error(double change, const TargetAtRest& target, const ErrorsOfChange& errors);
 
 /// The contribution of two groups of bodies to the derivatives of all readings, as the first one moves: in 1
 /// and in m, to be multiplied by 4πε.
@@ -71,17 +89,14 @@ class LinkedMachine {
  public:
   /// Prepares the links' bodies, joined, each in its own frame. No conductor that floats has bodies on two of
   /// them.
-  /// @param poses the poses of the links' frames, for each of some poses of the motion; a machine at rest
-  /// needs none
-  /// @param targets boxes around the targets, in a frame of their own; none: they may be anywhere
-  /// @param of_targets the poses of that frame
+  /// @param poses some poses of the motion; a machine at rest needs none
+  /// @param targets boxes around the targets, in their frame; none: they may be anywhere
   /// @param files that keep the links; may be null
   /// @throws InputError for a reading of what is neither a sensor nor an electrode.
   LinkedMachine(std::vector<ChargedBodies> links, const std::vector<Reading>& readings,
-                const std::vector<std::vector<Eigen::Isometry3d>>& poses,
-                const std::vector<Eigen::AlignedBox3d>& targets,
-                const std::vector<Eigen::Isometry3d>& of_targets, const MachineResolution& resolutions,
-                std::size_t threads, const PreparedFiles* files = nullptr);
+                std::span<const PoseOfMachine> poses, const std::vector<Eigen::AlignedBox3d>& targets,
+                const MachineResolution& resolutions, std::size_t threads,
+                const PreparedFiles* files = nullptr);
 
   const std::vector<MachineLink>& links() const { return links_; }
   const std::vector<OfReading>& readings() const { return readings_; }
@@ -97,11 +112,9 @@ class LinkedMachine {
   /// Returns all that the first link was prepared from.
   const std::string& input() const { return input_; }
 
-  /// Returns how near a body comes to what is sensed or driven, in its own frame; `skipped` is a link whose
-  /// own boxes are left out.
-  /// @param frames the poses of the body's frame
-  Approach approach(const std::vector<Eigen::Isometry3d>& frames,
-                    const std::vector<std::vector<Eigen::Isometry3d>>& poses, std::size_t skipped) const;
+  /// Returns how near a link comes to what is sensed or driven on the others, in its own frame; `none`: the
+  /// targets.
+  Approach approach(std::span<const PoseOfMachine> poses, std::size_t link) const;
   static constexpr std::size_t none = static_cast<std::size_t>(-1);
 
  private:

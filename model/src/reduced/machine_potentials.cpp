@@ -13,7 +13,7 @@
 #include "reduced/linked_machine.hpp"
 #include "reduced/node_kernels.hpp"
 #include "reduced/outside_potentials.hpp"
-#include "reduced/posed_potentials.hpp"
+#include "simd/dispatch.hpp"
 
 namespace fringe {
 
@@ -32,11 +32,33 @@ constexpr std::size_t points_together = 1024;
 /// accurate.
 constexpr Eigen::Index most_answers = 256;
 
+/// Returns the products of rows with each other, in blocks.
+MatrixXd products_of_rows(const Eigen::Ref<const TrianglePotentials>& rows) {
+  using detail::node_block;
+  const auto& kernels = detail::best_kernels<detail::NodeKernels>();
+  const Index count = rows.rows(), padded = detail::whole_blocks(count), of_block = rows.cols() * node_block;
+  // The values of a block's rows follow each other, column by column.
+  std::vector<float> blocks(static_cast<std::size_t>(padded * rows.cols()), 0.0F);
+  Eigen::Map<MatrixXf> columns(blocks.data(), node_block, padded / node_block * rows.cols());
+  for (Index row = 0; row < count; ++row)
+    columns.row(row % node_block).segment(row / node_block * rows.cols(), rows.cols()) = rows.row(row);
+  Eigen::Matrix<float, node_block, node_block> products;
+  MatrixXd found(padded, padded);
+  for (Index i = 0; i < padded; i += node_block)
+    for (Index j = 0; j <= i; j += node_block) {
+      kernels.combine({blocks.data() + j / node_block * of_block, rows.cols()},
+                      {blocks.data() + i / node_block * of_block, node_block, node_block}, products.data());
+      found.block<node_block, node_block>(j, i) = products.cast<double>();
+      found.block<node_block, node_block>(i, j) = products.transpose().cast<double>();
+    }
+  return found.topLeftCorner(count, count);
+}
+
 }  // namespace
 
 struct MachinePotentials::Machine {
   Machine(const Scene& scene, const MachinePotentialsOptions& options)
-      : machine({detail::charged_bodies(scene)}, fringe::readings(scene), {}, {}, {},
+      : machine({detail::charged_bodies(scene)}, fringe::readings(scene), {}, {},
                 {{options.rtol, options.most_panels, options.functions}, {}}, options.threads),
         potentials(link().functions()) {
     for (const detail::OfReading& reading : machine.readings())
@@ -54,15 +76,15 @@ struct MachinePotentials::Machine {
     const Eigen::LLT<MatrixXd> factor(matrix);
     if (factor.info() != Eigen::Success)
       return false;
-    const MatrixXd charges = factor.solve(loads);
-    const Eigen::RowVectorXd net = charges.colwise().sum();
-    const double own = to_ground ? factor.solve(Eigen::VectorXd::Ones(matrix.rows())).sum() + *to_ground : 1;
+    MatrixXd charges = factor.solve(loads);
+    if (to_ground) {
+      const Eigen::VectorXd ones = Eigen::VectorXd::Ones(matrix.rows());
+      detail::FloatingCharges().take(ones, factor.solve(ones), Eigen::VectorXd::Constant(1, *to_ground),
+                                     charges);
+    }
     for (std::size_t k = 0; k < readings.size(); ++k) {
       const Index sense = index_of(readings[k].sense), drive = index_of(readings[k].drive);
-      double change = loads.col(sense).dot(charges.col(drive));
-      if (to_ground)
-        change -= net[sense] * net[drive] / own;
-      changes[index_of(k)] = readings[k].sign * change;
+      changes[index_of(k)] = readings[k].sign * loads.col(sense).dot(charges.col(drive));
     }
     return true;
   }
@@ -121,7 +143,6 @@ MachinePotentials::Changes MachinePotentials::changes(const Body& body,
   if (const std::size_t parts = machine_->link().functions().count();
       static_cast<std::size_t>(answers.rows()) != parts)
     throw InputError(fmt::format("answers have {} rows, but there are {} parts", answers.rows(), parts));
-  const detail::FunctionCharges charges(answers);
   std::vector<Vector3d> positions;
   positions.reserve(poses.size());
   for (const Eigen::Isometry3d& pose : poses)
@@ -139,14 +160,15 @@ MachinePotentials::Changes MachinePotentials::changes(const Body& body,
     for (const std::size_t index : indices)
       for (const Vector3d& point : body.points)
         points.emplace_back(poses[index] * point);
-    detail::PosedPotentials potentials(machine_->potentials, charges);
-    potentials.evaluate(points);
+    const detail::OutsidePotentials::Values values =
+        machine_->potentials.at(points, answers.cols() > 0, &answers, 1);
     Eigen::RowVectorXd changes(result.values.cols());
     for (std::size_t k = 0; k < indices.size(); ++k) {
-      const std::size_t first = k * body.points.size();
-      const MatrixXd matrix = body.potentials - potentials.answers(first, count);
-      clears[indices[k]] =
-          machine_->find_changes(potentials.given(first, count), matrix, to_ground, changes) ? 1 : 0;
+      const Index first = index_of(k) * count;
+      const MatrixXd matrix =
+          body.potentials - products_of_rows(values.of_functions.middleRows(first, count));
+      const MatrixXd loads = values.of_given.middleRows(first, count).cast<double>();
+      clears[indices[k]] = machine_->find_changes(loads, matrix, to_ground, changes) ? 1 : 0;
       if (clears[indices[k]] != 0)
         result.values.row(index_of(indices[k])) = changes;
     }

@@ -61,32 +61,25 @@ Index in_whole_blocks(Index count) {
 /// Evaluates the couplings of what has moved against each other.
 void MovingSolver::couple(const LinkedMachine& machine, const LinkTables& tables, const TargetAtRest& target,
                           const PoseOfMachine& pose) {
-  const std::size_t count = pose.links.size();
-  const bool is_first = between_links_.empty() && with_target_.empty();
-  between_links_.resize(count * (count - 1) / 2);
-  with_target_.resize(count);
+  const std::size_t links = pose.links.size();
+  const bool is_first = couplings_.empty();
+  couplings_.resize(links * (links + 1) / 2);
+  const auto functions_of = [&](std::size_t group) -> const ChargeFunctions& {
+    return group < links ? machine.links()[group].functions() : target.functions();
+  };
   std::size_t pair = 0;
-  for (std::size_t a = 0; a < count; ++a) {
-    const ChargeFunctions& functions = machine.links()[a].functions();
-    for (std::size_t b = a + 1; b < count; ++b, ++pair) {
-      LinkCoupling& coupling = between_links_[pair];
-      const Isometry3d relative = pose.links[b].inverse(Eigen::Isometry) * pose.links[a];
-      if (!is_first && keep_relative_pose(coupling.relative, relative))
+  for (std::size_t a = 0; a < links; ++a)
+    for (std::size_t b = a + 1; b <= links; ++b, ++pair) {
+      LinkCoupling& coupling = couplings_[pair];
+      const Isometry3d relative = pose.of(b).inverse(Eigen::Isometry) * pose.links[a];
+      if (!is_first && are_equal(coupling.relative, relative))
         continue;
-      const ChargeFunctions& others = machine.links()[b].functions();
       coupling.relative = relative;
-      coupler_.couple(functions, others, relative, coupling.functions);
-      tables.of(a).write(others, relative.inverse(Eigen::Isometry), coupling.given_first, near_);
-      tables.of(b).write(functions, relative, coupling.given_second, near_);
+      coupler_.couple(functions_of(a), functions_of(b), relative, coupling.functions);
+      tables.of(a).write(functions_of(b), relative.inverse(Eigen::Isometry), coupling.given_first, beside_);
+      if (b < links)
+        tables.of(b).write(functions_of(a), relative, coupling.given_second, beside_);
     }
-    LinkCoupling& coupling = with_target_[a];
-    const Isometry3d relative = pose.links[a].inverse(Eigen::Isometry) * pose.target;
-    if (!is_first && keep_relative_pose(coupling.relative, relative))
-      continue;
-    coupling.relative = relative;
-    coupler_.couple(target.functions(), functions, relative, coupling.functions);
-    tables.of(a).write(target.functions(), relative, coupling.given_second, near_);
-  }
 }
 
 /// Finds what depends on no pose.
@@ -100,7 +93,8 @@ void MovingSolver::prepare(const LinkedMachine& machine, const TargetAtRest& tar
   }
   first_target_ = in_whole_blocks(first_.back());
   energies_of_target_ = target.functions().energies().cast<float>();
-  scales_.resize(first_.back() + energies_of_target_.rows());
+  first_.push_back(first_.back() + energies_of_target_.rows());
+  scales_.resize(first_.back());
   for (std::size_t k = 0; k < machine.links().size(); ++k)
     scales_.segment(first_[k], first_[k + 1] - first_[k]) = machine.links()[k].energies().diagonal();
   scales_.tail(energies_of_target_.rows()) = energies_of_target_.diagonal();
@@ -110,48 +104,41 @@ void MovingSolver::prepare(const LinkedMachine& machine, const TargetAtRest& tar
 
 /// Adds up the potentials of the charges that are given on the links.
 void MovingSolver::add_given(const LinkedMachine& machine) {
-  const std::size_t count = machine.links().size();
+  const std::size_t links = machine.links().size();
   const Index loads = machine.loads();
-  on_machine_.setZero(first_.back(), 2 * loads);
-  on_target_.setZero(energies_of_target_.rows(), 2 * loads);
+  given_.setZero(first_.back(), 2 * loads);
   mutual_.setZero(loads, 2 * loads);
-  // `on` are the loads that belong to the rows behind those of the functions.
-  const auto add = [&](const MachineLink& link, const MatrixXf& potentials, const std::vector<Index>& on,
-                       auto&& to) {
-    const Index own = index_of(link.loads().size());
+  const auto add = [&](const MachineLink& link, const TrianglePotentials& potentials, std::size_t to) {
+    const Index first = first_[to], size = first_[to + 1] - first, own = index_of(link.loads().size());
     for (Index k = 0; k < own; ++k) {
       const Index load = link.loads()[static_cast<std::size_t>(k)];
-      to.col(load) += potentials.col(k).head(to.rows());
-      to.col(loads + load) += potentials.col(own + k).head(to.rows());
-      for (std::size_t other = 0; other < on.size(); ++other) {
-        mutual_(on[other], load) += potentials(to.rows() + index_of(other), k);
-        mutual_(on[other], loads + load) += potentials(to.rows() + index_of(other), own + k);
+      given_.col(load).segment(first, size) += potentials.col(k).head(size);
+      given_.col(loads + load).segment(first, size) += potentials.col(own + k).head(size);
+      // The rows behind those of the functions belong to the loads of a link.
+      for (Index other = 0; to < links && other < index_of(machine.links()[to].loads().size()); ++other) {
+        const Index on = machine.links()[to].loads()[static_cast<std::size_t>(other)];
+        mutual_(on, load) += potentials(size + other, k);
+        mutual_(on, loads + load) += potentials(size + other, own + k);
       }
     }
   };
   std::size_t pair = 0;
-  for (std::size_t a = 0; a < count; ++a) {
-    const MachineLink& link = machine.links()[a];
-    add(link, with_target_[a].given_second, {}, on_target_);
-    for (std::size_t b = a + 1; b < count; ++b, ++pair) {
-      const LinkCoupling& coupling = between_links_[pair];
-      add(link, coupling.given_first, machine.links()[b].loads(),
-          on_machine_.middleRows(first_[b], first_[b + 1] - first_[b]));
-      add(machine.links()[b], coupling.given_second, link.loads(),
-          on_machine_.middleRows(first_[a], first_[a + 1] - first_[a]));
+  for (std::size_t a = 0; a < links; ++a)
+    for (std::size_t b = a + 1; b <= links; ++b, ++pair) {
+      add(machine.links()[a], couplings_[pair].given_first, b);
+      if (b < links)
+        add(machine.links()[b], couplings_[pair].given_second, a);
     }
-  }
 }
 
 /// Writes the columns of the links' functions.
 void MovingSolver::fill_machine(const LinkedMachine& machine, float ridge) {
-  const std::size_t count = machine.links().size();
-  const Index loads = machine.loads(), targets = energies_of_target_.rows();
-  const auto scales = [&](std::size_t link) { return scales_.data() + first_[link]; };
-  const float* const target_scales = scales_.data() + first_.back();
+  const std::size_t links = machine.links().size();
+  const Index loads = machine.loads();
+  const auto scales = [&](std::size_t group) { return scales_.data() + first_[group]; };
   std::size_t pair = 0;
   Index floating = 0;
-  for (std::size_t a = 0; a < count; ++a) {
+  for (std::size_t a = 0; a < links; ++a) {
     const MachineLink& link = machine.links()[a];
     const Index first = first_[a], size = first_[a + 1] - first;
     for (Index column = 0; column < size; ++column) {
@@ -159,31 +146,29 @@ void MovingSolver::fill_machine(const LinkedMachine& machine, float ridge) {
       const float own = scales(a)[column];
       for (Index row = column + 1; row < size; ++row)
         factor_(first + row, first + column) = own * scales(a)[row] * link.energies()(row, column);
-      for (Index row = 0; row < targets; ++row)
-        factor_(target_row(row), first + column) =
-            own * target_scales[row] * with_target_[a].functions(column, row);
       for (Index load = 0; load < loads; ++load)
-        factor_(side_row(load), first + column) = own * on_machine_(first + column, load);
+        factor_(side_row(load), first + column) = own * given_(first + column, load);
       for (Index k = 0; k < link.net().cols(); ++k)
         factor_(side_row(loads + floating + k), first + column) = own * link.net()(column, k);
     }
     floating += link.net().cols();
-    for (std::size_t b = a + 1; b < count; ++b, ++pair) {
-      const MatrixXf& functions = between_links_[pair].functions;
+    for (std::size_t b = a + 1; b <= links; ++b, ++pair) {
+      const MatrixXf& functions = couplings_[pair].functions;
+      const Index first_row = b < links ? first_[b] : first_target_;
       for (Index column = 0; column < size; ++column)
         for (Index row = 0; row < functions.rows(); ++row)
-          factor_(first_[b] + row, first + column) =
+          factor_(first_row + row, first + column) =
               scales(a)[column] * scales(b)[row] * functions(row, column);
     }
   }
-  for (Index k = first_.back(); k < first_target_; ++k)
+  for (Index k = of_machine(); k < first_target_; ++k)
     factor_(k, k) = 1;
 }
 
 /// Writes the columns of the target's functions, with what the machine's floating conductors take.
 void MovingSolver::fill_target(const TargetAtRest& target, float ridge) {
-  const Index targets = energies_of_target_.rows(), loads = on_target_.cols() / 2;
-  const float* const scales = scales_.data() + first_.back();
+  const Index targets = energies_of_target_.rows(), loads = given_.cols() / 2;
+  const float* const scales = scales_.data() + of_machine();
   for (Index column = 0; column < targets; ++column) {
     for (Index row = column; row < targets; ++row) {
       float& entry = factor_(target_row(row), target_row(column));
@@ -193,7 +178,7 @@ void MovingSolver::fill_target(const TargetAtRest& target, float ridge) {
     }
     for (Index load = 0; load < loads; ++load) {
       float& entry = factor_(side_row(load), target_row(column));
-      entry = scales[column] * on_target_(column, load);
+      entry = scales[column] * given_(of_machine() + column, load);
       if (floating_ > 0)
         entry += static_cast<float>(on_floating_.col(column).dot(on_floating_.col(targets + load)));
     }
@@ -231,7 +216,7 @@ void MovingSolver::solve_floating(const LinkedMachine& machine) {
   const Index targets = energies_of_target_.rows(), loads = machine.loads();
   const auto product = [&](Index a, Index b) {
     double sum = 0;
-    for (Index k = 0; k < first_.back(); ++k)
+    for (Index k = 0; k < of_machine(); ++k)
       sum += static_cast<double>(factor_(a, k)) * factor_(b, k);
     return sum;
   };
@@ -267,7 +252,7 @@ void MovingSolver::find_backgrounds(const LinkedMachine& machine) {
   backgrounds_ = own_ - (mutual_.leftCols(loads) + mutual_.leftCols(loads).transpose()) / 2;
   for (Index a = 0; a < loads; ++a)
     for (Index b = 0; b < loads; ++b) {
-      for (Index k = 0; k < first_.back(); ++k)
+      for (Index k = 0; k < of_machine(); ++k)
         backgrounds_(a, b) += static_cast<double>(factor_(side_row(a), k)) * factor_(side_row(b), k);
       if (floating_ > 0)
         backgrounds_(a, b) -= on_floating_.col(targets + a).dot(on_floating_.col(targets + b));
@@ -276,7 +261,7 @@ void MovingSolver::find_backgrounds(const LinkedMachine& machine) {
 
 /// Finds the changes, with the net charges that floating targets may have.
 void MovingSolver::solve(const TargetAtRest& target) {
-  const Index targets = energies_of_target_.rows(), loads = on_target_.cols() / 2,
+  const Index targets = energies_of_target_.rows(), loads = given_.cols() / 2,
               floating = index_of(target.floating().size());
   right_.resize(targets, loads);
   net_.resize(targets, floating);
@@ -287,21 +272,14 @@ void MovingSolver::solve(const TargetAtRest& target) {
       net_(function, k) = factor_(side_row(loads + floating_ + k), target_row(function));
   }
   answer_ = right_;
-  if (floating > 0) {
-    block_.noalias() = net_.transpose() * net_;
-    block_.diagonal() += target.to_ground();
-    block_factor_.compute(block_);
-    answered_floating_.noalias() = net_.transpose() * answer_;
-    block_factor_.solveInPlace(answered_floating_);
-    answer_.noalias() -= net_ * answered_floating_;
-  }
+  floating_charges_.take(net_, net_, target.to_ground(), answer_);
   // Without floating targets both are the same; with them the second one is the first one's projection.
   changes_.noalias() = right_.transpose() * answer_;
 }
 
 /// Finds the charges on the target and the machine's answers to them and to the given charges.
 void MovingSolver::find_charges() {
-  const Index machine = first_.back(), targets = energies_of_target_.rows(), loads = answer_.cols(),
+  const Index machine = of_machine(), targets = energies_of_target_.rows(), loads = answer_.cols(),
               sets = 2 * loads, blocks_of_machine = first_target_ / PackedFactor::block;
   vectors_.assign(static_cast<std::size_t>(factor_.rows() * sets), 0.0F);
   const auto vector = [&](Index row, Index set) -> float& {
@@ -369,33 +347,32 @@ void MovingSolver::state_errors(const LinkedMachine& machine, const TargetAtRest
     excess = std::max(excess, link.excess());
     of_own = std::max(of_own, link.own_error());
   }
-  shifts_.noalias() = charges_on_target_.transpose() * on_target_.rightCols(loads);
-  shifts_.noalias() += answered_.transpose() * on_machine_.rightCols(loads);
+  const auto lacking = given_.rightCols(loads);
+  const auto on_machine = lacking.topRows(of_machine());
+  shifts_.noalias() = charges_on_target_.transpose() * lacking.bottomRows(charges_on_target_.rows());
+  shifts_.noalias() += answered_.transpose() * on_machine;
   shifts_ *= static_cast<float>(std::sqrt(excess));
-  shifts_of_background_.noalias() = background_.transpose() * on_machine_.rightCols(loads);
+  shifts_of_background_.noalias() = background_.transpose() * on_machine;
   shifts_of_background_ += mutual_.rightCols(loads).cast<float>();
   shifts_of_background_ *= static_cast<float>(std::sqrt(excess));
-  const auto root = [](const MatrixXd& defects, Index load) {
-    return std::sqrt(std::max(defects(load, load), 0.0));
-  };
   solved_.clear();
   for (const OfReading& reading : machine.readings()) {
     const Index sense = reading.sense, drive = reading.drive;
     const double change = reading.sign * changes_(sense, drive);
-    const double of_target = root(lacking_.defects, sense) * root(lacking_.defects, drive);
-    const double parts = of_target + target.error_of_panels(change, of_target) +
-                         root(unanswered_, sense) * root(unanswered_, drive) +
-                         root(unanswered_, sense) * root(unanswered_, loads + drive) +
-                         root(unanswered_, drive) * root(unanswered_, loads + sense) +
-                         std::abs(shifts_(sense, drive)) + std::abs(shifts_(drive, sense));
-    const double of_facets = facet_effect(facets_of_given, target, change, charges_on_target_.col(sense),
-                                          charges_on_target_.col(drive));
-    const double of_background = root(unanswered_, loads + sense) * root(unanswered_, loads + drive) +
+    const double others = shared_energy(unanswered_, sense, drive) +
+                          shared_energy(unanswered_, sense, loads + drive) +
+                          shared_energy(unanswered_, drive, loads + sense) + std::abs(shifts_(sense, drive)) +
+                          std::abs(shifts_(drive, sense));
+    const double of_facets =
+        target.functions().facet_effect(charges_on_target_.col(sense), charges_on_target_.col(drive));
+    const double error = stated_error(
+        change, target,
+        {shared_energy(lacking_.defects, sense, drive), others, of_facets, facets_of_given, nearness});
+    const double of_background = shared_energy(unanswered_, loads + sense, loads + drive) +
                                  std::abs(shifts_of_background_(sense, drive)) +
                                  std::abs(shifts_of_background_(drive, sense));
     solved_.push_back(
-        {change, stated_error_of(change, parts, nearness) + of_facets,
-         reading.sign * backgrounds_(sense, drive),
+        {change, error, reading.sign * backgrounds_(sense, drive),
          stated_per_parts * of_background + of_own * std::sqrt(own_(sense, sense) * own_(drive, drive))});
   }
 }
@@ -419,62 +396,56 @@ const std::vector<SolvedReading>& MovingSolver::solved(const LinkedMachine& mach
 }
 
 std::vector<GroupWrenches> MovingSolver::wrenches(const LinkedMachine& machine, const LinkTables& tables,
-                                                  const TargetAtRest& target,
-                                                  const PoseOfMachine& pose_of_machine) {
-  const std::vector<Isometry3d>& links = pose_of_machine.links;
-  const Isometry3d& frame = pose_of_machine.target;
+                                                  const TargetAtRest& target, const PoseOfMachine& poses) {
+  const std::size_t links = machine.links().size();
   const std::vector<OfReading>& readings = machine.readings();
   const Index loads = machine.loads();
-  const auto functions_of = [&](std::size_t link) -> const ChargeFunctions& {
-    return machine.links()[link].functions();
+  const auto functions_of = [&](std::size_t group) -> const ChargeFunctions& {
+    return group < links ? machine.links()[group].functions() : target.functions();
   };
-  // The forces on charges of some functions in the fields of what a link carries alone, in the world.
-  const auto by_given = [&](const ChargeFunctions& on, const MatrixXf& charges, const Isometry3d& pose,
+  const auto of_link = [&](const MatrixXf& charges, std::size_t link) -> MatrixXf {
+    return charges.middleRows(first_[link], first_[link + 1] - first_[link]);
+  };
+  // The forces on charges of a group's functions in the fields of what a link carries alone, in the world.
+  const auto by_given = [&](std::size_t group, const MatrixXf& charges, const Isometry3d& pose,
                             std::size_t link) {
     std::vector<Wrench> found(readings.size());
-    tables.of(link).find_forces(on, pose, loads, machine.links()[link].loads(), table_forces_, forces_);
+    tables.of(link).find_forces(functions_of(group), pose, loads, machine.links()[link].loads(), beside_,
+                                forces_);
     add_wrenches(readings, charges, forces_, found);
     for (Wrench& wrench : found)
-      wrench = in_outer_frame(wrench, links[link]);
+      wrench = in_outer_frame(wrench, poses.links[link]);
     return found;
   };
   std::vector<GroupWrenches> result;
-  for (std::size_t a = 0; a < links.size(); ++a) {
-    const Index size = first_[a + 1] - first_[a];
-    const MatrixXf answered = answered_.middleRows(first_[a], size);
-    const MatrixXf behind = -background_.middleRows(first_[a], size);
-    {
-      const Isometry3d pose = links[a].inverse(Eigen::Isometry) * frame;
-      std::vector<Wrench> wrenches = by_given(target.functions(), charges_on_target_, pose, a);
-      coupler_.find_forces(target.functions(), functions_of(a), pose, answered + behind, forces_);
-      std::vector<Wrench> by_answers(readings.size());
-      add_wrenches(readings, charges_on_target_, forces_, by_answers);
-      for (std::size_t k = 0; k < readings.size(); ++k)
-        wrenches[k] += -1.0 * in_outer_frame(by_answers[k], links[a]);
-      result.push_back({LinkedMachine::none, a, std::move(wrenches)});
-    }
-    for (std::size_t b = a + 1; b < links.size(); ++b) {
-      const Index other_size = first_[b + 1] - first_[b];
-      const MatrixXf other_answered = answered_.middleRows(first_[b], other_size);
-      const Isometry3d pose = links[b].inverse(Eigen::Isometry) * links[a];
-      std::vector<Wrench> wrenches = by_given(functions_of(a), answered, pose, b);
-      const std::vector<Wrench> opposite =
-          by_given(functions_of(b), other_answered, pose.inverse(Eigen::Isometry), a);
+  for (std::size_t b = 0; b < links; ++b)
+    for (std::size_t a = 0; a <= links; ++a) {
+      const bool is_target = a == links;
+      if (a >= b && !is_target)
+        continue;
+      const MatrixXf charges = is_target ? charges_on_target_ : of_link(answered_, a);
+      const MatrixXf of_other = of_link(answered_, b);
+      const Isometry3d pose = poses.links[b].inverse(Eigen::Isometry) * poses.of(a);
+      std::vector<Wrench> wrenches = by_given(a, charges, pose, b), by_answers(readings.size());
       // The energy with targets less that without, as a sum of products with what answers the targets: with
       // the difference of two nearly equal forces nothing would be left in single precision.
-      MatrixXf fields(other_size, 2 * loads);
-      fields << other_answered - background_.middleRows(first_[b], other_size), other_answered;
+      MatrixXf fields(of_other.rows(), is_target ? loads : 2 * loads);
+      fields.leftCols(loads) = of_other - of_link(background_, b);
+      if (!is_target)
+        fields.rightCols(loads) = of_other;
       coupler_.find_forces(functions_of(a), functions_of(b), pose, fields, forces_);
-      std::vector<Wrench> by_answers(readings.size());
-      add_wrenches(readings, answered, forces_.leftCols(loads), by_answers);
-      add_wrenches(readings, behind, forces_.rightCols(loads), by_answers);
-      for (std::size_t k = 0; k < readings.size(); ++k) {
-        wrenches[k] += -1.0 * opposite[k];
-        wrenches[k] += -1.0 * in_outer_frame(by_answers[k], links[b]);
+      add_wrenches(readings, charges, forces_.leftCols(loads), by_answers);
+      if (!is_target) {
+        // Without targets there is no charge on these, and they carry nothing for the loads.
+        add_wrenches(readings, -of_link(background_, a), forces_.rightCols(loads), by_answers);
+        const std::vector<Wrench> opposite = by_given(b, of_other, pose.inverse(Eigen::Isometry), a);
+        for (std::size_t k = 0; k < readings.size(); ++k)
+          wrenches[k] += -1.0 * opposite[k];
       }
-      result.push_back({a, b, std::move(wrenches)});
+      for (std::size_t k = 0; k < readings.size(); ++k)
+        wrenches[k] += -1.0 * in_outer_frame(by_answers[k], poses.links[b]);
+      result.push_back({is_target ? LinkedMachine::none : a, b, std::move(wrenches)});
     }
-  }
   return result;
 }
 

@@ -31,7 +31,7 @@ class MovingSolver {
   /// the stationarity of the energy the charges do not change to first order, so that these are the forces on
   /// them.
   std::vector<GroupWrenches> wrenches(const LinkedMachine& machine, const LinkTables& tables,
-                                      const TargetAtRest& target, const PoseOfMachine& pose);
+                                      const TargetAtRest& target, const PoseOfMachine& poses);
 
  private:
   void prepare(const LinkedMachine& machine, const TargetAtRest& target);
@@ -48,15 +48,17 @@ class MovingSolver {
   void state_errors(const LinkedMachine& machine, const TargetAtRest& target, double nearness);
 
   Eigen::Index target_row(Eigen::Index function) const { return first_target_ + function; }
+  /// Returns the number of functions of all links.
+  Eigen::Index of_machine() const { return first_[first_.size() - 2]; }
   Eigen::Index side_row(Eigen::Index side) const { return factor_.rows() + side; }
 
   LinkCoupler coupler_;
-  NearPoints near_;
-  std::vector<LinkCoupling>
-      between_links_;  ///< of every pair of links, the first one's with all later ones first
-  std::vector<LinkCoupling> with_target_;   ///< of the targets (first) with every link
-  std::vector<Eigen::Index> first_;         ///< the place of each link's first function, and the end
-  Eigen::MatrixXf on_machine_, on_target_;  ///< potentials of the given charges, and of what these lack
+  BesideLink beside_;
+  /// Of every pair of groups, the first one's with all later ones first: the links, and behind them the
+  /// targets.
+  std::vector<LinkCoupling> couplings_;
+  std::vector<Eigen::Index> first_;  ///< the place of each group's first function, and the end
+  Eigen::MatrixXf given_;  ///< potentials of the given charges on all functions, and of what these lack
   /// Energies of what links carry for two loads (rows and columns) with each other, and behind them those
   /// with what the loads of the columns lack.
   Eigen::MatrixXd mutual_;
@@ -77,8 +79,8 @@ class MovingSolver {
   Eigen::MatrixXd on_floating_;  ///< what targets (first) and loads put on these, solved by the factor
   Eigen::MatrixXd taken_;        ///< and what these take of it
   Eigen::MatrixXd right_, net_;  ///< of the loads and of the targets that float, solved
-  Eigen::MatrixXd answer_, block_, answered_floating_, changes_;
-  Eigen::LLT<Eigen::MatrixXd> block_factor_;
+  Eigen::MatrixXd answer_, changes_;
+  FloatingCharges floating_charges_;
   std::vector<float> vectors_;         ///< of the answers to the targets, then to the given charges
   Eigen::MatrixXf charges_on_target_;  ///< for each load
   Eigen::MatrixXf answered_;           ///< charges of the machine's functions that answer the targets'
@@ -92,7 +94,6 @@ class MovingSolver {
     CoarseCharges::Workspace lacking;
   };
   std::vector<OfLink> of_links_;
-  TableForces table_forces_;
   Forces forces_;
   std::vector<SolvedReading> solved_;
 };

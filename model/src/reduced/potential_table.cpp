@@ -144,13 +144,16 @@ void PotentialTable::clear() {
   values_.clear();
 }
 
-std::vector<PotentialTable::Entry> PotentialTable::entries() const {
-  std::vector<Entry> result;
-  result.reserve(places_.size());
-  for (const auto& [key, cell] : places_)
-    result.push_back({key, cell});
-  std::sort(result.begin(), result.end(), [](const Entry& a, const Entry& b) { return a.key < b.key; });
-  return result;
+/// Makes the places of cells that are known.
+void PotentialTable::number_cells() {
+  places_.clear();
+  for (std::size_t cell = 0; cell < cells_.size(); ++cell) {
+    double side = largest_;
+    unsigned level = 0;
+    for (; side > 3 * cells_[cell].half; ++level, side /= 2)
+      places_.try_emplace(key(cells_[cell].centre, level, side), divided_cell);
+    places_[key(cells_[cell].centre, level, side)] = static_cast<std::int64_t>(cell);
+  }
 }
 
 std::vector<Vector3d> PotentialTable::centres() const {

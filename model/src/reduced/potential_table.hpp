@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 #include <unordered_map>
 #include <vector>
 
@@ -29,6 +30,17 @@ class PotentialTable {
   /// from the origin, or there are too many cells. The cell is empty until fill() is called. Returns false if
   /// there are too many.
   bool add(const Eigen::Vector3d& point);
+  /// Makes cells by a function that returns false where there are too many: then places of long ago make
+  /// room, and it is called again. Returns true if they did.
+  template <typename Add>
+  bool make_room_for(const Add& add_all) {
+    const bool is_first = cells_.empty();
+    if (add_all() || is_first)
+      return false;
+    clear();
+    add_all();
+    return true;
+  }
   /// Returns the centres of all cells.
   std::vector<Eigen::Vector3d> centres() const;
   std::size_t count() const { return cells_.size(); }
@@ -61,17 +73,11 @@ class PotentialTable {
   /// Returns the number of values at a node, filled up to a whole block.
   std::size_t width() const { return width_; }
 
-  template <typename Archive>
-  static void describe(Archive& archive, const PotentialTable& self) {
-    archive(self.entries(), self.cells_, self.values_, self.width_);
-  }
-  template <typename Archive>
-  static void describe(Archive& archive, PotentialTable& self) {
-    std::vector<Entry> entries;
-    archive(entries, self.cells_, self.values_, self.width_);
-    self.places_.clear();
-    for (const Entry& entry : entries)
-      self.places_.emplace(entry.key, entry.cell);
+  template <typename Archive, typename Self>
+  static void describe(Archive& archive, Self& self) {
+    archive(self.cells_, self.values_, self.width_);
+    if constexpr (!std::is_const_v<Self>)
+      self.number_cells();
   }
 
  private:
@@ -85,19 +91,7 @@ class PotentialTable {
     }
   };
 
-  /// An entry of places_.
-  struct Entry {
-    std::uint64_t key;
-    std::int64_t cell;
-
-    template <typename Archive, typename Self>
-    static void describe(Archive& archive, Self& self) {
-      archive(self.key, self.cell);
-    }
-  };
-
-  /// Returns the entries of places_ in the order of their keys.
-  std::vector<Entry> entries() const;
+  void number_cells();
   static std::uint64_t key(const Eigen::Vector3d& point, unsigned level, double side);
 
   const OutsidePotentials& potentials_;

@@ -15,20 +15,4 @@ std::string bytes_of_bodies(const ChargedBodies& bodies) {
   return archive.bytes() + bytes_of_readings(bodies.readings);
 }
 
-std::string bytes_of_readings(const std::vector<Reading>& readings) {
-  ArchiveWriter archive;
-  archive(readings.size());
-  for (const Reading& reading : readings)
-    archive(reading.name, reading.sense, reading.drive);
-  return archive.bytes();
-}
-
-std::string bytes_of_readings(const std::vector<ChargedReading>& readings) {
-  ArchiveWriter archive;
-  archive(readings.size());
-  for (const ChargedReading& reading : readings)
-    archive(reading.name, reading.sense, reading.drive);
-  return archive.bytes();
-}
-
 }  // namespace fringe::detail

@@ -14,7 +14,13 @@ namespace fringe::detail {
 std::string bytes_of_bodies(const ChargedBodies& bodies);
 
 /// Returns what readings sense and drive.
-std::string bytes_of_readings(const std::vector<Reading>& readings);
-std::string bytes_of_readings(const std::vector<ChargedReading>& readings);
+template <typename Reading>
+std::string bytes_of_readings(const std::vector<Reading>& readings) {
+  ArchiveWriter archive;
+  archive(readings.size());
+  for (const Reading& reading : readings)
+    archive(reading.name, reading.sense, reading.drive);
+  return archive.bytes();
+}
 
 }  // namespace fringe::detail

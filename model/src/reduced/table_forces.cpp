@@ -31,6 +31,47 @@ void add_wrenches(const std::vector<OfReading>& readings, const MatrixXf& charge
   }
 }
 
+void TablePotentials::start(const PotentialTable& table, TrianglePotentials& rows) {
+  table_ = &table;
+  rows_ = &rows;
+  cells_.clear();
+  none_.assign(table.width(), 0.0F);
+  sums_.resize(table.width());
+}
+
+bool TablePotentials::add(const Vector3d& point, Index row, float factor) {
+  if (row != row_)
+    finish();
+  row_ = row;
+  // Points of a function follow each other in space, so that most are in the cell before.
+  if (cells_.empty() || !table_->contains(cells_[in_cell_], point)) {
+    const std::optional<std::size_t> cell = table_->find(point);
+    if (!cell)
+      return false;
+    in_cell_ = static_cast<std::size_t>(std::find(cells_.begin(), cells_.end(), *cell) - cells_.begin());
+    if (in_cell_ == most_cells) {
+      finish();
+      in_cell_ = 0;
+    }
+    if (in_cell_ == cells_.size()) {
+      cells_.push_back(*cell);
+      weights_[in_cell_].fill(0);
+    }
+  }
+  table_->add_weights(cells_[in_cell_], point, factor, weights_[in_cell_]);
+  return true;
+}
+
+void TablePotentials::finish() {
+  const auto& kernels = best_kernels<NodeKernels>();
+  for (std::size_t k = 0; k < cells_.size(); ++k) {
+    kernels.apply({table_->values(cells_[k]), PotentialTable::nodes, index_of(table_->width())},
+                  weights_[k].data(), none_.data(), unused_.data(), sums_.data());
+    kernels.add(1, sums_.data(), rows_->row(row_).data(), index_of(table_->width()));
+  }
+  cells_.clear();
+}
+
 void TableForces::start(const PotentialTable& table, const MatrixXf& factors) {
   table_ = &table;
   factors_ = factors;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <optional>
 #include <vector>
@@ -20,6 +21,30 @@ using Forces = Eigen::MatrixXd;
 /// the field of what the reading drives on the charges for what it senses, and the other way round.
 void add_wrenches(const std::vector<OfReading>& readings, const Eigen::MatrixXf& charges,
                   const Forces& forces, std::vector<Wrench>& wrenches);
+
+/// Adds potentials of all that a table has to those on functions (rows), with arrays that are used again.
+class TablePotentials {
+ public:
+  /// Begins with a table and rows of width() numbers.
+  void start(const PotentialTable& table, TrianglePotentials& rows);
+  /// Adds the potentials at a point to a row, times a factor. Returns false for a point that is in no cell.
+  bool add(const Eigen::Vector3d& point, Eigen::Index row, float factor);
+  /// Adds those at the last points.
+  void finish();
+
+ private:
+  /// Largest number of cells whose points are added up before their nodes' values are.
+  static constexpr std::size_t most_cells = 16;
+
+  const PotentialTable* table_ = nullptr;
+  TrianglePotentials* rows_ = nullptr;
+  Eigen::Index row_ = 0;
+  std::vector<std::size_t> cells_;  ///< around the points of one row
+  std::size_t in_cell_ = 0;         ///< the place of that of the last point
+  std::array<std::array<float, PotentialTable::nodes>, most_cells> weights_{};
+  std::array<float, PotentialTable::nodes> unused_{};
+  std::vector<float> none_, sums_;
+};
 
 /// Evaluates forces in fields that are combinations of what a table has, with arrays that are used again.
 class TableForces {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <tuple>
 
 #include "reduced/node_kernels.hpp"
@@ -11,7 +10,6 @@
 namespace fringe::detail {
 namespace {
 
-using Eigen::AlignedBox3d;
 using Eigen::Index;
 using Eigen::Isometry3d;
 using Eigen::MatrixXd;
@@ -28,9 +26,6 @@ constexpr std::size_t most_places = 1500;
 /// Growth of the number of cells after which the modes are chosen anew.
 constexpr std::size_t regional_growth = 2;
 
-/// Side of the largest cells over the diagonal of the box around the targets.
-constexpr double largest_cell_size = 1;
-
 /// The coarsest level of the targets' points: with a few points in a cell, more cost little.
 constexpr std::size_t coarsest_target_level = 1;
 
@@ -45,29 +40,21 @@ template <typename Visit>
 void visit_points(const TabulatedMachine& machine, const TargetAtRest& target, const Isometry3d& pose,
                   const Visit& visit) {
   const ChargeFunctions& functions = target.functions();
-  for (std::size_t function = 0; function < functions.count(); ++function) {
-    const Vector3d centre = pose * functions.centre(function);
-    double nearest = std::numeric_limits<double>::infinity();
-    for (const AlignedBox3d& box : machine.link().functions().boxes())
-      nearest = std::min(nearest, box.squaredExteriorDistance(centre));
-    const FunctionPoints& points =
-        functions.points(std::max(functions.level(function, std::sqrt(nearest)), coarsest_target_level));
-    for (std::size_t k = points.first[function]; k < points.first[function + 1]; ++k)
-      visit(pose * points.at[k].cast<double>(), function, points.shares[k]);
-  }
-}
-
-double side_of_cells(const TargetAtRest& target) {
-  AlignedBox3d box;
-  for (const AlignedBox3d& each : target.functions().boxes())
-    box.extend(each);
-  return largest_cell_size * box.diagonal().norm();
+  functions.visit_points(
+      pose,
+      [&](std::size_t function) {
+        return std::max(functions.level(function, pose, machine.link().functions().boxes()),
+                        coarsest_target_level);
+      },
+      [&](const Vector3d& at, std::size_t function, const FunctionPoints& points, std::size_t k) {
+        visit(at, function, points.shares[k]);
+      });
 }
 
 }  // namespace
 
 TabulatedMachine::TabulatedMachine(const LinkedMachine& machine, const TargetAtRest& target)
-    : machine_(machine), potentials_(link().functions()), table_(potentials_, side_of_cells(target)) {}
+    : machine_(machine), potentials_(link().functions()), table_(potentials_, target.size()) {}
 
 void TabulatedMachine::extend(const TargetAtRest& target, std::span<const Isometry3d> poses,
                               std::size_t threads) {
@@ -79,13 +66,8 @@ void TabulatedMachine::extend(const TargetAtRest& target, std::span<const Isomet
       });
     return have_cells;
   };
-  const bool is_first = table_.count() == 0;
-  if (!add() && !is_first) {
-    // Places of long ago make room.
-    table_.clear();
+  if (table_.make_room_for(add))
     places_ = 0;
-    add();
-  }
   if (modes_.charges.size() > 0 && table_.count() < regional_growth * places_) {
     table_.fill(modes_.charges, threads);
     return;
@@ -150,7 +132,6 @@ const std::vector<SolvedReading>& TabulatedSolver::solved(const TabulatedMachine
 
 /// Gives all arrays the sizes that the machine and the targets may need.
 void TabulatedSolver::prepare(const TabulatedMachine& machine, const TargetAtRest& target) {
-  const std::size_t most_points = target.functions().most_points();
   const Index functions = index_of(target.functions().count()), loads = machine.machine().loads(),
               floating = index_of(target.floating().size()), sides = loads + floating,
               width = whole_blocks(machine.given() + machine.modes().charges.cols()),
@@ -161,11 +142,7 @@ void TabulatedSolver::prepare(const TabulatedMachine& machine, const TargetAtRes
   none_.assign(static_cast<std::size_t>(width), 0.0F);
   sums_.resize(none_.size());
   of_modes_.resize(none_.size());
-  of_rows_.resize(std::max(target.functions().count(), PotentialTable::nodes));
-  outside_.reserve(most_points);
-  cells_.reserve(most_points);
-  // Each point of a function may lie in a cell of its own.
-  weights_.resize(most_points);
+  of_rows_.resize(target.functions().count());
   right_.resize(functions, sides);
   residual_.resize(functions, sides);
   if (charges_.rows() != padded || charges_.cols() != most)
@@ -181,8 +158,6 @@ void TabulatedSolver::prepare(const TabulatedMachine& machine, const TargetAtRes
   chosen_.resize(most, sides);
   charged_.resize(most, loads);
   changes_.resize(loads, loads);
-  block_.resize(floating, floating);
-  answered_.resize(floating, loads);
   before_.reserve(machine.machine().readings().size());
   solved_.reserve(before_.capacity());
 }
@@ -190,42 +165,14 @@ void TabulatedSolver::prepare(const TabulatedMachine& machine, const TargetAtRes
 /// Finds the potentials of everything that is tabulated on each function of the target.
 void TabulatedSolver::find_potentials(const TabulatedMachine& machine, const TargetAtRest& target,
                                       const Isometry3d& pose) {
-  const PotentialTable& table = machine.table();
-  const auto& kernels = best_kernels<NodeKernels>();
-  const Index width = seen_.cols();
   seen_.setZero();
   outside_.clear();
-  cells_.clear();
-  std::size_t current = 0, in_cell = 0;
-  const auto finish = [&] {
-    for (std::size_t k = 0; k < cells_.size(); ++k) {
-      kernels.apply({table.values(cells_[k]), PotentialTable::nodes, width}, weights_[k].data(), none_.data(),
-                    of_rows_.data(), sums_.data());
-      kernels.add(1, sums_.data(), seen_.row(index_of(current)).data(), width);
-    }
-    cells_.clear();
-  };
+  table_potentials_.start(machine.table(), seen_);
   visit_points(machine, target, pose, [&](const Vector3d& at, std::size_t function, float share) {
-    if (function != current) {
-      finish();
-      current = function;
-    }
-    // Points of a function follow each other in space, so that most are in the cell before.
-    if (cells_.empty() || !table.contains(cells_[in_cell], at)) {
-      const std::optional<std::size_t> cell = table.find(at);
-      if (!cell) {
-        outside_.push_back({at, index_of(function), share});
-        return;
-      }
-      in_cell = static_cast<std::size_t>(std::find(cells_.begin(), cells_.end(), *cell) - cells_.begin());
-      if (in_cell == cells_.size()) {
-        cells_.push_back(*cell);
-        weights_[in_cell].fill(0);
-      }
-    }
-    table.add_weights(cells_[in_cell], at, share, weights_[in_cell]);
+    if (!table_potentials_.add(at, index_of(function), share))
+      outside_.push_back({at, index_of(function), share});
   });
-  finish();
+  table_potentials_.finish();
   if (!outside_.empty())
     find_outside(machine);
 }
@@ -390,16 +337,8 @@ void TabulatedSolver::solve_form(const TargetAtRest& target) {
   const Index floating = right_.cols() - loads_;
   auto charged = charged_.topRows(count_);
   charged = coefficients_.topLeftCorner(count_, loads_);
-  if (floating > 0) {
-    // The net charge of what floats is that of its capacitance to the ground.
-    const auto net = sides_.topRows(count_).rightCols(floating);
-    block_.noalias() = net.transpose() * coefficients_.topRows(count_).rightCols(floating);
-    block_.diagonal() += target.to_ground();
-    block_factor_.compute(block_);
-    answered_.noalias() = net.transpose() * charged;
-    block_factor_.solveInPlace(answered_);
-    charged.noalias() -= coefficients_.topRows(count_).rightCols(floating) * answered_;
-  }
+  floating_charges_.take(sides_.topRows(count_).rightCols(floating),
+                         coefficients_.topRows(count_).rightCols(floating), target.to_ground(), charged);
   changes_.noalias() = sides_.topLeftCorner(count_, loads_).transpose() * charged;
 }
 
@@ -424,17 +363,13 @@ void TabulatedSolver::state_errors(const TabulatedMachine& machine, const Target
             static_cast<float>(std::sqrt(std::max(machine.link().excess(), 1.0)));
   for (std::size_t k = 0; k < solved_.size(); ++k) {
     const auto [sense, drive, sign] = machine.machine().readings()[k];
-    const auto part = [s = sense, d = drive](const auto& defects) {
-      const double of_sense = defects(s, s), of_drive = defects(d, d);
-      return std::sqrt(std::max(of_sense, 0.0) * std::max(of_drive, 0.0));
-    };
-    const double of_target = part(lacking_.defects);
-    const double parts = solved_[k].error + of_target + target.error_of_panels(solved_[k].change, of_target) +
-                         part(unanswered_) + std::abs(shifts_(sense, drive)) +
-                         std::abs(shifts_(drive, sense));
-    solved_[k].error = stated_error_of(solved_[k].change, parts, nearness) +
-                       facet_effect(machine.link().functions().facet_effect_of_given(), target,
-                                    solved_[k].change, on_target_.col(sense), on_target_.col(drive));
+    const double others = solved_[k].error + shared_energy(unanswered_, sense, drive) +
+                          std::abs(shifts_(sense, drive)) + std::abs(shifts_(drive, sense));
+    solved_[k].error =
+        stated_error(solved_[k].change, target,
+                     {shared_energy(lacking_.defects, sense, drive), others,
+                      target.functions().facet_effect(on_target_.col(sense), on_target_.col(drive)),
+                      machine.link().functions().facet_effect_of_given(), nearness});
     std::tie(solved_[k].background, solved_[k].background_error) =
         machine.machine().background(machine.machine().readings()[k]);
   }

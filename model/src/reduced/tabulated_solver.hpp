@@ -1,12 +1,9 @@
 #pragma once
 
-#include <array>
 #include <cstddef>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include "reduced/answer_modes.hpp"
@@ -71,8 +68,6 @@ class TabulatedSolver {
                                       const Eigen::Isometry3d& pose);
 
  private:
-  using Rows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
   /// A point that lies in no cell, a share of a function.
   struct Outside {
     Eigen::Vector3d at;
@@ -92,19 +87,19 @@ class TabulatedSolver {
   void solve_form(const TargetAtRest& target);
   void state_errors(const TabulatedMachine& machine, const TargetAtRest& target, double nearness);
 
-  Rows seen_;  ///< potentials of the given charges, then of the modes, on the target's functions (rows)
+  TrianglePotentials
+      seen_;  ///< potentials of the given charges, then of the modes, on the target's functions (rows)
   std::vector<Outside> outside_;
-  std::vector<std::size_t> cells_;  ///< around the points of one function
-  std::vector<std::array<float, PotentialTable::nodes>> weights_;
+  TablePotentials table_potentials_;
 
   Eigen::Index count_ = 0;  ///< number of directions of the charge on the target; arrays have rows or columns
                             ///< for the largest one
   Eigen::Index loads_ = 0;  ///< of the readings; then come those of what floats
   Eigen::MatrixXf right_;   ///< potentials (columns) that the charges are to have
-  Eigen::MatrixXf charges_;  ///< of the functions (rows) in each direction
-  Eigen::MatrixXf own_;      ///< their potentials by themselves
-  Eigen::MatrixXf images_;   ///< their potentials before the machine
-  Rows moments_;             ///< of each direction (row) with the given charges' potentials and the modes
+  Eigen::MatrixXf charges_;     ///< of the functions (rows) in each direction
+  Eigen::MatrixXf own_;         ///< their potentials by themselves
+  Eigen::MatrixXf images_;      ///< their potentials before the machine
+  TrianglePotentials moments_;  ///< of each direction (row) with the given charges' potentials and the modes
   std::vector<float> of_modes_, sums_;  ///< for everything that is tabulated
   std::vector<float> none_;             ///< zeros for these
   std::vector<float> of_rows_;
@@ -115,9 +110,9 @@ class TabulatedSolver {
   // Holds intermediate results, so that later poses allocate no memory.
   Eigen::MatrixXf energies_, chosen_, residual_, on_target_, potentials_, all_moments_, answers_, unanswered_,
       shifts_;
-  Eigen::MatrixXd factor_, block_, answered_;
+  Eigen::MatrixXd factor_;
   Eigen::VectorXd column_;
-  Eigen::LLT<Eigen::MatrixXd> block_factor_;
+  FloatingCharges floating_charges_;
   CoarseCharges::Workspace lacking_;
   std::vector<double> before_;
   std::vector<SolvedReading> solved_;

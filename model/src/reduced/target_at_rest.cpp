@@ -86,10 +86,11 @@ double TargetAtRest::distance(std::size_t function, const PlacedBox& box, const 
   return distance;
 }
 
-double facet_effect(double of_given, const TargetAtRest& target, double change,
-                    const Eigen::Ref<const Eigen::VectorXf>& sensed,
-                    const Eigen::Ref<const Eigen::VectorXf>& driven) {
-  return target.functions().facet_effect(sensed, driven) + 2 * of_given * std::abs(change);
+double TargetAtRest::size() const {
+  AlignedBox3d box;
+  for (const AlignedBox3d& each : functions_.boxes())
+    box.extend(each);
+  return box.diagonal().norm();
 }
 
 }  // namespace fringe::detail

@@ -38,6 +38,8 @@ class TargetAtRest {
   ///
   /// @param pose from the frame of the targets to that of the box
   double distance(std::size_t function, const PlacedBox& box, const Eigen::Isometry3d& pose) const;
+  /// Returns the diagonal of a box around all targets, in m.
+  double size() const;
   /// Returns the error of a change by the panels: the stated one of the targets' own charges, which counts
   /// all parts of them. Where this exceeds what was asked for, it is limited by what half as many functions
   /// lose of the change, which is more than what the panels lose: a function has several of them.
@@ -66,11 +68,5 @@ class TargetAtRest {
   double rtol_ = 0;  ///< asked for
   double error_ = 0;
 };
-
-/// Returns the error of a change by the facets of round bodies: that of the energy of the target's charges,
-/// and the relative one of the given charges, once for the sensed and once for the driven conductor.
-double facet_effect(double of_given, const TargetAtRest& target, double change,
-                    const Eigen::Ref<const Eigen::VectorXf>& sensed,
-                    const Eigen::Ref<const Eigen::VectorXf>& driven);
 
 }  // namespace fringe::detail

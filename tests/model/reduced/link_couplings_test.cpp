@@ -12,6 +12,7 @@
 #include "bem/conductors_at_rest.hpp"
 #include "fringe/pose.hpp"
 #include "geometry.hpp"
+#include "geometry/link_motion.hpp"
 #include "reduced/charge_functions.hpp"
 #include "scenes.hpp"
 
@@ -89,15 +90,15 @@ TEST_F(LinkCouplings, AreTheSameBothWays) {
   MatrixXf other;
   coupler.couple(plate, box, pose.inverse(), other);
   EXPECT_LT((found - other.transpose()).cwiseAbs().maxCoeff(), 2e-3 * found.maxCoeff());
-  EXPECT_TRUE(keep_relative_pose(pose, pose));
-  EXPECT_FALSE(keep_relative_pose(pose, test::at(0, 0, 1e-6) * pose));
+  EXPECT_TRUE(are_equal(pose, pose));
+  EXPECT_FALSE(are_equal(pose, test::at(0, 0, 1e-6) * pose));
 }
 
 // The points of a group are the finer the nearer the other group is.
 TEST_F(LinkCouplings, TakeMorePointsForWhatIsNear) {
   std::size_t before = ChargeFunctions::points_per_function.size() - 1;
   for (const double height : {0.001, 0.05, 0.2, 10.0}) {
-    const std::size_t level = level_beside(plate, 0, test::at(0, 0, height), box.boxes());
+    const std::size_t level = plate.level(0, test::at(0, 0, height), box.boxes());
     EXPECT_LE(level, before);
     before = level;
   }

@@ -68,19 +68,15 @@ struct Prepared {
 
   const std::vector<PoseOfMachine> poses{pose(0.035, 0, {0.01, 0.02, 0.05}), pose(0.06, 25, {-0.02, 0, 0.07}),
                                          pose(0.035, -10, {0.03, 0.03, 0.12})};
-  const std::vector<std::vector<Isometry3d>> of_links{poses[0].links, poses[1].links, poses[2].links};
-  const std::vector<Isometry3d> of_target{poses[0].target, poses[1].target, poses[2].target};
   const ChargedBodies hand_bodies = charged_bodies(body_alone("hand", hand));
   const LinkedMachine machine{
       {charged_bodies(sensor_alone()), charged_bodies(body_alone("housing", housing))},
       readings(sensor_alone()),
-      of_links,
+      poses,
       {bounds_of(hand_bodies.bodies[0])},
-      of_target,
       machine_resolution(rtol, false, false),
       1};
-  const TargetAtRest target{
-      hand_bodies, {rtol, 6000, 384}, machine.approach(of_target, of_links, LinkedMachine::none)};
+  const TargetAtRest target{hand_bodies, {rtol, 6000, 384}, machine.approach(poses, LinkedMachine::none)};
   LinkTables tables{machine, target};
   MovingSolver solver;
 };
