@@ -3,7 +3,7 @@
 #include <cstddef>
 
 /// The inner loops of boundary elements, in the widest registers of the processor: the potentials of charges
-/// at points (model/BOUNDARY_ELEMENTS.md, sections 5 and 9), and sums over these points.
+/// at points (model/BOUNDARY_ELEMENTS.md, sections 5 and 9).
 ///
 /// Compiled once for every instruction set: what is declared here obeys the rule in simd/dispatch.hpp.
 namespace fringe::detail {
@@ -55,12 +55,6 @@ struct ChargeKernels {
   /// order of its corners, points away from the point, and zero in the triangle's plane. `components` as
   /// above.
   void (*solid_angles)(const double* const (&components)[9], std::size_t count, double* angles);
-
-  /// Adds to each column of a matrix a linear combination of another's columns: sums(·, n) += Σ_k columns(·,
-  /// k)·factors[n + k·stride]. Columns follow each other in whole face_blocks of rows.
-  void (*add_combinations)(const double* columns, std::ptrdiff_t rows, std::ptrdiff_t count,
-                           const double* factors, std::ptrdiff_t stride, double* sums,
-                           std::ptrdiff_t sum_count);
 };
 
 }  // namespace fringe::detail

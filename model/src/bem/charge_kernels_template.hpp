@@ -55,41 +55,13 @@ class ChargeKernelsFor {
     }
   }
 
-  static void add_combinations(const double* columns, Count rows, Count count, const double* factors,
-                               Count stride, double* sums, Count sum_count) {
-    constexpr Count few = 4;
-    for (Count row = 0; row < rows; row += width) {
-      Count n = 0;
-      for (; n + few <= sum_count; n += few)
-        combine<few>(columns + row, rows, count, factors + n, stride, sums + n * rows + row);
-      for (; n < sum_count; ++n)
-        combine<1>(columns + row, rows, count, factors + n, stride, sums + n * rows + row);
-    }
-  }
-
-  static constexpr ChargeKernels kernels{&face_potentials, &triangle_potentials, &solid_angles,
-                                         &add_combinations};
+  static constexpr ChargeKernels kernels{&face_potentials, &triangle_potentials, &solid_angles};
 
  private:
   using Vector = typename Lanes::Vector;
   static constexpr Count width = Lanes::width;
 
   using Point = Vector3<Vector>;
-
-  template <Count columns_together>
-  static void combine(const double* columns, Count rows, Count count, const double* factors, Count stride,
-                      double* sums) {
-    Vector found[columns_together];
-    for (Count n = 0; n < columns_together; ++n)
-      found[n] = Vector::load_unaligned(sums + n * rows);
-    for (Count k = 0; k < count; ++k) {
-      const Vector column = Vector::load_unaligned(columns + k * rows);
-      for (Count n = 0; n < columns_together; ++n)
-        found[n] = fma(Vector(factors[n + k * stride]), column, found[n]);
-    }
-    for (Count n = 0; n < columns_together; ++n)
-      found[n].store_unaligned(sums + n * rows);
-  }
 
   static Point cross(const Point& a, const Point& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

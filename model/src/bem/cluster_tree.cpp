@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <tuple>
 
 #include "bem/panel_quadrature.hpp"
+#include "geometry/median_split.hpp"
 
 namespace fringe::detail {
 namespace {
 
-using Eigen::AlignedBox3d;
 using Eigen::Index;
 
 /// Largest number of groups in a leaf. Smaller leaves make more blocks of lower efficiency, larger ones more
@@ -27,22 +26,12 @@ constexpr double admissible_ratio = 1.2;
 /// of panels that are parted from it then: their own interactions reach less far.
 constexpr double decisive = 0.2, smaller = 0.5;
 
-AlignedBox3d box_of(std::span<const PlacedGroup> groups) {
-  AlignedBox3d box;
-  for (const PlacedGroup& group : groups)
-    box.extend(group.centre);
-  return box;
-}
-
 /// Bisects groups at the median along the longest side. Returns the size of the first part.
 std::size_t bisect(std::span<PlacedGroup> groups) {
-  Index axis = 0;
-  box_of(groups).sizes().maxCoeff(&axis);
   const std::size_t half = groups.size() / 2;
-  std::nth_element(groups.begin(), groups.begin() + static_cast<std::ptrdiff_t>(half), groups.end(),
-                   [axis](const PlacedGroup& a, const PlacedGroup& b) {
-                     return std::tuple(a.centre[axis], a.group) < std::tuple(b.centre[axis], b.group);
-                   });
+  split_at_median(
+      groups, half, [](const PlacedGroup& group) -> const Eigen::Vector3d& { return group.centre; },
+      [](const PlacedGroup& group) { return group.group; });
   return half;
 }
 
@@ -50,9 +39,12 @@ std::size_t bisect(std::span<PlacedGroup> groups) {
 /// the first part; 0 if the groups make a leaf.
 std::size_t divide(std::span<PlacedGroup> groups) {
   double largest = 0;
-  for (const PlacedGroup& group : groups)
+  Eigen::AlignedBox3d box;
+  for (const PlacedGroup& group : groups) {
     largest = std::max(largest, group.radius);
-  if (largest > decisive * box_of(groups).diagonal().norm()) {
+    box.extend(group.centre);
+  }
+  if (largest > decisive * box.diagonal().norm()) {
     const auto small = std::stable_partition(groups.begin(), groups.end(), [&](const PlacedGroup& group) {
       return group.radius > smaller * largest;
     });

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -63,10 +62,6 @@ constexpr double quadrature_part = 0.1, negligible_part = 0.05;
 /// quadratures as fine as those of the last step would be in vain.
 constexpr double most_excess_in_a_step = 10;
 
-/// Ratio of rtol to the first tolerance of the quadratures. Functions that resolve everything leave errors
-/// far below rtol, and the quadrature errors must be well below those to give a lower bound.
-constexpr double first_tolerance_part = 50;
-
 /// Fraction of rtol at which the conjugate gradients for the panels' charges stop. The error indicators of
 /// groups, small parts of the energy, have to be known, too.
 constexpr double iteration_share = 0.005;
@@ -82,13 +77,9 @@ constexpr double expected_use = 0.4;
 /// Assumed change of a reading, as a part of its value, before it is known.
 constexpr double first_change_part = 1e-2;
 
-void require_positive_definite(const PanelSolution& solution) {
-  if (!solution.positive_definite)
-    throw std::runtime_error("the matrix of the boundary elements is not positive definite");
-}
-
 /// Returns the possible effect of the quadrature errors on the first conductors' entries.
-MatrixXd quadrature_errors(const PanelSolution& solution, double tolerance, Index conductors) {
+template <class Solution>
+MatrixXd quadrature_errors(const Solution& solution, double tolerance, Index conductors) {
   return quadrature_caution * tolerance * solution.quadrature_effect.topLeftCorner(conductors, conductors);
 }
 
@@ -102,14 +93,6 @@ struct EffectsOfSurfaces {
 
 EffectsOfSurfaces effects_of_surfaces(const Simplification& simplification, const PanelSystem& system,
                                       const PanelSolution& solution, const ChargedBodies& bodies) {
-  if (!simplification.differs()) {
-    const auto nothing = [](Index columns) {
-      const MatrixXd none = MatrixXd::Zero(columns, columns);
-      return SurfaceEffects{none, none, none};
-    };
-    return {nothing(static_cast<Index>(bodies.conductors.size() - count_of(bodies, Role::floating))),
-            nothing(4 * static_cast<Index>(bodies.readings.size()))};
-  }
   return {surface_effects(simplification, system.mesh(),
                           solution.charges * potentials(solution.all.fine, bodies)),
           surface_effects(simplification, system.mesh(), solution.reading_charges),
@@ -193,30 +176,28 @@ void write_delta_self(const PanelSystem& system, const PanelSolution& solution, 
                       double per_change, double tolerance, double accuracy, const EffectsOfSurfaces& surfaces,
                       MaxwellMatrix& answer) {
   const auto sensors = static_cast<Index>(answer.sensors);
-  NestedMatrix alone = solution.sensors;
-  if (alone.fine.size() > 0)
-    alone = {alone.fine.topLeftCorner(sensors, sensors), alone.coarse.topLeftCorner(sensors, sensors)};
-  VectorXd others =
-      quadrature_errors(solution, tolerance, sensors).diagonal() +
-      solution.iteration_error.diagonal().head(sensors) + solution.ridge_effect.diagonal().head(sensors) +
-      (surfaces.entries.facet_errors + surfaces.entries.lasting_errors).diagonal().head(sensors);
+  SensorsAlone alone = solution.sensors;
   if (sensors_have_panels(bodies)) {
-    PanelSolution again;
     try {
-      again = system.solve_sensors(accuracy);
+      alone = system.solve_sensors(accuracy);
     } catch (const Interrupted&) {
       write_no_delta_self(answer);
       return;
     }
-    require_positive_definite(again);
-    alone = again.all;
-    others += quadrature_errors(again, tolerance, sensors).diagonal() + again.iteration_error.diagonal();
   }
+  const VectorXd alone_fine = alone.matrix.fine.diagonal().head(sensors),
+                 alone_coarse = alone.matrix.coarse.diagonal().head(sensors);
+  const VectorXd others =
+      quadrature_errors(solution, tolerance, sensors).diagonal() +
+      solution.iteration_error.diagonal().head(sensors) + solution.ridge_effect.diagonal().head(sensors) +
+      (surfaces.entries.facet_errors + surfaces.entries.lasting_errors).diagonal().head(sensors) +
+      quadrature_errors(alone, tolerance, sensors).diagonal() +
+      alone.iteration_error.diagonal().head(sensors);
   const VectorXd fine = answer.values.diagonal().head(sensors);
   const VectorXd coarse = without_floating(solution.all.coarse, bodies).diagonal().head(sensors);
-  answer.delta_self = fine - alone.fine.diagonal();
-  const VectorXd change = answer.delta_self - surfaces.entries.facets.diagonal().head(sensors) -
-                          (coarse - alone.coarse.diagonal());
+  answer.delta_self = fine - alone_fine;
+  const VectorXd change =
+      answer.delta_self - surfaces.entries.facets.diagonal().head(sensors) - (coarse - alone_coarse);
   const VectorXd relative = 1 - coarse.array() / fine.array();
   answer.delta_self_errors =
       per_change * change.cwiseAbs().cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) + others;
@@ -337,7 +318,9 @@ class ConductorProblem : public AdaptiveProblem {
 
   Assessment solve() override {
     try {
-      solve_definite();
+      // An interruption leaves the solution before.
+      solution_ = system_.solve_definite(begun_.functions, tolerance_, iteration_share * options_.rtol,
+                                         std::min(ridge_per_rtol * options_.rtol, most_ridge), change_part_);
     } catch (const Interrupted&) {
       if (answer_.unknowns == 0)
         throw;
@@ -400,8 +383,12 @@ class ConductorProblem : public AdaptiveProblem {
         // The readings are known without them.
       }
     const double widened = widen_unreached();
-    write_delta_self(system_, solution_, bodies_, per_change_, tolerance_, iteration_share * options_.rtol,
-                     surfaces_, answer_);
+    // An interrupted solution is that of an earlier mesh.
+    if (is_interrupted_ && sensors_have_panels(bodies_))
+      write_no_delta_self(answer_);
+    else
+      write_delta_self(system_, solution_, bodies_, per_change_, tolerance_, iteration_share * options_.rtol,
+                       surfaces_, answer_);
     answer_.delta_self_errors *= widened;
     if (bodies_.readings.empty())
       answer_.readings = readings_of_sensors(answer_);
@@ -452,23 +439,6 @@ class ConductorProblem : public AdaptiveProblem {
     }
     answer_.errors *= factor;
     return factor;
-  }
-
-  /// Solves with quadratures that are fine enough for a positive definite matrix. An interruption leaves the
-  /// solution before.
-  void solve_definite() {
-    while (true) {
-      system_.refine(begun_.functions, tolerance_);
-      PanelSolution found = system_.solve(iteration_share * options_.rtol,
-                                          std::min(ridge_per_rtol * options_.rtol, most_ridge), change_part_);
-      if (found.positive_definite) {
-        solution_ = std::move(found);
-        return;
-      }
-      if (tolerance_ < finest_tolerance)
-        require_positive_definite(found);
-      tolerance_ /= 100;
-    }
   }
 
   /// Returns the number of unknowns at which refinement stops. Beside the matrix there are the one before it,

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <functional>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -19,9 +18,6 @@ namespace {
 using Eigen::AlignedBox3d;
 using Eigen::Index;
 using Eigen::VectorXd;
-
-/// Ratio of rtol to the quadratures' tolerance.
-constexpr double rtol_per_tolerance = 50;
 
 /// Fraction of rtol to which the conjugate gradients find the charges. Their energy is found to the square of
 /// that, but the potentials far away not: those of a sensor and of the guard around it nearly cancel there.
@@ -76,7 +72,7 @@ ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_
                                    const std::function<double(const AlignedBox3d&)>& importance)
     : bodies_(in_triangles(std::move(bodies), rtol, most_panels)),
       system_(bodies_, {grading_part * rtol, most_panels / most_graded_part}, threads), rtol_(rtol),
-      tolerance_(rtol / rtol_per_tolerance), most_panels_(most_panels) {
+      tolerance_(rtol / first_tolerance_part), most_panels_(most_panels) {
   const std::size_t enough = least_panels + (importance ? mesh().panels().size() : 0);
   while (mesh().panels().size() < enough)
     // Without charges, triangles are halved across their longest sides.
@@ -86,15 +82,7 @@ ConductorsAtRest::ConductorsAtRest(ChargedBodies bodies, double rtol, std::size_
 }
 
 Assessment ConductorsAtRest::solve() {
-  while (true) {
-    system_.refine({}, tolerance_);
-    solution_ = system_.solve(iteration_part * rtol_ * iteration_part * rtol_);
-    if (solution_.positive_definite)
-      break;
-    if (tolerance_ < finest_tolerance)
-      throw std::runtime_error("the matrix of the conductors at rest is not positive definite");
-    tolerance_ /= 100;
-  }
+  solution_ = system_.solve_definite({}, tolerance_, iteration_part * rtol_ * iteration_part * rtol_);
   error_ = largest_error(solution_, bodies_);
   const std::size_t panels = mesh().panels().size();
   show_progress(fmt::format("{} panels, error {:.2g} of {:g} asked for", panels, error_, rtol_));

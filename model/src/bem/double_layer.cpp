@@ -26,25 +26,17 @@ constexpr double in_plane = 1e-9;
 /// Degree of the rule for panels that are far apart, of three points.
 constexpr int far_degree = 2;
 
-const TriangleRule& far_rule() {
-  const auto rules = triangle_rules();
-  return *std::find_if(rules.begin(), rules.end(),
-                       [](const TriangleRule& rule) { return rule.degree == far_degree; });
-}
-
 /// A source with what its far field needs: dipoles at the points of a rule.
 struct Dipoles {
   std::vector<Vector3d> points;
   Vector3d moment;  ///< the panel's normal times its area over 4π, times the weight of one point
 };
 
-Dipoles dipoles_of(const Panel& panel) {
-  const TriangleRule& rule = far_rule();
+Dipoles dipoles_of(const Panel& panel, const TriangleRule& rule) {
   const Vector3d second = panel.corners[1] - panel.corners[0], third = panel.corners[2] - panel.corners[0];
   Dipoles result{{}, second.cross(third) / (8 * std::numbers::pi)};
   for (int k = 0; k < rule.points; ++k)
-    result.points.emplace_back(panel.corners[0] + rule.nodes[k].second * second +
-                               rule.nodes[k].third * third);
+    result.points.push_back(point_of(panel.corners, rule.nodes[k]));
   return result;
 }
 
@@ -55,8 +47,7 @@ bool lies_in_plane(const Panel& target, const Panel& source, const Vector3d& nor
   });
 }
 
-double far_element(const std::vector<Vector3d>& target, const Dipoles& source) {
-  const TriangleRule& rule = far_rule();
+double far_element(const std::vector<Vector3d>& target, const Dipoles& source, const TriangleRule& rule) {
   double sum = 0;
   for (int row = 0; row < rule.points; ++row)
     for (int column = 0; column < rule.points; ++column) {
@@ -89,10 +80,11 @@ MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Pan
                              const std::vector<bool>& is_source, double tolerance, const KnownElements& known,
                              std::size_t threads) {
   const double farthest = 1 / far_ratio(tolerance, far_degree);
+  const TriangleRule& rule = triangle_rule(far_degree);
   std::vector<Dipoles> dipoles;
   std::vector<Vector3d> normals;
   for (const Panel& panel : panels) {
-    dipoles.push_back(dipoles_of(panel));
+    dipoles.push_back(dipoles_of(panel, rule));
     normals.push_back(dipoles.back().moment.normalized());
   }
   const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
@@ -107,7 +99,7 @@ MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Pan
     PotentialSums angles = PotentialSums::of_solid_angles();
     for (std::size_t row = first; row < first + rows; ++row) {
       const Panel& target = targets[row];
-      const std::vector<Vector3d> points = dipoles_of(target).points;
+      const std::vector<Vector3d> points = dipoles_of(target, rule).points;
       double* const elements = transposed.col(static_cast<Index>(row - first)).data();
       for (std::size_t k = 0; k < panels.size(); ++k) {
         if (!is_source[k])
@@ -117,7 +109,7 @@ MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Pan
         if (place(row) >= 0 && place(k) >= 0)
           elements[k] = known.matrix(place(row), place(k));
         else if ((target.centre - source.centre).squaredNorm() > reach * reach)
-          elements[k] = far_element(points, dipoles[k]);
+          elements[k] = far_element(points, dipoles[k], rule);
         else if (!lies_in_plane(target, source, normals[k]))
           add_near_element(target, source, tolerance, angles, elements[k]);
       }
@@ -126,11 +118,6 @@ MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Pan
     result.middleRows(static_cast<Index>(first), static_cast<Index>(rows)) = transposed.transpose();
   });
   return result;
-}
-
-MatrixXd double_layer_matrix(std::span<const Panel> panels, const std::vector<bool>& is_source,
-                             double tolerance, const KnownElements& known, std::size_t threads) {
-  return double_layer_matrix(panels, panels, is_source, tolerance, known, threads);
 }
 
 }  // namespace fringe::detail

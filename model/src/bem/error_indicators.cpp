@@ -7,7 +7,6 @@
 
 #include <Eigen/Cholesky>
 
-#include "bem/group_densities.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "readings/readings.hpp"
 
@@ -18,34 +17,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
-
-/// Returns the mean potentials of all charges on panels that need not be the system's own.
-MatrixXd potentials_on(const std::vector<Panel>& targets, const PanelEquations& equations,
-                       const MatrixXd& charges, double tolerance) {
-  const PanelUnknowns& unknowns = equations.unknowns;
-  const GalerkinSystem& faces = equations.face_system;
-  MatrixXd potentials = panel_potentials(targets, equations.mesh.panels(),
-                                         charges.bottomRows(index_of(equations.mesh.panels().size())),
-                                         tolerance, equations.threads);
-  for (std::size_t face = 0; face < faces.faces(); ++face)
-    potentials +=
-        single_layer_block(faces.face(face), faces.functions(face), targets, tolerance).transpose() *
-        charges.middleRows(unknowns.first[face], faces.functions(face).count());
-  return potentials;
-}
-
-/// Returns the energy that a group's own densities add to that of one density, in each column.
-RowVectorXd energies_of_details(const PanelGroup& group, const MatrixXd& block, const VectorXd& shares,
-                                const MatrixXd& charges) {
-  const auto first = index_of(group.first), count = index_of(group.count);
-  RowVectorXd energies(charges.cols());
-  for (Index c = 0; c < charges.cols(); ++c) {
-    VectorXd details = charges.col(c).segment(first, count);
-    details -= details.sum() * shares.segment(first, count);
-    energies[c] = std::max(details.dot(block * details), 0.0);
-  }
-  return energies;
-}
 
 /// Returns the round shape that the panels of a group follow; null: none.
 const RoundShape* followed_by(const PanelGroup& group, const ChargedBodies& bodies) {
@@ -108,35 +79,42 @@ MatrixXd energy_of_quarters(const SampledQuarters& quarters, const MatrixXd& mis
   return gained * quarters.weight;
 }
 
-VectorXd error_indicators(const PanelMesh& mesh, const std::vector<MatrixXd>& blocks, const VectorXd& shares,
-                          const MatrixXd& charges, const VectorXd& own) {
-  const std::vector<PanelGroup>& groups = mesh.groups();
-  VectorXd energies(index_of(groups.size()));
-  for (std::size_t g = 0; g < groups.size(); ++g)
-    energies[index_of(g)] =
-        (energies_of_details(groups[g], blocks[g], shares, charges).array() / own.transpose().array())
-            .maxCoeff();
-  return energies;
-}
-
 MatrixXd detail_energies(const PanelMesh& mesh, const std::vector<MatrixXd>& blocks, const VectorXd& shares,
                          const MatrixXd& charges) {
-  MatrixXd energies = MatrixXd::Zero(charges.cols(), charges.cols());
+  MatrixXd energies(index_of(mesh.groups().size()), charges.cols());
   for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
-    const RowVectorXd roots = energies_of_details(mesh.groups()[g], blocks[g], shares, charges).cwiseSqrt();
-    energies += roots.transpose() * roots;
+    const auto first = index_of(mesh.groups()[g].first), count = index_of(mesh.groups()[g].count);
+    for (Index c = 0; c < charges.cols(); ++c) {
+      VectorXd details = charges.col(c).segment(first, count);
+      details -= details.sum() * shares.segment(first, count);
+      energies(index_of(g), c) = std::max(details.dot(blocks[g] * details), 0.0);
+    }
   }
   return energies;
 }
 
-VectorXd change_indicators(const PanelMesh& mesh, const std::vector<MatrixXd>& blocks, const VectorXd& shares,
-                           const MatrixXd& charges, const VectorXd& scales) {
-  const std::vector<PanelGroup>& groups = mesh.groups();
-  VectorXd energies(index_of(groups.size()));
-  for (std::size_t g = 0; g < groups.size(); ++g)
-    energies[index_of(g)] = largest_part_of_change(
-        energies_of_details(groups[g], blocks[g], shares, charges).cwiseSqrt(), scales);
-  return energies;
+MatrixXd energies_of_pairs(const MatrixXd& energies) {
+  MatrixXd pairs = MatrixXd::Zero(energies.cols(), energies.cols());
+  for (Index row = 0; row < energies.rows(); ++row) {
+    const RowVectorXd roots = energies.row(row).cwiseSqrt();
+    pairs += roots.transpose() * roots;
+  }
+  return pairs;
+}
+
+VectorXd largest_parts(const MatrixXd& energies, const VectorXd& own) {
+  VectorXd result = VectorXd::Zero(energies.rows());
+  for (Index c = 0; c < energies.cols(); ++c)
+    if (own[c] > 0)
+      result = result.cwiseMax(energies.col(c) / own[c]);
+  return result;
+}
+
+VectorXd largest_parts_of_change(const MatrixXd& energies, const VectorXd& scales) {
+  VectorXd result(energies.rows());
+  for (Index row = 0; row < energies.rows(); ++row)
+    result[row] = largest_part_of_change(energies.row(row).cwiseSqrt(), scales);
+  return result;
 }
 
 MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodies, const MatrixXd& charges) {
@@ -170,38 +148,17 @@ VectorXd facet_indicators(const PanelMesh& mesh, const ChargedBodies& bodies, co
   return result;
 }
 
-UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const std::vector<MatrixXd>& blocks,
-                                 const MatrixXd& charges, const MatrixXd& background_charges,
-                                 const std::vector<bool>& is_target, const VectorXd& own, double tolerance) {
-  const PanelMesh& mesh = equations.mesh;
-  const SampledQuarters sampled = sampled_quarters(mesh);
-  if (sampled.panels.empty())
-    return {};
-  // The conductors' own potentials are constant: charges whose sum vanishes do not see them.
-  MatrixXd both(charges.rows(), charges.cols() + background_charges.cols());
-  both.leftCols(charges.cols()) = charges;
-  if (background_charges.cols() > 0)
-    both.rightCols(background_charges.cols()) = background_charges;
-  MatrixXd potentials = potentials_on(sampled.panels, equations, both, tolerance);
-  for (std::size_t k = 0; k < sampled.panels.size(); ++k)
-    if (is_target[sampled.bodies[k]])
-      potentials.row(index_of(k)).tail(background_charges.cols()).setZero();
-  const MatrixXd gained = energy_of_quarters(sampled, potentials, tolerance);
-  UnrefinedEnergy unrefined{gained.topLeftCorner(charges.cols(), charges.cols()),
-                            VectorXd::Zero(index_of(mesh.groups().size())),
-                            gained.bottomRightCorner(background_charges.cols(), background_charges.cols())};
-  const double part = (unrefined.gained.diagonal().array() / own.array()).maxCoeff();
-  // Groups with more charge get a larger part of the gained energy.
+VectorXd unrefined_indicators(const PanelMesh& mesh, const std::vector<MatrixXd>& blocks,
+                              const MatrixXd& charges, const VectorXd& own, double part) {
+  VectorXd result = VectorXd::Zero(index_of(mesh.groups().size()));
   for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
     const PanelGroup& group = mesh.groups()[g];
-    for (std::size_t k = group.first; k < group.first + group.count && !group.is_quartered; ++k) {
-      const auto row = charges.row(equations.unknowns.functions + index_of(k));
-      unrefined.groups[index_of(g)] += (row.cwiseAbs2().array() / own.transpose().array()).maxCoeff() *
-                                       blocks[g](index_of(k - group.first), index_of(k - group.first));
-    }
+    for (std::size_t k = group.first; k < group.first + group.count && !group.is_quartered; ++k)
+      result[index_of(g)] +=
+          (charges.row(index_of(k)).cwiseAbs2().array() / own.transpose().array()).maxCoeff() *
+          blocks[g](index_of(k - group.first), index_of(k - group.first));
   }
-  unrefined.groups *= part / unrefined.groups.sum();
-  return unrefined;
+  return result * (part / result.sum());
 }
 
 }  // namespace fringe::detail

@@ -1,13 +1,12 @@
 #pragma once
 
 #include <cstddef>
-#include <span>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "bem/panel_equations.hpp"
 #include "bem/panel_mesh.hpp"
+#include "surface/bodies.hpp"
 
 /// Error indicators: the energy that the charges of faces and panels miss. `charges` have one column for
 /// every right-hand side, such as a conductor at unit potential; `own` are the energies of these solutions.
@@ -28,23 +27,21 @@ SampledQuarters sampled_quarters(const PanelMesh& mesh);
 Eigen::MatrixXd energy_of_quarters(const SampledQuarters& quarters, const Eigen::MatrixXd& missing_potentials,
                                    double tolerance);
 
-/// Returns for every group of panels the energy that its panels' own densities add to that of one density. It
-/// is relative to the energy of each solution, and the largest of these. `blocks` are those of
-/// each group's panels with each other, `shares` is area_shares, and `charges` are the panels'.
-Eigen::VectorXd error_indicators(const PanelMesh& mesh, const std::vector<Eigen::MatrixXd>& blocks,
-                                 const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
-                                 const Eigen::VectorXd& own);
-
-/// Returns the energies that the panels' own densities add to those of one density on each group, all counted
-/// as positive, between all pairs of columns.
+/// Returns for every group of panels (rows) the energies that its panels' own densities add to those of one
+/// density, in each column. `blocks` are those of each group's panels with each other, `shares` is
+/// area_shares, and `charges` are the panels'.
 Eigen::MatrixXd detail_energies(const PanelMesh& mesh, const std::vector<Eigen::MatrixXd>& blocks,
                                 const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges);
 
-/// Returns the same as error_indicators() for the changes of readings, relative to `scales`. `charges` are
-/// the panels' in the columns of ReadingCharges::all().
-Eigen::VectorXd change_indicators(const PanelMesh& mesh, const std::vector<Eigen::MatrixXd>& blocks,
-                                  const Eigen::VectorXd& shares, const Eigen::MatrixXd& charges,
-                                  const Eigen::VectorXd& scales);
+/// Returns the energies between all pairs of columns, all counted as positive, from those in each column.
+Eigen::MatrixXd energies_of_pairs(const Eigen::MatrixXd& energies);
+
+/// Returns the largest energy of every row, relative to that of its column, where this is positive.
+Eigen::VectorXd largest_parts(const Eigen::MatrixXd& energies, const Eigen::VectorXd& own);
+
+/// Returns the same for the changes of readings, relative to `scales`, from the energies in the columns of
+/// ReadingCharges::all().
+Eigen::VectorXd largest_parts_of_change(const Eigen::MatrixXd& energies, const Eigen::VectorXd& scales);
 
 /// Returns for every group of panels (rows) the energies that the facets of round shapes may be wrong by once
 /// they are added to the answer. `charges` are the panels'.
@@ -56,18 +53,9 @@ Eigen::MatrixXd facet_energies(const PanelMesh& mesh, const ChargedBodies& bodie
 Eigen::VectorXd facet_indicators(const PanelMesh& mesh, const ChargedBodies& bodies,
                                  const Eigen::MatrixXd& charges, const Eigen::ArrayXXd& scales);
 
-/// The energy that unrefined elements, panels that were never divided, would gain from division. `charges`
-/// are those of all unknowns.
-struct UnrefinedEnergy {
-  Eigen::MatrixXd gained;      ///< by every pair of conductors, summed over all panels; empty if there are no
-                               ///< unrefined elements
-  Eigen::VectorXd groups;      ///< by every group, as in error_indicators()
-  Eigen::MatrixXd background;  ///< as `gained`, without the targets
-};
-/// `background_charges` are those without the targets, whose bodies `is_target` tells; none: not asked for.
-UnrefinedEnergy unrefined_energy(const PanelEquations& equations, const std::vector<Eigen::MatrixXd>& blocks,
-                                 const Eigen::MatrixXd& charges, const Eigen::MatrixXd& background_charges,
-                                 const std::vector<bool>& is_target, const Eigen::VectorXd& own,
-                                 double tolerance);
+/// Divides what panels that were never divided would gain from division, relative to the solutions' energies,
+/// among their groups: those with more charge get a larger part. `charges` are the panels'.
+Eigen::VectorXd unrefined_indicators(const PanelMesh& mesh, const std::vector<Eigen::MatrixXd>& blocks,
+                                     const Eigen::MatrixXd& charges, const Eigen::VectorXd& own, double part);
 
 }  // namespace fringe::detail

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <utility>
 
@@ -10,6 +9,7 @@
 
 #include "bem/panel_mesh.hpp"
 #include "numeric/interruption.hpp"
+#include "surface/corner_weld.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -22,38 +22,6 @@ using ElementEntry = Eigen::Triplet<double>;
 
 /// Distance, relative to a film's size, below which corners are the same.
 constexpr double same_film_corner = 1e-8;
-
-/// The corners of panels, each once.
-class SheetCorners {
- public:
-  explicit SheetCorners(double tolerance) : tolerance_(tolerance) {}
-
-  Index add(const Vector3d& point) {
-    // Corners whose coordinates differ by rounding may fall into cells beside each other.
-    const std::array<long long, 3> cell = cell_of(point);
-    for (long long x = -1; x <= 1; ++x)
-      for (long long y = -1; y <= 1; ++y)
-        for (long long z = -1; z <= 1; ++z) {
-          const auto known = cells_.find({cell[0] + x, cell[1] + y, cell[2] + z});
-          if (known != cells_.end() &&
-              (points_[static_cast<std::size_t>(known->second)] - point).norm() <= tolerance_)
-            return known->second;
-        }
-    points_.push_back(point);
-    return cells_[cell] = index_of(points_.size() - 1);
-  }
-
-  const std::vector<Vector3d>& points() const { return points_; }
-
- private:
-  std::array<long long, 3> cell_of(const Vector3d& point) const {
-    return {std::llround(point.x() / (4 * tolerance_)), std::llround(point.y() / (4 * tolerance_)),
-            std::llround(point.z() / (4 * tolerance_))};
-  }
-  double tolerance_;
-  std::vector<Vector3d> points_;
-  std::map<std::array<long long, 3>, Index> cells_;
-};
 
 /// Returns the corners on the outline of every panel, in their order: its own, and those of other panels on
 /// its sides.
@@ -124,12 +92,12 @@ FilmSheets::FilmSheets(std::vector<SheetPanel> panels, const BodyAt& body_at, st
     area += twice_area(panel.corners) / 2;
   }
   const double tolerance = same_film_corner * box.diagonal().norm();
-  SheetCorners corners(tolerance);
+  CornerWeld corners(tolerance);
   for (const SheetPanel& panel : panels_)
-    nodes_.push_back(
-        {corners.add(panel.corners[0]), corners.add(panel.corners[1]), corners.add(panel.corners[2])});
+    nodes_.push_back({index_of(corners.add(panel.corners[0])), index_of(corners.add(panel.corners[1])),
+                      index_of(corners.add(panel.corners[2]))});
   // Panels with corners of others on their sides are divided into fans around their centres.
-  std::vector<Vector3d> points = corners.points();
+  std::vector<Vector3d> points = corners.corners();
   const Index count = index_of(panels_.size());
   std::vector<ElementEntry> of_panels, means;
   const std::vector<std::vector<Index>> around = panel_outlines(points, nodes_, tolerance);
@@ -138,7 +106,7 @@ FilmSheets::FilmSheets(std::vector<SheetPanel> panels, const BodyAt& body_at, st
     std::vector<std::array<Index, 3>> parts{nodes_[k]};
     if (outline.size() > 3) {
       const Triangle& corner = panels_[k].corners;
-      points.emplace_back((corner[0] + corner[1] + corner[2]) / 3);
+      points.push_back(centre_of(corner));
       parts.clear();
       for (std::size_t side = 0; side < outline.size(); ++side)
         parts.push_back({index_of(points.size() - 1), outline[side], outline[(side + 1) % outline.size()]});

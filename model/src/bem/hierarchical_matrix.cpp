@@ -25,26 +25,6 @@ MatrixXd restricted_rows(const MatrixXd& factor, ClusterRange range, const Restr
   return result;
 }
 
-/// The targets of a cluster's unknowns, when these are not consecutive.
-struct Targets {
-  std::vector<Index> indices;  ///< sorted
-  Restriction own;             ///< to the positions in `indices`
-
-  Targets(ClusterRange range, const Restriction& restriction) {
-    const auto begin = restriction.target.begin() + range.first;
-    indices.assign(begin, begin + range.count);
-    std::sort(indices.begin(), indices.end());
-    indices.erase(std::unique(indices.begin(), indices.end()), indices.end());
-    for (Index k = 0; k < range.count; ++k)
-      own.target.push_back(std::lower_bound(indices.begin(), indices.end(), begin[k]) - indices.begin());
-    own.weights = restriction.weights.segment(range.first, range.count);
-  }
-
-  MatrixXd rows(const MatrixXd& factor) const {
-    return restricted_rows(factor, {0, factor.rows()}, own, 0, static_cast<Index>(indices.size()));
-  }
-};
-
 }  // namespace
 
 HierarchicalMatrix::HierarchicalMatrix(std::vector<ClusterRange> clusters, std::vector<std::size_t> leaves,
@@ -136,34 +116,35 @@ HierarchicalMatrix HierarchicalMatrix::restricted(const Restriction& restriction
 }
 
 MatrixXd HierarchicalMatrix::dense_restricted(const Restriction& restriction, Index rows) const {
-  struct Part {
-    std::vector<Index> rows;
-    std::vector<Index> columns;
-    MatrixXd values;
-    bool is_diagonal;
+  const auto range_of = [&](std::size_t cluster) -> ClusterRange {
+    const auto begin = restriction.target.begin() + clusters_[cluster].first;
+    const auto [first, last] = std::minmax_element(begin, begin + clusters_[cluster].count);
+    return {*first, *last - *first + 1};
   };
-  std::vector<Part> parts(near_.size() + far_.size());
+  const auto restricted = [&](const MatrixXd& factor, std::size_t cluster) -> MatrixXd {
+    const ClusterRange range = range_of(cluster);
+    return restricted_rows(factor, clusters_[cluster], restriction, range.first, range.count);
+  };
+  std::vector<MatrixXd> parts(near_.size() + far_.size());
   parallel_for(parts.size(), threads_, [&](std::size_t k) {
-    const bool is_near = k < near_.size();
-    const LowRankBlock* const far = is_near ? nullptr : &far_[k - near_.size()];
-    Targets a(clusters_[is_near ? near_[k].a : far->a], restriction);
-    Targets b(clusters_[is_near ? near_[k].b : far->b], restriction);
-    MatrixXd values =
-        is_near
-            ? MatrixXd(b.rows(a.rows(near_[k].values.cast<double>()).transpose()).transpose())
-            : MatrixXd(a.rows(far->rows.cast<double>()) * b.rows(far->columns.cast<double>()).transpose());
-    parts[k] = {std::move(a.indices), std::move(b.indices), std::move(values),
-                is_near && near_[k].a == near_[k].b};
+    if (k < near_.size()) {
+      const auto& [a, b, values] = near_[k];
+      parts[k] = restricted(restricted(values.cast<double>(), a).transpose(), b).transpose();
+    } else {
+      const LowRankBlock& far = far_[k - near_.size()];
+      parts[k] = restricted(far.rows.cast<double>(), far.a) *
+                 restricted(far.columns.cast<double>(), far.b).transpose();
+    }
   });
   MatrixXd result = MatrixXd::Zero(rows, rows);
-  for (const Part& part : parts)
-    for (std::size_t column = 0; column < part.columns.size(); ++column)
-      for (std::size_t row = 0; row < part.rows.size(); ++row) {
-        const double value = part.values(static_cast<Index>(row), static_cast<Index>(column));
-        result(part.rows[row], part.columns[column]) += value;
-        if (!part.is_diagonal)
-          result(part.columns[column], part.rows[row]) += value;
-      }
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    const std::size_t a = k < near_.size() ? near_[k].a : far_[k - near_.size()].a;
+    const std::size_t b = k < near_.size() ? near_[k].b : far_[k - near_.size()].b;
+    result.block(range_of(a).first, range_of(b).first, parts[k].rows(), parts[k].cols()) += parts[k];
+    if (a != b)
+      result.block(range_of(b).first, range_of(a).first, parts[k].cols(), parts[k].rows()) +=
+          parts[k].transpose();
+  }
   return result;
 }
 

@@ -25,7 +25,7 @@ struct DenseBlock {
 };
 
 /// A linear combination of the unknowns for each of fewer ones: those of a cluster give such of the same
-/// cluster.
+/// cluster, which follow each other.
 struct Restriction {
   std::vector<Eigen::Index> target;  ///< for each unknown, in the order of the tree; none below zero
   Eigen::VectorXd weights;           ///< of each unknown

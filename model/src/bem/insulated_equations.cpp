@@ -314,7 +314,7 @@ InsulatedSolutions solved(const PanelMesh& mesh, const InsulatedEquations& equat
   const CoarseCorrection coarse(unknowns, equations.matrix);
   InsulatedSolutions result;
   result.fine = solve_all(mesh, unknowns, equations.matrix, coarse, right_sides, threads);
-  result.coarse = coarse.solve(right_sides);
+  result.coarse = coarse.on_panels(coarse.solve(right_sides));
   result.details = result.fine;
   const MatrixXd means = summed_rows(unknowns, result.fine, false),
                  weighted = summed_rows(unknowns, result.fine, true);

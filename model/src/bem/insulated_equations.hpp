@@ -56,7 +56,7 @@ InsulatedEquations insulated_equations(const PanelMesh& mesh, const InsulatedBod
                                        const Surroundings& surroundings, const Eigen::MatrixXd& single_layer,
                                        const Eigen::MatrixXd& double_layer, std::size_t threads);
 
-/// Solutions in the whole space and in the coarse one, and what the coarse space misses.
+/// Solutions in the whole space and in the coarse one (rows: the unknowns), and what the coarse space misses.
 struct InsulatedSolutions {
   Eigen::MatrixXd fine;
   Eigen::MatrixXd coarse;

@@ -54,33 +54,43 @@ void mirror_upper_triangle(MatrixXd& matrix, std::size_t threads) {
       });
 }
 
+/// Adds to the groups (rows) the energies of their own charges, for every column. `panels` are those of the
+/// charges; those of a group are consecutive.
+void add_energies_within_groups(const MatrixXd& single_layer, const std::vector<Index>& group_of,
+                                const std::vector<Index>& panels, const MatrixXd& charges,
+                                MatrixXd& energies) {
+  const auto group = [&](Index k) {
+    return group_of[static_cast<std::size_t>(panels[static_cast<std::size_t>(k)])];
+  };
+  for (Index k = 0; k < charges.rows(); ++k)
+    for (Index l = k; l < charges.rows() && group(l) == group(k); ++l)
+      energies.row(group(k)) +=
+          ((l == k ? 1.0 : 2.0) *
+           single_layer(panels[static_cast<std::size_t>(k)], panels[static_cast<std::size_t>(l)]) *
+           charges.row(k).array() * charges.row(l).array())
+              .matrix();
+}
+
 /// Returns the energies that the coarse space misses in the groups (rows), for every column of the details.
 MatrixXd missed_energies(const PanelMesh& mesh, const InsulatedUnknowns& unknowns,
                          const MatrixXd& single_layer, const MatrixXd& details) {
   const std::vector<Index> group_of = mesh.group_of_panels();
   MatrixXd energies = MatrixXd::Zero(index_of(mesh.groups().size()), details.cols());
+  std::vector<Index> charges, panels;
   for (Index k = 0; k < unknowns.size(); ++k) {
     const auto at = static_cast<std::size_t>(k);
-    const Index panel = unknowns.panels[at], group = group_of[static_cast<std::size_t>(panel)];
-    if (!unknowns.is_charge(k)) {
-      const Ratios& ratios = unknowns.states[at].ratios;
-      energies.row(group) +=
-          (energy_of_potential_step * (ratios.behind + ratios.before) / 2 *
-           std::sqrt(mesh.panels()[static_cast<std::size_t>(panel)].area) * details.row(k).array().square())
-              .matrix();
+    const Index panel = unknowns.panels[at];
+    if (unknowns.is_charge(k)) {
+      charges.push_back(k);
+      panels.push_back(panel);
       continue;
     }
-    // Panels of a group are consecutive.
-    for (Index l = k;
-         l < unknowns.size() &&
-         group_of[static_cast<std::size_t>(unknowns.panels[static_cast<std::size_t>(l)])] == group;
-         ++l)
-      if (unknowns.is_charge(l))
-        energies.row(group) +=
-            ((l == k ? 1.0 : 2.0) * single_layer(panel, unknowns.panels[static_cast<std::size_t>(l)]) *
-             details.row(k).array() * details.row(l).array())
-                .matrix();
+    const Ratios& ratios = unknowns.states[at].ratios;
+    energies.row(group_of[static_cast<std::size_t>(panel)]) +=
+        energy_of_potential_step * (ratios.behind + ratios.before) / 2 *
+        std::sqrt(mesh.panels()[static_cast<std::size_t>(panel)].area) * details.row(k).cwiseAbs2();
   }
+  add_energies_within_groups(single_layer, group_of, panels, details(charges, Eigen::all), energies);
   return energies.cwiseAbs();
 }
 
@@ -89,24 +99,18 @@ MatrixXd missed_energies(const PanelMesh& mesh, const InsulatedUnknowns& unknown
 /// conductors, the charge over the permittivity there.
 MatrixXd gains_by_charges(const InsulatedEquations& equations, const InsulatedSolutions& found) {
   const InsulatedUnknowns& unknowns = equations.unknowns;
-  MatrixXd coarse(unknowns.size(), found.coarse.cols()),
-      adjoint = MatrixXd::Zero(unknowns.size(), coarse.cols());
-  for (Index k = 0; k < unknowns.size(); ++k) {
-    const auto at = static_cast<std::size_t>(k);
-    coarse.row(k) =
-        (unknowns.is_charge(k) ? unknowns.shares[k] : 1.0) * found.coarse.row(unknowns.coarse[at]);
-    if (!unknowns.is_charge(k))
-      continue;
-    const Ratios& ratios = unknowns.states[at].ratios;
-    adjoint.row(k) = 2 / (ratios.behind + ratios.before) * found.fine.row(k);
-  }
-  return adjoint.transpose() * (equations.potentials - equations.matrix * coarse);
+  MatrixXd adjoint = MatrixXd::Zero(unknowns.size(), found.fine.cols());
+  for (Index k = 0; k < unknowns.size(); ++k)
+    if (unknowns.is_charge(k)) {
+      const Ratios& ratios = unknowns.states[static_cast<std::size_t>(k)].ratios;
+      adjoint.row(k) = 2 / (ratios.behind + ratios.before) * found.fine.row(k);
+    }
+  return adjoint.transpose() * (equations.potentials - equations.matrix * found.coarse);
 }
 
 /// Adds the flux that enters films from conductors to the free charges of these.
 void add_flux_into_films(const ChargedBodies& bodies, const InsulatedEquations& equations,
                          const InsulatedSolutions& found, InsulatedSolution& result) {
-  const InsulatedUnknowns& unknowns = equations.unknowns;
   const MatrixXd &lifts = equations.films->lifts(), &direct = equations.films->direct();
   const auto conductor_of = [&](Index body) {
     return index_of(bodies.bodies[static_cast<std::size_t>(body)].conductor);
@@ -120,8 +124,7 @@ void add_flux_into_films(const ChargedBodies& bodies, const InsulatedEquations& 
       const Index unknown = equations.film_unknowns[k];
       const double lift = lifts(index_of(k), body);
       fine += lift * found.fine.row(unknown);
-      coarse += lift * unknowns.shares[unknown] *
-                found.coarse.row(unknowns.coarse[static_cast<std::size_t>(unknown)]);
+      coarse += lift * found.coarse.row(unknown);
     }
     result.matrix.fine.row(conductor_of(body)) += fine;
     result.matrix.coarse.row(conductor_of(body)) += coarse;
@@ -161,27 +164,9 @@ MatrixXd missed_energies_of_almost_conductors(const PanelMesh& mesh, const Insul
     for (std::size_t k = 0; k < own.size(); ++k)
       charges.row(index_of(k)) -=
           unknowns.shares[own[k]] * sums.row(unknowns.coarse[static_cast<std::size_t>(own[k])]);
-    // Panels of a group are consecutive.
-    for (Index k = 0; k < charges.rows(); ++k) {
-      const Index group = group_of[static_cast<std::size_t>(panels[static_cast<std::size_t>(k)])];
-      for (Index l = k; l < charges.rows() &&
-                        group_of[static_cast<std::size_t>(panels[static_cast<std::size_t>(l)])] == group;
-           ++l)
-        result.row(group) +=
-            (l == k ? 1.0 : 2.0) * matrix(k, l) * charges.row(k).cwiseProduct(charges.row(l));
-    }
+    add_energies_within_groups(single_layer, group_of, panels, charges, result);
   }
   return result.cwiseMax(0);
-}
-
-/// Returns the largest of the energies in all columns (rows: groups), relative to `own` where that is
-/// positive.
-VectorXd largest_energies(const MatrixXd& energies, const VectorXd& own) {
-  VectorXd result = VectorXd::Zero(energies.rows());
-  for (Index c = 0; c < energies.cols(); ++c)
-    if (own[c] > 0)
-      result = result.cwiseMax(energies.col(c) / own[c]);
-  return result;
 }
 
 }  // namespace
@@ -260,7 +245,8 @@ void InsulatedSystem::evaluate(double tolerance) {
   single_layer_ = single_layer_matrix(mesh_.panels(), tolerance, {single, places}, threads_);
   mirror_upper_triangle(single_layer_, threads_);
   const std::vector<bool> is_source = have_flux();
-  double_layer_ = double_layer_matrix(mesh_.panels(), is_source, tolerance, {twofold, places}, threads_);
+  double_layer_ =
+      double_layer_matrix(mesh_.panels(), mesh_.panels(), is_source, tolerance, {twofold, places}, threads_);
   const auto means_over = [&](std::span<const Panel> targets) {
     return double_layer_matrix(targets, mesh_.panels(), is_source, tolerance, {MatrixXd(), {}}, threads_);
   };
@@ -290,7 +276,7 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
       continue;
     const Index conductor = index_of(bodies.bodies[static_cast<std::size_t>(unknowns.body[at])].conductor);
     result.matrix.fine.row(conductor) += found.fine.row(k);
-    result.matrix.coarse.row(conductor) += unknowns.shares[k] * found.coarse.row(unknowns.coarse[at]);
+    result.matrix.coarse.row(conductor) += found.coarse.row(k);
     result.body_charges.row(unknowns.body[at]) += found.fine.row(k);
   }
   if (equations.films)
@@ -316,7 +302,7 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   UndividedGain undivided = undivided_gain(mesh_, bodies_, equations, quarters_, found.fine, tolerance_);
   result.undivided = std::move(undivided.roots);
   result.facets = facet_effects(mesh_, bodies_, equations, facets_, found.fine, tolerance_);
-  result.error_indicators = largest_energies(energies + undivided.groups, result.matrix.fine.diagonal());
+  result.error_indicators = largest_parts(energies + undivided.groups, result.matrix.fine.diagonal());
   result.unknowns = unknowns;
   return result;
 }
@@ -330,11 +316,7 @@ VectorXd InsulatedSystem::change_indicators(const InsulatedSolution& all,
       reading_charges(all.details, with.fine, background.details, without.fine, bodies).all();
   const MatrixXd energies =
       missed_energies(mesh_, all.unknowns, single_layer_, details(all.unknowns.panels, Eigen::all));
-  const VectorXd scales = change_scales(with, without, bodies);
-  VectorXd result(energies.rows());
-  for (Index group = 0; group < result.size(); ++group)
-    result[group] = largest_part_of_change(energies.row(group).cwiseSqrt(), scales);
-  return result;
+  return largest_parts_of_change(energies, change_scales(with, without, bodies));
 }
 
 InsulatedResponse InsulatedSystem::respond(const MatrixXd& outer, const VectorXd& own) const {
@@ -356,9 +338,9 @@ InsulatedResponse InsulatedSystem::respond(const MatrixXd& outer, const VectorXd
       continue;
     }
     result.potentials.row(panel) = found.fine.row(index_of(k));
-    result.coarse_potentials.row(panel) = found.coarse.row(unknowns.coarse[k]);
+    result.coarse_potentials.row(panel) = found.coarse.row(index_of(k));
   }
-  result.energies = largest_energies(missed_energies(mesh_, unknowns, single_layer_, found.details), own);
+  result.energies = largest_parts(missed_energies(mesh_, unknowns, single_layer_, found.details), own);
   return result;
 }
 

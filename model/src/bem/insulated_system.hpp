@@ -6,10 +6,10 @@
 #include <Eigen/Core>
 
 #include "bem/facet_effects.hpp"
-#include "bem/galerkin_system.hpp"
 #include "bem/insulated_equations.hpp"
 #include "bem/panel_mesh.hpp"
 #include "bem/undivided_gain.hpp"
+#include "readings/maxwell_matrix.hpp"
 #include "surface/insulators.hpp"
 
 namespace fringe::detail {

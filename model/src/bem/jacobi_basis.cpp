@@ -38,14 +38,14 @@ double diagonal(int k, double right, double left) {
 enum class Touches { none, left, right };
 
 /// Returns the rule for panels that touch an end.
-template <EdgeKind edge>
-const JacobiRule& panel_rule(Touches touches, int points) {
-  static std::array<LazyArray<JacobiRule, most_points>, 3> rules;
+const JacobiRule& panel_rule(EdgeKind edge, Touches touches, int points) {
+  static std::array<std::array<LazyArray<JacobiRule, most_points>, 3>, 2> rules;
   const double exponent = edge_exponent(edge);
-  return rules[static_cast<std::size_t>(touches)].at(static_cast<std::size_t>(points - 1), [&] {
-    return jacobi_rule(points, touches == Touches::right ? exponent : 0,
-                       touches == Touches::left ? exponent : 0);
-  });
+  return rules[static_cast<std::size_t>(edge)][static_cast<std::size_t>(touches)].at(
+      static_cast<std::size_t>(points - 1), [&] {
+        return jacobi_rule(points, touches == Touches::right ? exponent : 0,
+                           touches == Touches::left ? exponent : 0);
+      });
 }
 
 DirectionRule make_whole_rule(EdgeKind edge, int points) {
@@ -59,16 +59,21 @@ DirectionRule make_whole_rule(EdgeKind edge, int points) {
   return result;
 }
 
-template <EdgeKind edge>
-const DirectionRule& whole_rule_of(int points) {
-  static LazyArray<DirectionRule, most_points> rules;
-  return rules.at(static_cast<std::size_t>(points - 1), [&] { return make_whole_rule(edge, points); });
-}
-
 }  // namespace
 
 double edge_exponent(EdgeKind edge) {
   return edge == EdgeKind::thin ? -1.0 / 2 : -1.0 / 3;
+}
+
+int coarse_functions(int functions) {
+  // Odd, as the number of functions is, so that symmetric functions are treated like antisymmetric ones.
+  const int part = 18 * functions / 25;
+  return part % 2 == 0 ? part - 1 : part;
+}
+
+bool is_coarse(FaceFunctions functions, int function) {
+  return function / functions.v < coarse_functions(functions.u) &&
+         function % functions.v < coarse_functions(functions.v);
 }
 
 WeightedPolynomials::WeightedPolynomials(EdgeKind edge)
@@ -100,15 +105,15 @@ JacobiRule jacobi_rule(int points, double right, double left) {
 }
 
 const DirectionRule& whole_rule(EdgeKind edge, int points) {
-  return edge == EdgeKind::thin ? whole_rule_of<EdgeKind::thin>(points)
-                                : whole_rule_of<EdgeKind::right_angle>(points);
+  static std::array<LazyArray<DirectionRule, most_points>, 2> rules;
+  return rules[static_cast<std::size_t>(edge)].at(static_cast<std::size_t>(points - 1),
+                                                  [&] { return make_whole_rule(edge, points); });
 }
 
 void add_panel(DirectionRule& rule, Eigen::Index offset, EdgeKind edge, int functions, double from, double to,
                int points) {
   const Touches touches = from == -1 ? Touches::left : to == 1 ? Touches::right : Touches::none;
-  const JacobiRule& panel = edge == EdgeKind::thin ? panel_rule<EdgeKind::thin>(touches, points)
-                                                   : panel_rule<EdgeKind::right_angle>(touches, points);
+  const JacobiRule& panel = panel_rule(edge, touches, points);
   const double half = (to - from) / 2;
   const WeightedPolynomials& polynomials = weighted_polynomials(edge);
   for (int i = 0; i < points; ++i) {

@@ -30,6 +30,12 @@ struct FaceFunctions {
   bool operator==(const FaceFunctions&) const = default;
 };
 
+/// Returns the number of functions of the coarse space along a direction; `functions` must be odd, 3 or more.
+int coarse_functions(int functions);
+
+/// Returns true if a face's function belongs to the coarse space.
+bool is_coarse(FaceFunctions functions, int function);
+
 /// The polynomials p_0, p_1, … orthonormal under the weight (1 − x²)^α. Only p_0 carries a net charge.
 class WeightedPolynomials {
  public:

@@ -36,8 +36,8 @@ std::vector<std::vector<std::size_t>> grouped(std::span<const Triangle> triangle
   const auto neighbours = SurfaceMesh(triangles).neighbours();
   std::vector<Vector3d> normals, centres;
   for (const Triangle& triangle : triangles) {
-    normals.push_back((triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized());
-    centres.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);
+    normals.push_back(unit_normal(triangle));
+    centres.push_back(centre_of(triangle));
   }
   const std::size_t none = triangles.size();
   std::vector<std::size_t> group_of(triangles.size(), none);
@@ -300,17 +300,6 @@ void PanelMesh::add(std::size_t body, std::span<const Triangle> surface, const P
       panels_.push_back(make_panel(triangles[member]));
     places_before_.resize(panels_.size(), no_place);
   }
-}
-
-PanelMesh PanelMesh::of_first(std::size_t bodies) const {
-  PanelMesh mesh;
-  for (const PanelGroup& group : groups_)
-    if (group.body < bodies)
-      mesh.groups_.push_back(group);
-  const std::size_t panels = mesh.groups_.empty() ? 0 : mesh.groups_.back().first + mesh.groups_.back().count;
-  mesh.panels_.assign(panels_.begin(), panels_.begin() + static_cast<std::ptrdiff_t>(panels));
-  mesh.places_before_.resize(panels, no_place);
-  return mesh;
 }
 
 std::vector<Index> PanelMesh::group_of_panels() const {

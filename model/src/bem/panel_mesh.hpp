@@ -63,9 +63,6 @@ class PanelMesh {
   /// Returns the group of every panel.
   std::vector<Eigen::Index> group_of_panels() const;
 
-  /// Returns the mesh of the first `bodies` bodies.
-  PanelMesh of_first(std::size_t bodies) const;
-
   /// Returns the triangles of a group: the one that was quartered, or its panels.
   std::vector<Triangle> triangles(const PanelGroup& group) const;
 

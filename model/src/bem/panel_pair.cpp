@@ -25,9 +25,7 @@ constexpr double same_point = 1e-9;
 /// A triangle's plane, and which of its points are within the triangle.
 class PanelPlane {
  public:
-  explicit PanelPlane(const Panel& panel)
-      : corners_(panel.corners),
-        normal_((corners_[1] - corners_[0]).cross(corners_[2] - corners_[0]).normalized()) {}
+  explicit PanelPlane(const Panel& panel) : corners_(panel.corners), normal_(unit_normal(panel.corners)) {}
 
   double height(const Vector3d& point) const { return normal_.dot(point - corners_[0]); }
 

@@ -42,12 +42,6 @@ const TriangleRule* rule_for(double ratio, double allowed) {
   return nullptr;
 }
 
-const TriangleRule& last_rule() {
-  const auto rules = triangle_rules();
-  return *std::find_if(rules.begin(), rules.end(),
-                       [](const TriangleRule& rule) { return rule.degree == highest_rule_degree; });
-}
-
 /// Lays the points of rules over a triangle, halved where it is too near to the singularity.
 class TrianglePoints {
  public:
@@ -56,7 +50,7 @@ class TrianglePoints {
       : allowed_(rule_caution * tolerance / 2), distance_(distance), point_(point) {}
 
   void lay(const Triangle& triangle, double share, int halvings) const {
-    const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
+    const Vector3d centre = centre_of(triangle);
     const double squared_radius =
         std::max({(triangle[0] - centre).squaredNorm(), (triangle[1] - centre).squaredNorm(),
                   (triangle[2] - centre).squaredNorm()});
@@ -67,12 +61,9 @@ class TrianglePoints {
       return;
     }
     if (rule == nullptr)
-      rule = &last_rule();
-    const Vector3d second = triangle[1] - triangle[0], third = triangle[2] - triangle[0];
-    for (int k = 0; k < rule->points; ++k) {
-      const TriangleNode& node = rule->nodes[k];
-      point_(triangle[0] + node.second * second + node.third * third, share * node.weight);
-    }
+      rule = &triangle_rule(highest_rule_degree);
+    for (int k = 0; k < rule->points; ++k)
+      point_(point_of(triangle, rule->nodes[k]), share * rule->nodes[k].weight);
   }
 
  private:

@@ -2,19 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
-#include <memory>
 #include <numeric>
 #include <span>
+#include <stdexcept>
 #include <utility>
 
-#include "bem/error_indicators.hpp"
 #include "bem/group_densities.hpp"
-#include "bem/panel_equations.hpp"
 #include "bem/proximity_refinement.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "bem/two_level_preconditioner.hpp"
+#include "numeric/cholesky.hpp"
 #include "numeric/parallel.hpp"
 #include "readings/asked_error.hpp"
 #include "readings/maxwell_matrix.hpp"
@@ -46,25 +44,6 @@ constexpr double accuracy_of_others = 100;
 /// Fewest unknowns for each function of the coarse space.
 constexpr Index least_together = 4;
 
-ChargedBodies with_faces(const ChargedBodies& bodies) {
-  ChargedBodies result = bodies;
-  std::erase_if(result.bodies, [](const ChargedBody& body) {
-    return std::holds_alternative<TriangleSurface>(body.surface);
-  });
-  return result;
-}
-
-/// Returns the sensors alone, as grounded conductors: there is nothing else to measure beside them.
-ChargedBodies sensors_of(const ChargedBodies& bodies) {
-  ChargedBodies sensors;
-  for (const ChargedConductor& conductor : bodies.conductors)
-    if (conductor.role == Role::sensor)
-      sensors.conductors.push_back({conductor.name, Role::grounded, conductor.members});
-  std::copy_if(bodies.bodies.begin(), bodies.bodies.end(), std::back_inserter(sensors.bodies),
-               [&](const ChargedBody& body) { return bodies.role(body) == Role::sensor; });
-  return sensors;
-}
-
 /// Numbers in the order of a tree.
 std::vector<std::size_t> bodies_of_panels(const PanelMesh& mesh, const ClusterTree& tree) {
   std::vector<std::size_t> bodies;
@@ -86,30 +65,21 @@ Restriction restriction_to_groups(const PanelMesh& mesh, const ClusterTree& tree
   return restriction;
 }
 
+void require_positive_definite(bool is_positive_definite) {
+  if (!is_positive_definite)
+    throw std::runtime_error("the matrix of the boundary elements is not positive definite");
+}
+
 CoarseSpace coarse_space_of(const HierarchicalMatrix& matrix, const VectorXd& areas,
                             const std::vector<std::size_t>& bodies) {
   const Index together = std::max(least_together, (matrix.size() - 1) / coarse_functions_wanted + 1);
   return coarse_space(matrix, areas, bodies, together);
 }
 
-/// Returns the largest energy of each row, relative to that of the column.
-VectorXd largest_parts(const MatrixXd& energies, const VectorXd& own) {
-  return (energies.array().rowwise() / own.transpose().array()).rowwise().maxCoeff();
-}
-
-/// Returns the largest energy of each row for the changes of readings, by energies of the columns of
-/// ReadingCharges::all().
-VectorXd largest_parts_of_change(const MatrixXd& energies, const VectorXd& scales) {
-  VectorXd result(energies.rows());
-  for (Index row = 0; row < energies.rows(); ++row)
-    result[row] = largest_part_of_change(energies.row(row).cwiseSqrt(), scales);
-  return result;
-}
-
 }  // namespace
 
 PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading, std::size_t threads)
-    : bodies_(bodies), threads_(threads), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_),
+    : bodies_(bodies), threads_(threads), faces_(bodies),
       mesh_(std::make_shared<const HiddenSurface>(bodies)), panel_tolerance_(unknown_tolerance),
       coupling_tolerance_(unknown_tolerance) {
   for (std::size_t body = 0; body < bodies.bodies.size(); ++body)
@@ -117,10 +87,6 @@ PanelSystem::PanelSystem(const ChargedBodies& bodies, const PanelGrading& gradin
       mesh_.add(body, surface->triangles, grading, surface->round ? &*surface->round : nullptr, threads);
   refine_by_proximity(mesh_, bodies, grading.most_panels);
 }
-
-PanelSystem::PanelSystem(const ChargedBodies& bodies, PanelMesh mesh, std::size_t threads)
-    : bodies_(bodies), threads_(threads), bodies_of_faces_(with_faces(bodies)), faces_(bodies_of_faces_),
-      mesh_(std::move(mesh)), panel_tolerance_(unknown_tolerance), coupling_tolerance_(unknown_tolerance) {}
 
 void PanelSystem::refine_groups(const std::vector<int>& steps, const MatrixXd& charges) {
   // After two refinements without a matrix between them, the places are not those of the matrix.
@@ -232,13 +198,21 @@ void PanelSystem::refine_coupling(const std::vector<FaceFunctions>& functions, d
   coupled_functions_ = functions;
 }
 
-MatrixXd PanelSystem::face_matrix(const PanelUnknowns& unknowns) const {
-  MatrixXd matrix(unknowns.functions, unknowns.functions);
+/// Returns the lower triangle of the matrix of some of the faces' functions, in this order.
+MatrixXd PanelSystem::face_matrix(const PanelUnknowns& unknowns, const std::vector<Index>& order) const {
+  std::vector<Index> place(static_cast<std::size_t>(unknowns.functions), -1);
+  for (std::size_t k = 0; k < order.size(); ++k)
+    place[static_cast<std::size_t>(order[k])] = index_of(k);
+  MatrixXd matrix(index_of(order.size()), index_of(order.size()));
   for (std::size_t a = 0; a < faces(); ++a)
     for (std::size_t b = a; b < faces(); ++b) {
       const MatrixXd& block = faces_.block(a, b);
-      matrix.block(unknowns.first[a], unknowns.first[b], block.rows(), block.cols()) = block;
-      matrix.block(unknowns.first[b], unknowns.first[a], block.cols(), block.rows()) = block.transpose();
+      for (Index k = 0; k < block.cols(); ++k) {
+        const Index column = place[static_cast<std::size_t>(unknowns.first[b] + k)];
+        for (Index i = 0; i < block.rows() && column >= 0; ++i)
+          if (const Index row = place[static_cast<std::size_t>(unknowns.first[a] + i)]; row >= 0)
+            matrix(std::max(row, column), std::min(row, column)) = block(i, k);
+      }
     }
   return matrix;
 }
@@ -246,10 +220,8 @@ MatrixXd PanelSystem::face_matrix(const PanelUnknowns& unknowns) const {
 /// Returns the charge on each body (rows) from the charges of all unknowns.
 MatrixXd PanelSystem::body_charges(const PanelUnknowns& unknowns, const MatrixXd& charges) const {
   MatrixXd result = MatrixXd::Zero(index_of(bodies_.bodies.size()), charges.cols());
-  std::size_t face = 0;
-  for (std::size_t body = 0; body < bodies_.bodies.size(); ++body)
-    for (std::size_t k = 0; k < faces_of(bodies_.bodies[body].surface).size(); ++k, ++face)
-      result.row(index_of(body)) += faces_.net_charge(face) * charges.row(unknowns.first[face]);
+  for (std::size_t face = 0; face < faces(); ++face)
+    result.row(index_of(faces_.body(face))) += faces_.net_charge(face) * charges.row(unknowns.first[face]);
   for (const PanelGroup& group : mesh_.groups())
     result.row(index_of(group.body)) +=
         charges.middleRows(unknowns.functions + index_of(group.first), index_of(group.count)).colwise().sum();
@@ -270,8 +242,9 @@ std::vector<MatrixXd> PanelSystem::charges_of_faces(const PanelUnknowns& unknown
 /// tolerances. `charges` are those of all unknowns.
 MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const MatrixXd& charges) const {
   const MatrixXd norms = norms_of_faces(charges_of_faces(unknowns, charges));
-  const auto panels = index_of(mesh_.panels().size());
-  const MatrixXd absolute = charges.bottomRows(panels).cwiseAbs();
+  const MatrixXd absolute = charges.bottomRows(index_of(mesh_.panels().size())).cwiseAbs();
+  if (absolute.isZero(0))
+    return faces_.quadrature_effect(norms);
   MatrixXd felt = panels_->apply(absolute);
   for (std::size_t face = 0; face < faces(); ++face) {
     const Eigen::RowVectorXd largest =
@@ -287,8 +260,10 @@ MatrixXd PanelSystem::quadrature_effect(const PanelUnknowns& unknowns, const Mat
   return faces() == 0 ? of_panels : faces_.quadrature_effect(norms) + of_panels;
 }
 
-/// The spaces of fewer functions, with their matrices. The equations with and without the targets share them.
+/// The matrix of the faces and the spaces of fewer functions, with their matrices. The equations with and
+/// without the targets share them.
 struct PanelSystem::Spaces {
+  MatrixXd functions;  ///< the matrix of the faces' functions; none without panels
   Restriction to_groups;
   HierarchicalMatrix groups;  ///< the matrix of one density on each group
   CoarseSpace of_panels;
@@ -296,6 +271,12 @@ struct PanelSystem::Spaces {
 };
 
 PanelSystem::Spaces PanelSystem::spaces() const {
+  if (mesh_.panels().empty())
+    return {};
+  const PanelUnknowns unknowns = number_unknowns();
+  std::vector<Index> all(static_cast<std::size_t>(unknowns.functions));
+  std::iota(all.begin(), all.end(), Index{0});
+  MatrixXd functions = face_matrix(unknowns, all).selfadjointView<Eigen::Lower>();
   const ClusterTree& tree = panels_->tree();
   const std::vector<std::size_t> bodies = bodies_of_panels(mesh_, tree);
   VectorXd areas(index_of(bodies.size()));
@@ -315,24 +296,94 @@ PanelSystem::Spaces PanelSystem::spaces() const {
   }
   CoarseSpace of_panels = coarse_space_of(panels_->matrix(), areas, bodies);
   CoarseSpace of_groups = coarse_space_of(groups, group_areas, group_bodies);
-  return {std::move(to_groups), std::move(groups), std::move(of_panels), std::move(of_groups)};
+  return {std::move(functions), std::move(to_groups), std::move(groups), std::move(of_panels),
+          std::move(of_groups)};
+}
+
+PanelUnknowns PanelSystem::number_unknowns() const {
+  PanelUnknowns unknowns;
+  for (std::size_t face = 0; face < faces(); ++face) {
+    unknowns.first.push_back(unknowns.functions);
+    for (int k = 0; k < functions(face).count(); ++k)
+      if (is_coarse(functions(face), k))
+        unknowns.coarse.push_back(unknowns.functions + k);
+    unknowns.functions += functions(face).count();
+  }
+  unknowns.net = MatrixXd::Zero(unknowns.functions + index_of(mesh_.panels().size()),
+                                index_of(bodies_.conductors.size()));
+  for (std::size_t face = 0; face < faces(); ++face)
+    unknowns.net(unknowns.first[face], index_of(bodies_.bodies[faces_.body(face)].conductor)) =
+        faces_.net_charge(face);
+  for (const PanelGroup& group : mesh_.groups())
+    unknowns.net.col(index_of(bodies_.bodies[group.body].conductor))
+        .segment(unknowns.functions + index_of(group.first), index_of(group.count))
+        .setOnes();
+  return unknowns;
+}
+
+/// Returns the unknowns with those of other bodies left out, and net charges of the conductors that are not
+/// grounded.
+PanelUnknowns PanelSystem::unknowns_of(PanelUnknowns unknowns,
+                                       const std::function<bool(const ChargedBody&)>& is_there) const {
+  unknowns.present = VectorXd::Ones(unknowns.net.rows());
+  for (std::size_t face = 0; face < faces(); ++face)
+    if (!is_there(bodies_.bodies[faces_.body(face)]))
+      unknowns.present.segment(unknowns.first[face], functions(face).count()).setZero();
+  for (const PanelGroup& group : mesh_.groups())
+    if (!is_there(bodies_.bodies[group.body]))
+      unknowns.present.segment(unknowns.functions + index_of(group.first), index_of(group.count)).setZero();
+  for (std::size_t k = 0; k < bodies_.conductors.size(); ++k) {
+    if (bodies_.conductors[k].role == Role::grounded)
+      unknowns.net.col(index_of(k)).setZero();
+    else
+      unknowns.net.col(index_of(k)).array() *= unknowns.present.array();
+  }
+  return unknowns;
+}
+
+/// Solves in both spaces where there are no panels. With the functions of the coarse space first, its matrix
+/// is the leading block of the whole one, so that one factorisation serves both.
+PanelSystem::Solved PanelSystem::solve_functions(const PanelUnknowns& unknowns) const {
+  const auto is_present = [&](Index k) { return unknowns.present.size() == 0 || unknowns.present[k] != 0; };
+  std::vector<Index> own;
+  std::copy_if(unknowns.coarse.begin(), unknowns.coarse.end(), std::back_inserter(own), is_present);
+  const Index coarse = index_of(own.size());
+  std::vector<bool> is_coarse(static_cast<std::size_t>(unknowns.functions), false);
+  for (const Index k : unknowns.coarse)
+    is_coarse[static_cast<std::size_t>(k)] = true;
+  for (Index k = 0; k < unknowns.functions; ++k)
+    if (!is_coarse[static_cast<std::size_t>(k)] && is_present(k))
+      own.push_back(k);
+  Solved result;
+  const Cholesky factor(face_matrix(unknowns, own));
+  result.fine.positive_definite = factor.is_positive_definite();
+  if (!result.positive_definite())
+    return result;
+  MatrixXd lower = factor.solve_lower(unknowns.net(own, Eigen::all));
+  result.fine.matrix = lower.transpose() * lower;
+  result.coarse.matrix = lower.topRows(coarse).transpose() * lower.topRows(coarse);
+  for (SpaceSolution* const space : {&result.fine, &result.coarse})
+    space->missing = space->missing_of_change = VectorXd::Zero(lower.cols());
+  result.charges = MatrixXd::Zero(unknowns.functions, lower.cols());
+  result.charges(own, Eigen::all) = factor.solve_upper(std::move(lower));
+  return result;
 }
 
 /// Solves in the whole space and in the coarse one. Both have the unknowns of the faces first, then those of
 /// the panels or the groups in the order of the tree. The iteration begins with the charges `begun`; with
 /// none if these are empty. With a background, `begun` are the changes by the targets, and the solution is
 /// the background with these changes.
-PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations, const Spaces& spaces,
+PanelSystem::Solved PanelSystem::solve_equations(const PanelUnknowns& unknowns, const Spaces& spaces,
                                                  double accuracy, const MatrixXd& begun,
                                                  const Solved* background) const {
-  const ClusterTree& tree = panels_->tree();
-  const PanelUnknowns& unknowns = equations.unknowns;
-  const Index functions = unknowns.functions, panels = index_of(mesh_.panels().size());
+  if (mesh_.panels().empty())
+    return solve_functions(unknowns);
+  const std::vector<Index>& places = panels_->tree().panels();
+  const Index functions = unknowns.functions, panels = index_of(places.size());
   std::vector<Index> order(static_cast<std::size_t>(functions + panels));
   std::iota(order.begin(), order.begin() + functions, Index{0});
   for (Index place = 0; place < panels; ++place)
-    order[static_cast<std::size_t>(functions + place)] =
-        functions + tree.panels()[static_cast<std::size_t>(place)];
+    order[static_cast<std::size_t>(functions + place)] = functions + places[static_cast<std::size_t>(place)];
   VectorXd accuracies(unknowns.net.cols());
   for (Index c = 0; c < accuracies.size(); ++c)
     accuracies[c] =
@@ -342,7 +393,7 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
   const auto solve = [&](const BorderedMatrix& matrix, const CoarseSpace& coarse, const MatrixXd& net,
                          MatrixXd start, const SpaceSolution* without) {
     if (matrix.present.size() > 0 && matrix.present.tail(matrix.unknowns.size()).isZero(0))
-      return solve_functions(matrix, net);
+      return detail::solve_functions(matrix, net);
     const TwoLevelPreconditioner preconditioner(matrix, coarse, panel_tolerance_, threads_);
     if (!preconditioner.is_positive_definite()) {
       SpaceSolution none;
@@ -351,13 +402,11 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
     }
     if (without == nullptr)
       return solve_space(matrix, preconditioner, net, accuracies, std::move(start));
-    const VectorXd& is_machine =
-        &matrix.unknowns == &spaces.groups ? background->is_machine_in_coarse : background->is_machine;
     return solve_with_targets(matrix, preconditioner, net, accuracies, std::move(start), *without,
-                              is_machine);
+                              &matrix.unknowns == &spaces.groups ? background->present_in_coarse
+                                                                 : background->present);
   };
-  const BorderedMatrix matrix{equations.faces, equations.coupling(Eigen::all, tree.panels()),
-                              panels_->matrix(),
+  const BorderedMatrix matrix{spaces.functions, coupling_(Eigen::all, places), panels_->matrix(),
                               unknowns.present.size() > 0 ? VectorXd(unknowns.present(order)) : VectorXd()};
   const MatrixXd right_sides = unknowns.net(order, Eigen::all);
   result.fine = solve(matrix, spaces.of_panels, right_sides,
@@ -368,7 +417,7 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
     return result;
   result.charges.resize(right_sides.rows(), right_sides.cols());
   result.charges(order, Eigen::all) = result.fine.charges;
-  result.is_machine = matrix.present;
+  result.present = matrix.present;
 
   const Restriction& to_groups = spaces.to_groups;
   const auto coarse_functions = index_of(unknowns.coarse.size());
@@ -395,27 +444,43 @@ PanelSystem::Solved PanelSystem::solve_equations(const PanelEquations& equations
     if (present.size() > 0)
       present[coarse_functions + group] = matrix.present[functions + k];
   }
-  const BorderedMatrix coarse_matrix{equations.faces(unknowns.coarse, unknowns.coarse),
+  const BorderedMatrix coarse_matrix{matrix.functions(unknowns.coarse, unknowns.coarse),
                                      coupling.cast<float>(), spaces.groups, std::move(present)};
   result.coarse = solve(coarse_matrix, spaces.of_groups, net, std::move(start),
                         background != nullptr ? &background->coarse : nullptr);
   if (!result.positive_definite())
     return result;
-  result.is_machine_in_coarse = coarse_matrix.present;
+  result.present_in_coarse = coarse_matrix.present;
   result.coarse_charges.resize(panels, right_sides.cols());
   for (Index k = 0; k < panels; ++k)
-    result.coarse_charges.row(tree.panels()[static_cast<std::size_t>(k)]) =
+    result.coarse_charges.row(places[static_cast<std::size_t>(k)]) =
         to_groups.weights[k] *
         result.coarse.charges.row(coarse_functions + to_groups.target[static_cast<std::size_t>(k)]);
   return result;
 }
 
-PanelSystem::Solved PanelSystem::solve_without_targets(const PanelEquations& equations, const Spaces& spaces,
-                                                       double accuracy) const {
-  const PanelUnknowns unknowns = without_targets(equations.unknowns, bodies_, faces_, mesh_);
-  const PanelEquations present{equations.face_system, equations.mesh,     unknowns,         equations.faces,
-                               equations.panels,      equations.coupling, equations.threads};
-  return solve_equations(present, spaces, accuracy, begun(last_background_, unknowns.functions), nullptr);
+/// Returns the energies that panels which were never divided would gain from division, estimated from the
+/// sampled ones, between all columns of the charges with all bodies and, after them, of those with the
+/// unknowns that are present.
+MatrixXd PanelSystem::gained_by_division(const SampledQuarters& sampled, const PanelUnknowns& unknowns,
+                                         const MatrixXd& charges, const MatrixXd& of_present) const {
+  // The conductors' own potentials are constant: charges whose sum vanishes do not see them.
+  MatrixXd both(unknowns.net.rows(), charges.cols() + of_present.cols());
+  if (charges.cols() > 0)
+    both.leftCols(charges.cols()) = charges;
+  if (of_present.cols() > 0)
+    both.rightCols(of_present.cols()) = of_present;
+  MatrixXd missing =
+      panel_potentials(sampled.panels, mesh_.panels(), both.bottomRows(index_of(mesh_.panels().size())),
+                       panel_tolerance_, threads_);
+  for (std::size_t face = 0; face < faces(); ++face)
+    missing +=
+        single_layer_block(faces_.face(face), functions(face), sampled.panels, panel_tolerance_).transpose() *
+        both.middleRows(unknowns.first[face], functions(face).count());
+  for (std::size_t k = 0; k < sampled.panels.size() && of_present.cols() > 0; ++k)
+    if (unknowns.present[unknowns.functions + index_of(sampled.parents[k])] == 0)
+      missing.row(index_of(k)).tail(of_present.cols()).setZero();
+  return energy_of_quarters(sampled, missing, panel_tolerance_);
 }
 
 void PanelSystem::set_ridge(double ridge) {
@@ -456,40 +521,30 @@ PanelSolution PanelSystem::solve(double accuracy, double most_ridge, double chan
 
 PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   PanelSolution solution;
-  if (mesh_.panels().empty()) {
-    static_cast<GalerkinSolution&>(solution) = faces_.solve();
-    const Index conductors = solution.all.fine.rows();
-    solution.iteration_error = solution.background_iteration_error = solution.change_iteration_error =
-        MatrixXd::Zero(conductors, conductors);
-    const Index kept = conductors - index_of(count_of(bodies_, Role::floating));
-    solution.ridge_effect = MatrixXd::Zero(kept, kept);
-    const Index columns = 4 * index_of(bodies_.readings.size());
-    solution.reading_ridge_effect = MatrixXd::Zero(columns, columns);
-    return solution;
-  }
-  const PanelUnknowns unknowns = number_unknowns(bodies_, faces_, mesh_);
-  const MatrixXd matrix = face_matrix(unknowns);
-  const PanelEquations equations{faces_, mesh_, unknowns, matrix, *panels_, coupling_, threads_};
+  const PanelUnknowns unknowns = number_unknowns();
+  const bool has_readings = !bodies_.readings.empty();
+  const Spaces spaces = this->spaces();
   if (count_of(bodies_, Role::sensor) > 0 && !sensors_have_panels(bodies_)) {
-    const GalerkinSystem::Alone alone = faces_.solve_sensors();
-    solution.sensors = alone.matrix;
-    solution.positive_definite &= alone.positive_definite;
+    solution.sensors = solve_sensors(spaces, accuracy);
+    solution.positive_definite = solution.sensors.positive_definite;
     if (!solution.positive_definite)
       return solution;
   }
-  const Spaces spaces = this->spaces();
   Solved background;
+  PanelUnknowns machine = unknowns;
   MatrixXd start = begun(last_charges_, unknowns.functions);
-  if (!bodies_.readings.empty()) {
-    background = solve_without_targets(equations, spaces, accuracy * change_part);
+  if (has_readings) {
+    machine = unknowns_of(unknowns, [](const ChargedBody& body) { return !body.is_target; });
+    const MatrixXd begun_background = begun(last_background_, unknowns.functions);
+    background = solve_equations(machine, spaces, accuracy * change_part, begun_background, nullptr);
     solution.positive_definite = background.positive_definite();
     if (!solution.positive_definite)
       return solution;
     if (start.size() > 0)
-      start -= begun(last_background_, unknowns.functions);
+      start -= begun_background;
   }
   const Solved solved =
-      solve_equations(equations, spaces, accuracy, start, bodies_.readings.empty() ? nullptr : &background);
+      solve_equations(unknowns, spaces, accuracy, start, has_readings ? &background : nullptr);
   solution.positive_definite = solved.positive_definite();
   if (!solution.positive_definite)
     return solution;
@@ -506,67 +561,93 @@ PanelSolution PanelSystem::solve_once(double accuracy, double change_part) {
   std::vector<MatrixXd> blocks;
   for (const PanelGroup& group : mesh_.groups())
     blocks.push_back(panels_->block_of_group(group));
-  MatrixXd reading_charges, background_charges;
-  VectorXd scales;
-  if (!bodies_.readings.empty()) {
-    solution.background = {background.fine.matrix, background.coarse.matrix};
-    solution.background_iteration_error = background.fine.iteration_error();
-    solution.change_iteration_error = solved.fine.iteration_error_of_change();
-    reading_charges = detail::reading_charges(solved.charges, solution.all.fine, background.charges,
-                                              solution.background.fine, bodies_)
-                          .all();
-    solution.reading_charges = reading_charges.bottomRows(index_of(mesh_.panels().size()));
-    solution.reading_ridge_effect = ridge_effect(solution.reading_charges);
-    solution.face_reading_charges = charges_of_faces(unknowns, reading_charges);
-    solution.reading_quadrature_effect = quadrature_effect(unknowns, reading_charges);
-    solution.reading_details = detail_energies(mesh_, blocks, shares, solution.reading_charges);
-    if (faces() > 0)
-      solution.reading_details += faces_.detail_energies(solution.face_reading_charges);
-    scales = change_scales(solution.all, solution.background, bodies_);
-    background_charges = std::move(background.charges);
-  }
-  solution.highest = faces_.highest_energies(
-      {charges_of_faces(unknowns, solved.charges), solution.face_reading_charges, own, scales});
   Eigen::ArrayXXd scales_of_entries = error_scales((solution.all.fine * at).topRows(at.cols()), bodies_);
   scales_of_entries.matrix().diagonal() =
       scales_of_entries.matrix().diagonal().cwiseMin(own.head(scales_of_entries.rows()));
   // Floating conductors have no entries, but their energies may be asked for.
   solution.error_indicators =
-      error_indicators(mesh_, blocks, shares, solution.charges, own) +
+      largest_parts(detail_energies(mesh_, blocks, shares, solution.charges), own) +
       facet_indicators(mesh_, bodies_, kept_charges, scales_of_entries)
           .cwiseMax(largest_parts(facet_energies(mesh_, bodies_, solution.charges), own));
-  if (scales.size() > 0)
+  VectorXd scales;
+  if (has_readings) {
+    solution.background = {background.fine.matrix, background.coarse.matrix};
+    solution.background_iteration_error = background.fine.iteration_error();
+    solution.change_iteration_error = solved.fine.iteration_error_of_change();
+    const MatrixXd reading_charges =
+        detail::reading_charges(solved.charges, solution.all.fine, background.charges,
+                                solution.background.fine, bodies_)
+            .all();
+    solution.reading_charges = reading_charges.bottomRows(index_of(mesh_.panels().size()));
+    solution.reading_ridge_effect = ridge_effect(solution.reading_charges);
+    solution.face_reading_charges = charges_of_faces(unknowns, reading_charges);
+    solution.reading_quadrature_effect = quadrature_effect(unknowns, reading_charges);
+    const MatrixXd details = detail_energies(mesh_, blocks, shares, solution.reading_charges);
+    solution.reading_details = energies_of_pairs(details);
+    if (faces() > 0)
+      solution.reading_details += faces_.detail_energies(solution.face_reading_charges);
+    scales = change_scales(solution.all, solution.background, bodies_);
     solution.error_indicators = solution.error_indicators.cwiseMax(
-        change_indicators(mesh_, blocks, shares, solution.reading_charges, scales) +
+        largest_parts_of_change(details, scales) +
         largest_parts_of_change(facet_energies(mesh_, bodies_, solution.reading_charges), scales));
-  std::vector<bool> is_target;
-  for (const ChargedBody& body : bodies_.bodies)
-    is_target.push_back(body.is_target);
-  const UnrefinedEnergy unrefined = unrefined_energy(equations, blocks, solved.charges, background_charges,
-                                                     is_target, own, panel_tolerance_);
-  if (unrefined.gained.size() > 0) {
-    solution.all.coarse -= unrefined.gained;
-    if (unrefined.background.size() > 0)
-      solution.background.coarse -= unrefined.background;
-    solution.error_indicators += unrefined.groups;
+  }
+  solution.highest = faces_.highest_energies(
+      {charges_of_faces(unknowns, solved.charges), solution.face_reading_charges, own, scales});
+  if (const SampledQuarters sampled = sampled_quarters(mesh_); !sampled.panels.empty()) {
+    const Index columns = solved.charges.cols(), without = background.charges.cols();
+    const MatrixXd gained = gained_by_division(sampled, machine, solved.charges, background.charges);
+    solution.all.coarse -= gained.topLeftCorner(columns, columns);
+    if (without > 0)
+      solution.background.coarse -= gained.bottomRightCorner(without, without);
+    solution.error_indicators +=
+        unrefined_indicators(mesh_, blocks, solution.charges, own,
+                             (gained.diagonal().head(columns).array() / own.array()).maxCoeff());
   }
   solution.quadrature_effect = quadrature_effect(unknowns, solved.charges);
   last_charges_ = solved.charges;
-  last_background_ = std::move(background_charges);
+  last_background_ = std::move(background.charges);
   last_functions_.clear();
   for (std::size_t face = 0; face < faces(); ++face)
-    last_functions_.push_back(faces_.functions(face));
+    last_functions_.push_back(functions(face));
   return solution;
 }
 
-PanelSolution PanelSystem::solve_sensors(double accuracy) const {
-  const ChargedBodies sensors = sensors_of(bodies_);
-  PanelSystem alone(sensors, mesh_.of_first(sensors.bodies.size()), threads_);
-  std::vector<FaceFunctions> functions;
-  for (std::size_t face = 0; face < alone.faces(); ++face)
-    functions.push_back(faces_.functions(face));
-  alone.refine(functions, coupling_tolerance_);
-  return alone.solve(accuracy);
+PanelSolution PanelSystem::solve_definite(const std::vector<FaceFunctions>& functions, double& tolerance,
+                                          double accuracy, double most_ridge, double change_part) {
+  /// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
+  constexpr double finest_tolerance = 1e-13;
+  while (true) {
+    refine(functions, tolerance);
+    PanelSolution found = solve(accuracy, most_ridge, change_part);
+    if (found.positive_definite)
+      return found;
+    if (tolerance < finest_tolerance)
+      require_positive_definite(false);
+    tolerance /= 100;
+  }
+}
+
+SensorsAlone PanelSystem::solve_sensors(double accuracy) const {
+  SensorsAlone result = solve_sensors(spaces(), accuracy);
+  require_positive_definite(result.positive_definite);
+  return result;
+}
+
+SensorsAlone PanelSystem::solve_sensors(const Spaces& spaces, double accuracy) const {
+  const PanelUnknowns unknowns = unknowns_of(
+      number_unknowns(), [&](const ChargedBody& body) { return bodies_.role(body) == Role::sensor; });
+  const Solved solved = solve_equations(unknowns, spaces, accuracy, {}, nullptr);
+  SensorsAlone result;
+  result.positive_definite = solved.positive_definite();
+  if (!result.positive_definite)
+    return result;
+  result.matrix = {solved.fine.matrix, solved.coarse.matrix};
+  if (const SampledQuarters sampled = sampled_quarters(mesh_);
+      !sampled.panels.empty() && sensors_have_panels(bodies_))
+    result.matrix.coarse -= gained_by_division(sampled, unknowns, {}, solved.charges);
+  result.quadrature_effect = quadrature_effect(unknowns, solved.charges);
+  result.iteration_error = solved.fine.iteration_error();
+  return result;
 }
 
 }  // namespace fringe::detail

@@ -1,29 +1,67 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include <Eigen/Core>
 
-#include "bem/galerkin_system.hpp"
+#include "bem/error_indicators.hpp"
+#include "bem/face_blocks.hpp"
 #include "bem/jacobi_basis.hpp"
-#include "bem/panel_equations.hpp"
 #include "bem/panel_mesh.hpp"
 #include "bem/panel_operator.hpp"
 #include "bem/space_solution.hpp"
+#include "readings/maxwell_matrix.hpp"
 #include "surface/bodies.hpp"
 
 /// The Galerkin equations of bodies some of which have faces and some panels (model/BOUNDARY_ELEMENTS.md,
 /// section 9).
 namespace fringe::detail {
 
-/// Finest relative tolerance of the quadratures. Below it, rounding errors dominate the matrix elements.
-constexpr double finest_tolerance = 1e-13;
+/// Ratio of rtol to the first tolerance of the quadratures. Functions that resolve everything leave errors
+/// far below rtol, and the quadrature errors must be well below those to give a lower bound.
+constexpr double first_tolerance_part = 50;
 
-/// The capacitances with the panels' charges and error indicators. `sensors` is empty if a sensor has
-/// panels.
-struct PanelSolution : GalerkinSolution {
+/// The sensors without the other conductors.
+struct SensorsAlone {
+  bool positive_definite = true;      ///< false if the quadratures are too coarse; then nothing else is set
+  NestedMatrix matrix;                ///< of all conductors; zero in rows that are not a sensor's
+  Eigen::MatrixXd quadrature_effect;  ///< as in PanelSolution
+  Eigen::MatrixXd iteration_error;    ///< as in PanelSolution
+};
+
+/// The unknowns of faces and panels: the functions of all faces, one face after the other, then the panels.
+struct PanelUnknowns {
+  std::vector<Eigen::Index> first;  ///< for each face
+  Eigen::Index functions = 0;
+  std::vector<Eigen::Index> coarse;  ///< functions of the faces in the coarse space
+  Eigen::MatrixXd net;               ///< net charges, one column for every conductor
+  /// Zero for the unknowns of bodies that are left out, else one; empty: ones.
+  Eigen::VectorXd present;
+};
+
+/// The capacitances of a system with its charges and error indicators.
+struct PanelSolution {
+  bool positive_definite = true;  ///< false if the quadratures are too coarse; then nothing else is set
+  NestedMatrix all;               ///< of all conductors
+  SensorsAlone sensors;           ///< empty if a sensor has panels
+  /// Of all conductors without the targets; rows of conductors that consist of targets are zero.
+  NestedMatrix background;
+  /// The charge on each body (rows) for every conductor at unit potential.
+  Eigen::MatrixXd body_charges;
+  /// Possible change of `all` for a unit error of the single-layer blocks of different bodies, relative to
+  /// their largest elements.
+  Eigen::MatrixXd quadrature_effect;
+  /// The same between the columns of ReadingCharges::all().
+  Eigen::MatrixXd reading_quadrature_effect;
+  /// The energies of the charges beyond the coarse space, all counted as positive, between the same columns.
+  Eigen::MatrixXd reading_details;
+  /// The charges of every face's functions (rows) in the columns of ReadingCharges::all().
+  std::vector<Eigen::MatrixXd> face_reading_charges;
+  /// For every face and direction, the energy in its highest functions, relative to that of the conductors.
+  std::vector<Eigen::Vector2d> highest;
   Eigen::MatrixXd charges;           ///< of every panel (rows) for every conductor at unit potential
   Eigen::MatrixXd coarse_charges;    ///< the same with one density on each group
   Eigen::MatrixXd reading_charges;   ///< of every panel (rows) in the columns of ReadingCharges::all()
@@ -36,7 +74,7 @@ struct PanelSolution : GalerkinSolution {
 };
 
 /// The Galerkin equations of faces and panels. They are solved by conjugate gradients, or by Cholesky
-/// factorisation if there are no panels.
+/// factorisation where there are no panels.
 class PanelSystem {
  public:
   explicit PanelSystem(const ChargedBodies& bodies, const PanelGrading& grading = {},
@@ -64,11 +102,17 @@ class PanelSystem {
   /// charge then.
   PanelSolution solve(double accuracy, double most_ridge = 0, double change_part = 1);
 
+  /// Evaluates the blocks and solves, with finer quadratures if the matrix is not positive definite;
+  /// `tolerance` becomes theirs.
+  /// @throws std::runtime_error if the finest quadratures do not help.
+  PanelSolution solve_definite(const std::vector<FaceFunctions>& functions, double& tolerance,
+                               double accuracy, double most_ridge = 0, double change_part = 1);
+
   /// Solves for the sensors without the other conductors, with the same functions and panels as with them.
-  PanelSolution solve_sensors(double accuracy) const;
+  /// @throws std::runtime_error if the matrix is not positive definite.
+  SensorsAlone solve_sensors(double accuracy) const;
 
  private:
-  PanelSystem(const ChargedBodies& bodies, PanelMesh mesh, std::size_t threads);
   PanelSolution solve_once(double accuracy, double change_part);
   void set_ridge(double ridge);
   Eigen::MatrixXd ridge_effect(const Eigen::MatrixXd& charges) const;
@@ -78,29 +122,34 @@ class PanelSystem {
     SpaceSolution coarse;
     Eigen::MatrixXd charges;         ///< of all unknowns, in the order of the mesh
     Eigen::MatrixXd coarse_charges;  ///< of all panels, with one density on each group
-    /// Without the targets: one for the unknowns that are there, zero for those of the targets.
-    Eigen::VectorXd is_machine;
-    Eigen::VectorXd is_machine_in_coarse;
+    /// One for the unknowns that are there, zero for the others; empty: ones.
+    Eigen::VectorXd present;
+    Eigen::VectorXd present_in_coarse;
 
     bool positive_definite() const { return fine.positive_definite && coarse.positive_definite; }
   };
   struct Spaces;
   Spaces spaces() const;
-  Solved solve_equations(const PanelEquations& equations, const Spaces& spaces, double accuracy,
+  SensorsAlone solve_sensors(const Spaces& spaces, double accuracy) const;
+  PanelUnknowns number_unknowns() const;
+  PanelUnknowns unknowns_of(PanelUnknowns unknowns,
+                            const std::function<bool(const ChargedBody&)>& is_there) const;
+  Solved solve_functions(const PanelUnknowns& unknowns) const;
+  Solved solve_equations(const PanelUnknowns& unknowns, const Spaces& spaces, double accuracy,
                          const Eigen::MatrixXd& begun, const Solved* background) const;
-  Solved solve_without_targets(const PanelEquations& equations, const Spaces& spaces, double accuracy) const;
+  Eigen::MatrixXd gained_by_division(const SampledQuarters& sampled, const PanelUnknowns& unknowns,
+                                     const Eigen::MatrixXd& charges, const Eigen::MatrixXd& of_present) const;
   Eigen::MatrixXd begun(const Eigen::MatrixXd& last, Eigen::Index functions) const;
   std::vector<Eigen::MatrixXd> charges_of_faces(const PanelUnknowns& unknowns,
                                                 const Eigen::MatrixXd& charges) const;
-  Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns) const;
+  Eigen::MatrixXd face_matrix(const PanelUnknowns& unknowns, const std::vector<Eigen::Index>& order) const;
   Eigen::MatrixXd body_charges(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges) const;
   Eigen::MatrixXd quadrature_effect(const PanelUnknowns& unknowns, const Eigen::MatrixXd& charges) const;
   void refine_coupling(const std::vector<FaceFunctions>& functions, double tolerance);
 
   const ChargedBodies& bodies_;
   std::size_t threads_;
-  ChargedBodies bodies_of_faces_;
-  GalerkinSystem faces_;
+  FaceBlocks faces_;
   PanelMesh mesh_;
   std::unique_ptr<PanelOperator> panels_;
   Eigen::MatrixXf coupling_;  ///< of the faces' functions (rows), face after face, with the panels

@@ -11,6 +11,7 @@
 #include "bem/charge_kernels.hpp"
 #include "bem/patch_distance.hpp"
 #include "numeric/interruption.hpp"
+#include "numeric/products.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {
@@ -286,7 +287,8 @@ class InnerPotential {
 /// the outer's.
 Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions, const OuterRule& rule,
                          const ChargedFace& inner, FaceFunctions inner_functions, double digits) {
-  const auto& kernels = best_kernels<ChargeKernels>();
+  const Eigen::MatrixXd weights_u = rule.u.weights.topRows(outer_functions.u).transpose(),
+                        weights_v = rule.v.weights.topRows(outer_functions.v).transpose();
   InnerPotential potential(inner, inner_functions, digits);
   const Index count = whole_face_blocks(inner_functions.count());
   /// Number of lines whose sums stay in the cache until they are added up.
@@ -294,6 +296,7 @@ Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(count, outer_functions.count());
   Eigen::MatrixXd along_v = Eigen::MatrixXd::Zero(count, rule.v.nodes.size());
   Eigen::MatrixXd summed(count * outer_functions.v, lines);
+  Eigen::Map<Eigen::MatrixXd> sums(result.data(), summed.rows(), outer_functions.u);
   for (Index first = 0; first < rule.u.nodes.size(); first += lines) {
     check_interruption();
     const Index here = std::min(lines, rule.u.nodes.size() - first);
@@ -302,11 +305,10 @@ Eigen::MatrixXd integral(const ChargedFace& outer, FaceFunctions outer_functions
       const Vector3d line = outer.centre + outer.half_u * rule.u.nodes[first + i] * outer.axis_u;
       for (Index j = 0; j < rule.v.nodes.size(); ++j)
         potential.at(line + outer.half_v * rule.v.nodes[j] * outer.axis_v, along_v.col(j).data());
-      kernels.add_combinations(along_v.data(), count, rule.v.nodes.size(), rule.v.weights.data(),
-                               rule.v.weights.rows(), summed.col(i).data(), outer_functions.v);
+      add_product(along_v, weights_v,
+                  Eigen::Map<Eigen::MatrixXd>(summed.col(i).data(), count, outer_functions.v));
     }
-    kernels.add_combinations(summed.data(), summed.rows(), here, rule.u.weights.col(first).data(),
-                             rule.u.weights.rows(), result.data(), outer_functions.u);
+    add_product(summed.leftCols(here), weights_u.middleRows(first, here), sums);
   }
   return result.topRows(inner_functions.count());
 }

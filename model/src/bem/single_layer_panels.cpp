@@ -21,17 +21,6 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-const TriangleRule& rule_of(int degree) {
-  const auto rules = triangle_rules();
-  return *std::find_if(rules.begin(), rules.end(),
-                       [&](const TriangleRule& rule) { return rule.degree == degree; });
-}
-
-Vector3d point_of(const Panel& panel, const TriangleNode& node) {
-  const auto& [a, b, c] = panel.corners;
-  return a + node.second * (b - a) + node.third * (c - a);
-}
-
 constexpr std::size_t padded(std::size_t count) {
   return (count + TriangleArrays::padding - 1) / TriangleArrays::padding * TriangleArrays::padding;
 }
@@ -39,11 +28,11 @@ constexpr std::size_t padded(std::size_t count) {
 }  // namespace
 
 PointCharges::PointCharges(std::span<const Panel> panels, int degree)
-    : rule_(rule_of(degree)), stride_(padded(panels.size()) + TriangleArrays::padding),
+    : rule_(triangle_rule(degree)), stride_(padded(panels.size()) + TriangleArrays::padding),
       coordinates_(3 * static_cast<std::size_t>(rule_.points) * stride_, 0.0) {
   for (std::size_t panel = 0; panel < panels.size(); ++panel)
     for (std::size_t k = 0; k < points(); ++k) {
-      const Vector3d point = point_of(panels[panel], rule_.nodes[k]);
+      const Vector3d point = point_of(panels[panel].corners, rule_.nodes[k]);
       for (std::size_t axis = 0; axis < 3; ++axis)
         coordinates_[(3 * k + axis) * stride_ + panel] = point[static_cast<Index>(axis)];
     }
@@ -55,7 +44,7 @@ void PointCharges::fill(const Panel& panel, std::size_t first, std::size_t count
   constexpr std::size_t most_points = 6;
   std::array<double, most_points * 3> rows{};
   for (std::size_t k = 0; k < points(); ++k) {
-    const Vector3d point = point_of(panel, rule_.nodes[k]);
+    const Vector3d point = point_of(panel.corners, rule_.nodes[k]);
     for (std::size_t axis = 0; axis < 3; ++axis)
       rows[3 * k + axis] = point[static_cast<Index>(axis)];
   }

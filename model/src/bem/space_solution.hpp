@@ -2,7 +2,8 @@
 
 #include <Eigen/Core>
 
-#include "bem/conjugate_gradients.hpp"
+#include "bem/bordered_matrix.hpp"
+#include "bem/two_level_preconditioner.hpp"
 
 /// Solutions in one space of charges, the whole or the coarse one, without the targets and with them
 /// (model/BOUNDARY_ELEMENTS.md, section 9).
@@ -16,17 +17,19 @@ struct SpaceSolution {
   Eigen::MatrixXd matrix;             ///< the conductors' net charges
   Eigen::VectorXd missing;            ///< energies that the iteration may have left, for each column
   Eigen::VectorXd missing_of_change;  ///< the same of what the targets change; empty without a background
+  int iterations = 0;                 ///< steps of the conjugate gradients
 
   Eigen::MatrixXd iteration_error() const;
   Eigen::MatrixXd iteration_error_of_change() const;
 };
 
-/// Solves by conjugate gradients. `net` are the unknowns' net charges for each conductor, `accuracy` the part
-/// of its energy that a column's last step may gain, `start` charges of any accuracy.
+/// Solves by preconditioned conjugate gradients, all columns beside each other. `net` are the unknowns' net
+/// charges for each conductor, `accuracy` the part of its energy that a column's last step may gain, `start`
+/// charges of any accuracy.
 SpaceSolution solve_space(const BorderedMatrix& matrix, const TwoLevelPreconditioner& preconditioner,
                           const Eigen::MatrixXd& net, const Eigen::VectorXd& accuracy, Eigen::MatrixXd start);
 
-/// Solves without iteration where only functions are present.
+/// Solves without iteration where no others than functions are present.
 SpaceSolution solve_functions(const BorderedMatrix& matrix, const Eigen::MatrixXd& net);
 
 /// Solves for what the targets add to the charges of a background without them, of which no difference is

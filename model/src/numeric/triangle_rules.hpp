@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <span>
 
 /// Quadrature rules on a triangle with positive weights and interior points (model/NUMERICS.md, section 12).
@@ -24,5 +26,19 @@ struct TriangleRule {
 
 /// Returns all rules in the order of their degrees.
 std::span<const TriangleRule> triangle_rules();
+
+/// Returns the rule of a degree that is among them.
+inline const TriangleRule& triangle_rule(int degree) {
+  const auto rules = triangle_rules();
+  return *std::find_if(rules.begin(), rules.end(),
+                       [&](const TriangleRule& rule) { return rule.degree == degree; });
+}
+
+/// Returns a quadrature point of a triangle.
+template <class Point>
+Point point_of(const std::array<Point, 3>& triangle, const TriangleNode& node) {
+  const auto& [a, b, c] = triangle;
+  return a + node.second * (b - a) + node.third * (c - a);
+}
 
 }  // namespace fringe::detail

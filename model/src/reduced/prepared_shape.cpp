@@ -9,7 +9,6 @@
 
 #include "bem/box_self_interaction.hpp"
 #include "bem/face_self_interaction.hpp"
-#include "bem/galerkin_system.hpp"
 #include "bem/jacobi_basis.hpp"
 #include "reduced/node_kernels.hpp"
 #include "reduced/prepared_mesh.hpp"

@@ -100,8 +100,8 @@ class SingleBodyProblem : public AdaptiveProblem {
     Assessment found{error <= accuracy_, {}, 0, most_panels_ - std::min(most_panels_, count)};
     if (found.is_last)
       return found;
-    found.indicators =
-        error_indicators(panels_.mesh, group_blocks(panels_.mesh, panels_.matrix), shares, responses_, own);
+    found.indicators = largest_parts(
+        detail_energies(panels_.mesh, group_blocks(panels_.mesh, panels_.matrix), shares, responses_), own);
     found.allowed = found.indicators.sum() * accuracy_ / error;
     return found;
   }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <initializer_list>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <type_traits>
 #include <utility>
@@ -19,6 +18,7 @@
 #include "numeric/interruption.hpp"
 #include "surface/charged_readings.hpp"
 #include "surface/contact.hpp"
+#include "surface/corner_weld.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -118,42 +118,6 @@ ChargedBody body_of(const Object& object, std::size_t conductor) {
   return {conductor, 0, std::visit(Motion{object.pose}, surface), name, object.link};
 }
 
-/// Merges corners that are nearer to each other than a distance. Each becomes the first of them; corners that
-/// have no others near stay as they are.
-class CornerWeld {
- public:
-  explicit CornerWeld(double distance) : distance_(distance) {}
-
-  Vector3d operator()(const Vector3d& corner) {
-    const Cell cell = cell_of(corner);
-    for (long x = -1; x <= 1; ++x)
-      for (long y = -1; y <= 1; ++y)
-        for (long z = -1; z <= 1; ++z) {
-          const auto here = corners_.find({cell[0] + x, cell[1] + y, cell[2] + z});
-          if (here == corners_.end())
-            continue;
-          for (const Vector3d& known : here->second)
-            if ((known - corner).norm() <= distance_)
-              return known;
-        }
-    corners_[cell].push_back(corner);
-    return corner;
-  }
-
- private:
-  using Cell = std::array<long, 3>;
-
-  Cell cell_of(const Vector3d& corner) const {
-    Cell cell;
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      cell[axis] = std::lround(corner[static_cast<Eigen::Index>(axis)] / (2 * distance_));
-    return cell;
-  }
-
-  double distance_;
-  std::map<Cell, std::vector<Vector3d>> corners_;
-};
-
 Role role_of(const Object& object) {
   if (std::holds_alternative<Dielectric>(object.role))
     throw InputError(fmt::format(
@@ -215,8 +179,9 @@ std::vector<Triangle> cleaned(const std::string& name, std::span<const Triangle>
     for (const Vector3d& corner : triangles[k])
       if (!corner.allFinite())
         throw InputError(fmt::format("{}: triangle {} is not finite", name, k));
-  CornerWeld weld(std::max(same_corner * axis_aligned_box(triangles).diagonal().norm(),
-                           std::numeric_limits<double>::min()));
+  CornerWeld corners(std::max(same_corner * axis_aligned_box(triangles).diagonal().norm(),
+                              std::numeric_limits<double>::min()));
+  const auto weld = [&](const Vector3d& corner) { return corners.corners()[corners.add(corner)]; };
   std::vector<Triangle> result;
   for (const Triangle& triangle : triangles) {
     check_interruption();
@@ -269,12 +234,18 @@ TriangleSurface triangulated(const BodySurface& surface) {
   return result;
 }
 
+AlignedBox3d bounds_of(const ChargedBody& body) {
+  AlignedBox3d box = axis_aligned_box(triangles_of(body.surface));
+  for (const ChargedFace& face : faces_of(body.surface))
+    for (const Vector3d& corner : corners_of(face))
+      box.extend(corner);
+  return box;
+}
+
 void refuse_rounding(const std::string& name, const AlignedBox3d& box) {
-  /// Largest rounding of a coordinate, over the size of the body: surfaces that are as near touch.
-  constexpr double most_rounding = 1e-9;
   const double size = box.diagonal().norm(),
                farthest = box.min().cwiseAbs().cwiseMax(box.max().cwiseAbs()).maxCoeff();
-  if (farthest * std::numeric_limits<double>::epsilon() > most_rounding * size)
+  if (farthest * std::numeric_limits<double>::epsilon() > touching_surfaces * size)
     throw InputError(fmt::format("{}: it is {:.3g} m long and {:.3g} m away from the origin, where rounding "
                                  "changes its shape: move all to the origin, or leave out what is far away",
                                  name, size, farthest));
@@ -340,11 +311,7 @@ ChargedBody moved(const ChargedBody& body, const Eigen::Isometry3d& pose) {
   for (const Triangle& triangle : triangles_of(result.surface))
     if (!triangle[0].allFinite())
       throw InputError(fmt::format("{}: its pose is not finite", body.name));
-  AlignedBox3d box = axis_aligned_box(triangles_of(result.surface));
-  for (const ChargedFace& face : faces_of(result.surface))
-    for (const Vector3d& corner : corners_of(face))
-      box.extend(corner);
-  refuse_rounding(result.name, box);
+  refuse_rounding(result.name, bounds_of(result));
   return result;
 }
 

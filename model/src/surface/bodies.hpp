@@ -17,6 +17,9 @@
 /// The bodies of a scene as boundary elements see them, and the conductors that they belong to.
 namespace fringe::detail {
 
+/// Distance, relative to the size of two bodies, below which their surfaces touch: rounding of their poses.
+constexpr double touching_surfaces = 1e-9;
+
 /// A thin rectangular plate.
 struct FlatPlate {
   ChargedFace face;
@@ -122,6 +125,9 @@ bool sensors_have_panels(const ChargedBodies& bodies);
 /// area, for a conductor whose objects differ in potential, and if all conductors are floating. Triangles
 /// without area, slivers and duplicates are left out.
 ChargedBodies bodies_on_links(const Scene& scene);
+
+/// Returns the aligned box around a body.
+Eigen::AlignedBox3d bounds_of(const ChargedBody& body);
 
 /// Throws InputError for a body, in a box in world coordinates, that is so far from the origin that rounding
 /// changes its shape.

@@ -12,6 +12,7 @@
 #include <fmt/format.h>
 
 #include "collision/convex_pieces.hpp"
+#include "fringe/bounding_volume.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
@@ -42,23 +43,13 @@ std::vector<ConvexHull> hulls_of(const BodySurface& surface) {
   return hulls;
 }
 
-AlignedBox3d box_of_hull(const ConvexHull& hull) {
-  AlignedBox3d box;
-  for (const Vector3d& vertex : hull)
-    box.extend(vertex);
-  return box;
-}
-
 std::vector<AlignedBox3d> boxes_of(std::span<const ConvexHull> hulls) {
   std::vector<AlignedBox3d> boxes;
   boxes.reserve(hulls.size());
   for (const ConvexHull& hull : hulls)
-    boxes.push_back(box_of_hull(hull));
+    boxes.push_back(axis_aligned_box(hull));
   return boxes;
 }
-
-/// Distance, relative to the size of two grounded bodies, below which they touch: rounding of their poses.
-constexpr double touching_distance = 1e-9;
 
 /// Returns true if any part of one body is no farther than `tolerance` from any part of the other. Without a
 /// tolerance the test is exact.
@@ -67,7 +58,7 @@ bool hulls_meet(std::span<const ConvexHull> a, std::span<const ConvexHull> b, do
   bool is_any_met = false;
   for (std::size_t k = 0; k < a.size() && !is_any_met; ++k) {
     check_interruption();
-    AlignedBox3d box = box_of_hull(a[k]);
+    AlignedBox3d box = axis_aligned_box(a[k]);
     // Rounding of the widened box must leave out none that is as far as the tolerance.
     const Vector3d wider = Vector3d::Constant(2 * tolerance);
     box = AlignedBox3d(box.min() - wider, box.max() + wider);
@@ -83,7 +74,7 @@ bool hulls_meet(std::span<const ConvexHull> a, std::span<const ConvexHull> b, do
 std::vector<ConvexPiece> pieces_in(const AlignedBox3d& box, std::span<const ConvexHull> hulls) {
   std::vector<ConvexPiece> pieces;
   for (const ConvexHull& hull : hulls)
-    if (box_of_hull(hull).intersects(box))
+    if (axis_aligned_box(hull).intersects(box))
       pieces.push_back({ConvexShape::hull(hull)});
   return pieces;
 }
@@ -117,13 +108,13 @@ bool contains(const ChargedBody& outside, std::span<const ConvexHull> inside) {
 double size_of(std::span<const ConvexHull> hulls) {
   AlignedBox3d all;
   for (const ConvexHull& hull : hulls)
-    all.extend(box_of_hull(hull));
+    all.extend(axis_aligned_box(hull));
   return all.diagonal().norm();
 }
 
 bool are_in_contact(const ChargedBody& a, std::span<const ConvexHull> hulls_a, const ChargedBody& b,
                     std::span<const ConvexHull> hulls_b) {
-  const double tolerance = touching_distance * std::max(size_of(hulls_a), size_of(hulls_b));
+  const double tolerance = touching_surfaces * std::max(size_of(hulls_a), size_of(hulls_b));
   return hulls_meet(hulls_a, hulls_b, tolerance) || contains(a, hulls_b) || contains(b, hulls_a);
 }
 

@@ -18,9 +18,7 @@ using Eigen::Vector3d;
 
 /// Tests whether two boxes touch or overlap, up to rounding.
 bool touch(const AlignedBox3d& a, const AlignedBox3d& b) {
-  /// Distance, relative to the size of the boxes, that is rounding of their bodies' poses.
-  constexpr double touching = 1e-9;
-  const double tolerance = touching * std::max(a.diagonal().norm(), b.diagonal().norm());
+  const double tolerance = touching_surfaces * std::max(a.diagonal().norm(), b.diagonal().norm());
   return a.squaredExteriorDistance(b) <= tolerance * tolerance;
 }
 
@@ -30,8 +28,7 @@ Triangle beside(const Triangle& triangle, double side) {
   constexpr double shrinking = 1e-3;
   /// Distance from the plane, relative to the triangle's size; above rounding, below any feature.
   constexpr double shift = 1e-5;
-  const Vector3d centre = (triangle[0] + triangle[1] + triangle[2]) / 3;
-  const Vector3d normal = (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
+  const Vector3d centre = centre_of(triangle), normal = unit_normal(triangle);
   const double size = std::sqrt(twice_area(triangle));
   Triangle result;
   for (std::size_t k = 0; k < 3; ++k)
@@ -93,8 +90,7 @@ HiddenSurface::Place HiddenSurface::place(const Triangle& shifted, const Body& b
       box, [&](std::uint32_t k) { crosses = crosses || gjk_intersects(shifted, body.closed[k]).intersects; });
   if (crosses)
     return Place::unknown;
-  const Vector3d centre = (shifted[0] + shifted[1] + shifted[2]) / 3;
-  return is_in_polyhedron(body.closed, centre) ? Place::inside : Place::outside;
+  return is_in_polyhedron(body.closed, centre_of(shifted)) ? Place::inside : Place::outside;
 }
 
 bool HiddenSurface::contains(const Triangle& part, std::size_t body) const {

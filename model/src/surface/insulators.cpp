@@ -86,20 +86,12 @@ bool lies_on(const Vector3d& point, const Vector3d& normal, std::span<const Tria
   });
 }
 
-Vector3d part_centre(const Triangle& part) {
-  return (part[0] + part[1] + part[2]) / 3;
-}
-
 /// Distance below which a point lies on a surface.
 double distance_of_touching(const AlignedBox3d& own, const AlignedBox3d& other) {
   return 2 * touching_surfaces * std::max(own.diagonal().norm(), other.diagonal().norm());
 }
 
 }  // namespace
-
-Vector3d unit_normal(const Triangle& triangle) {
-  return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
-}
 
 Scene without_insulators(const Scene& scene) {
   Scene result = scene;
@@ -226,28 +218,27 @@ bool Surroundings::is_in_conductor(const Vector3d& point) const {
   });
 }
 
-double Surroundings::ratio_at(const Vector3d& point) const {
+const Insulator* Surroundings::insulator_at(const Vector3d& point) const {
   for (std::size_t k = bodies_.insulators.size(); k-- > 0;) {
     const Insulator& insulator = bodies_.insulators[k];
     if (presence_.insulators[k] && insulator.box.contains(point) &&
         is_in_polyhedron(insulator.surface, point))
-      return is_in_conductor(point) ? 1 : insulator.ratio;
+      return &insulator;
   }
-  return 1;
+  return nullptr;
+}
+
+double Surroundings::ratio_at(const Vector3d& point) const {
+  const Insulator* const insulator = insulator_at(point);
+  return insulator == nullptr || is_in_conductor(point) ? 1 : insulator->ratio;
 }
 
 bool Surroundings::is_outside(const Vector3d& point) const {
-  for (std::size_t k = 0; k < bodies_.insulators.size(); ++k) {
-    const Insulator& insulator = bodies_.insulators[k];
-    if (presence_.insulators[k] && insulator.box.contains(point) &&
-        is_in_polyhedron(insulator.surface, point))
-      return false;
-  }
-  return !is_in_conductor(point);
+  return insulator_at(point) == nullptr && !is_in_conductor(point);
 }
 
 bool Surroundings::is_outermost(const Triangle& part) const {
-  const Vector3d centre = part_centre(part);
+  const Vector3d centre = centre_of(part);
   const Vector3d away = beside_part * std::sqrt(twice_area(part)) * unit_normal(part);
   return is_outside(centre - away) || is_outside(centre + away);
 }
@@ -255,7 +246,7 @@ bool Surroundings::is_outermost(const Triangle& part) const {
 bool Surroundings::is_inside_conductor(std::size_t insulator) const {
   const auto& surface = bodies_.insulators[insulator].surface;
   return std::all_of(surface.begin(), surface.end(),
-                     [&](const Triangle& triangle) { return is_in_conductor(part_centre(triangle)); });
+                     [&](const Triangle& triangle) { return is_in_conductor(centre_of(triangle)); });
 }
 
 template <class Touches>
@@ -274,7 +265,7 @@ std::optional<std::size_t> Surroundings::conductor_near(const Vector3d& point, c
 }
 
 bool Surroundings::lies_on_conductor(const Triangle& part, const AlignedBox3d& own) const {
-  const Vector3d centre = part_centre(part), normal = unit_normal(part);
+  const Vector3d centre = centre_of(part), normal = unit_normal(part);
   return conductor_near(centre, own,
                         [&](std::span<const Triangle> triangles, double tolerance) {
                           return lies_on(centre, normal, triangles, tolerance);
@@ -290,7 +281,7 @@ std::optional<std::size_t> Surroundings::conductor_at(const Vector3d& point, con
 }
 
 std::optional<std::pair<std::size_t, bool>> Surroundings::film_on(const Triangle& part) const {
-  const Vector3d centre = part_centre(part), normal = unit_normal(part);
+  const Vector3d centre = centre_of(part), normal = unit_normal(part);
   for (std::size_t k = 0; k < bodies_.films.size(); ++k) {
     const ThinFilm& film = bodies_.films[k];
     const double tolerance = distance_of_touching(film.box, film.box);
@@ -312,7 +303,7 @@ PartState Surroundings::state(const Triangle& part, std::size_t body) const {
   const bool is_conductor = body < conductors;
   if (!(is_conductor ? presence_.conductors[body] : presence_.insulators[body - conductors]))
     return {};
-  const Vector3d centre = part_centre(part), normal = unit_normal(part);
+  const Vector3d centre = centre_of(part), normal = unit_normal(part);
   const double size = std::sqrt(twice_area(part));
   const Vector3d away = beside_part * size * normal;
   const Ratios ratios{ratio_at(centre - away), ratio_at(centre + away)};

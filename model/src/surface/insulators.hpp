@@ -14,12 +14,6 @@
 /// Dielectric bodies beside conductors (model/BOUNDARY_ELEMENTS.md, section 13).
 namespace fringe::detail {
 
-/// Distance, relative to the size of two bodies, below which their surfaces touch: rounding of their poses.
-constexpr double touching_surfaces = 1e-9;
-
-/// Returns the normal of a triangle, of length one, to the side from which it is anticlockwise.
-Eigen::Vector3d unit_normal(const Triangle& triangle);
-
 /// A dielectric body.
 struct Insulator {
   std::string name;               ///< for messages
@@ -139,6 +133,8 @@ class Surroundings {
     Eigen::AlignedBox3d box;
   };
   bool is_in_conductor(const Eigen::Vector3d& point) const;
+  /// Returns the last dielectric body that contains a point; null: none does.
+  const Insulator* insulator_at(const Eigen::Vector3d& point) const;
   bool is_outside(const Eigen::Vector3d& point) const;
   /// Returns the first body of a conductor near a point for which `touches` is true of its triangles and the
   /// distance below which a body in the box `own` touches it.

@@ -4,6 +4,8 @@
 #include <array>
 #include <cmath>
 
+#include <Eigen/Geometry>
+
 namespace fringe::detail {
 
 using Eigen::Vector3d;
@@ -21,11 +23,19 @@ double squared_distance(const Vector3d& point, const Vector3d& from, const Vecto
 }  // namespace
 
 Panel make_panel(const Triangle& corners) {
-  const Vector3d centre = (corners[0] + corners[1] + corners[2]) / 3;
+  const Vector3d centre = centre_of(corners);
   double squared_radius = 0;
   for (const Vector3d& corner : corners)
     squared_radius = std::max(squared_radius, (corner - centre).squaredNorm());
   return {corners, centre, std::sqrt(squared_radius), twice_area(corners) / 2};
+}
+
+Vector3d centre_of(const Triangle& triangle) {
+  return (triangle[0] + triangle[1] + triangle[2]) / 3;
+}
+
+Vector3d unit_normal(const Triangle& triangle) {
+  return (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).normalized();
 }
 
 std::array<Vector3d, 3> middles_of_sides(const Triangle& triangle) {

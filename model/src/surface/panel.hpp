@@ -19,6 +19,12 @@ struct Panel {
 
 Panel make_panel(const Triangle& corners);
 
+/// Returns the mean of the corners.
+Eigen::Vector3d centre_of(const Triangle& triangle);
+
+/// Returns the normal of a triangle, of length one, to the side from which it is anticlockwise.
+Eigen::Vector3d unit_normal(const Triangle& triangle);
+
 /// Returns the middles of the sides, each after the corner it begins at.
 std::array<Eigen::Vector3d, 3> middles_of_sides(const Triangle& triangle);
 

@@ -23,14 +23,6 @@ AlignedBox3d moved_box(const AlignedBox3d& box, const Isometry3d& pose) {
   return result;
 }
 
-AlignedBox3d bounds_of(const ChargedBody& body) {
-  AlignedBox3d box;
-  for (const Triangle& triangle : triangulated(body.surface).triangles)
-    for (const Vector3d& corner : triangle)
-      box.extend(corner);
-  return box;
-}
-
 PlacedBox placed_box(std::span<const Triangle> triangles) {
   const Triangle& first = triangles.front();
   const Vector3d u = (first[1] - first[0]).stableNormalized(),

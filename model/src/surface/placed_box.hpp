@@ -14,9 +14,6 @@ namespace fringe::detail {
 /// Returns the aligned box around a moved one.
 Eigen::AlignedBox3d moved_box(const Eigen::AlignedBox3d& box, const Eigen::Isometry3d& pose);
 
-/// Returns the aligned box around a body.
-Eigen::AlignedBox3d bounds_of(const ChargedBody& body);
-
 /// A box around a body, along the sides of its first triangle.
 struct PlacedBox {
   Eigen::Isometry3d to_box;  ///< to the frame in which the box is aligned

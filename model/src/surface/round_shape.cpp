@@ -235,7 +235,7 @@ double RoundShape::depth(const Triangle& part) const {
   // The depth of a facet is of the second degree, but for cones: the middles of the sides have its mean.
   for (const auto& [from, over, to] : quarters(part)) {
     const Vector3d a = to_shape_ * from, b = to_shape_ * over, c = to_shape_ * to;
-    const Vector3d centre = (a + b + c) / 3, normal = (b - a).cross(c - a).normalized();
+    const Vector3d centre = centre_of({a, b, c}), normal = unit_normal({a, b, c});
     for (const Vector3d& point : {Vector3d((a + b) / 2), Vector3d((b + c) / 2), Vector3d((c + a) / 2)})
       sum += std::abs(std::visit(Depth{centre, normal, point}, shape_));
   }

@@ -23,18 +23,6 @@ using Eigen::Vector3d;
 /// Number of triangles of a surface up to which it stays as it is in any scene.
 constexpr std::size_t few_triangles_of_surface = 100;
 
-AlignedBox3d box_of(const ChargedBody& body) {
-  AlignedBox3d box = axis_aligned_box(triangles_of(body.surface));
-  for (const ChargedFace& face : faces_of(body.surface))
-    for (const Vector3d& corner : corners_of(face))
-      box.extend(corner);
-  return box;
-}
-
-Vector3d centre_of(const Triangle& triangle) {
-  return (triangle[0] + triangle[1] + triangle[2]) / 3;
-}
-
 /// Collapses edges of a part of a mesh, given by its faces, while the surface moves by less than `tolerance`
 /// (m). Vertices stay where they are, those at the border of the part are kept.
 std::vector<Triangle> collapsed(const SurfaceMesh& mesh, const std::vector<std::uint32_t>& faces,
@@ -125,11 +113,12 @@ Simplification::Zones::Zones(const ChargedBodies& bodies, std::size_t body, std:
   AlignedBox3d conductor;
   for (const ChargedBody& other : bodies.bodies)
     if (other.conductor == bodies.bodies[body].conductor)
-      conductor.extend(box_of(other));
+      conductor.extend(bounds_of(other));
     else
-      others_.push_back(box_of(other));
+      others_.push_back(bounds_of(other));
   size_ =
-      std::min(conductor.diagonal().norm(), most_of_part * box_of(bodies.bodies[body]).diagonal().norm()) / 4;
+      std::min(conductor.diagonal().norm(), most_of_part * bounds_of(bodies.bodies[body]).diagonal().norm()) /
+      4;
 }
 
 std::size_t Simplification::Zones::zone(const Vector3d& point) const {
@@ -179,7 +168,7 @@ void Simplification::simplify(const ChargedBodies& original, double tolerance) {
     check_interruption();
     for (std::uint32_t face = 0; face < old.size(); ++face)
       faces[surface.zones.zone(centre_of(old[face]))].push_back(face);
-    const Vector3d centre = box_of(body).center();
+    const Vector3d centre = bounds_of(body).center();
     std::vector<Triangle> triangles;
     for (std::size_t zone = 0; zone < Zones::count; ++zone) {
       if (faces[zone].empty())
@@ -197,12 +186,6 @@ void Simplification::simplify(const ChargedBodies& original, double tolerance) {
     surfaces_.push_back(std::move(surface));
     std::get<TriangleSurface>(bodies_.bodies[k].surface).triangles = std::move(triangles);
   }
-}
-
-bool Simplification::differs() const {
-  return is_changed() ||
-         std::any_of(bodies_.bodies.begin(), bodies_.bodies.end(),
-                     [](const ChargedBody& body) { return round_shape_of(body.surface) != nullptr; });
 }
 
 bool Simplification::is_within() const {

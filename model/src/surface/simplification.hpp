@@ -35,9 +35,6 @@ class Simplification {
   /// Tells whether a surface was replaced.
   bool is_changed() const { return !surfaces_.empty(); }
 
-  /// Tells whether a surface differs from its body's: it was replaced, or it stands for a round shape.
-  bool differs() const;
-
   /// Tells whether all surfaces that differ lie within their bodies, so that capacitances are bounded from
   /// below.
   bool is_within() const;

@@ -21,13 +21,6 @@ struct Layer {
   double area;
 };
 
-double area_of(std::span<const Triangle> triangles) {
-  double area = 0;
-  for (const Triangle& triangle : triangles)
-    area += twice_area(triangle) / 2;
-  return area;
-}
-
 /// Returns the two faces of a prism with right-angled walls; nothing for other bodies.
 std::optional<Layer> layer_of(const Insulator& insulator) {
   /// Largest sine and least cosine of the angle between the normals of walls, of faces and that of the layer.
@@ -54,7 +47,7 @@ std::optional<Layer> layer_of(const Insulator& insulator) {
     else if (std::abs(cosine) > upright)
       return std::nullopt;
   }
-  layer.area = area_of(layer.upper);
+  layer.area = fringe::area(layer.upper);
   return layer;
 }
 
@@ -127,7 +120,7 @@ bool is_wide(const InsulatedBodies& bodies) {
   for (const Triangle& part : parts)
     if (all.state(part, last).kind == PartKind::film)
       uncovered += twice_area(part) / 2;
-  return uncovered > 4 * rim * film.thickness * std::sqrt(area_of(film.sheet));
+  return uncovered > 4 * rim * film.thickness * std::sqrt(fringe::area(film.sheet));
 }
 
 }  // namespace

@@ -108,13 +108,6 @@ TEST_P(ChargeKernelsTest, SeeAClosedSurfaceUnderTheWholeSolidAngleFromInsideOnly
     EXPECT_NEAR(sums[k], k < 2 ? 1 : 0, 1e-12) << "point " << k;
 }
 
-TEST_P(ChargeKernelsTest, AddCombinationsOfColumns) {
-  const MatrixXd columns = MatrixXd::Random(24, 5), factors = MatrixXd::Random(7, 5);
-  MatrixXd sums = MatrixXd::Ones(24, 7);
-  kernels_.add_combinations(columns.data(), 24, 5, factors.data(), 7, sums.data(), 7);
-  EXPECT_LT((sums - MatrixXd::Ones(24, 7) - columns * factors.transpose()).norm(), 1e-13);
-}
-
 INSTANTIATE_TEST_SUITE_P(InstructionSets, ChargeKernelsTest, testing::ValuesIn(available_instruction_sets()),
                          test::name_of_set);
 

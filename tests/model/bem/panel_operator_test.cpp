@@ -12,10 +12,10 @@
 
 #include "bem/bordered_matrix.hpp"
 #include "bem/cluster_tree.hpp"
-#include "bem/conjugate_gradients.hpp"
 #include "bem/cross_approximation.hpp"
 #include "bem/hierarchical_matrix.hpp"
 #include "bem/single_layer_panels.hpp"
+#include "bem/space_solution.hpp"
 #include "bem/two_level_preconditioner.hpp"
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
@@ -271,9 +271,9 @@ int iterations(int boxes, double gap) {
   const CoarseSpace coarse = coarse_space(panels.matrix(), areas, bodies, 4);
   const TwoLevelPreconditioner preconditioner(matrix, coarse, 1e-5, 2);
   EXPECT_TRUE(preconditioner.is_positive_definite());
-  const ConjugateGradientSolution solution =
-      conjugate_gradients(matrix, preconditioner, potentials, VectorXd::Constant(boxes, 1e-6),
-                          VectorXd::Zero(boxes), MatrixXd::Zero(areas.size(), boxes));
+  const SpaceSolution solution =
+      solve_space(matrix, preconditioner, potentials, VectorXd::Constant(boxes, 1e-6),
+                  MatrixXd::Zero(areas.size(), boxes));
   EXPECT_TRUE(solution.positive_definite);
   const double residual = (potentials - matrix.apply(solution.charges)).norm();
   EXPECT_LT(residual, 0.05 * potentials.norm());
