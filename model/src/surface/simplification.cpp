@@ -104,12 +104,9 @@ double mean_distance(const SurfaceMesh& mesh, const std::vector<std::uint32_t>& 
 
 }  // namespace
 
-Simplification::Zones::Zones(const ChargedBodies& bodies, std::size_t body, std::vector<AlignedBox3d> others)
+Simplification::Zones::Zones(const ChargedBodies& bodies, std::size_t body, std::vector<AlignedBox3d> others,
+                             double of_part)
     : others_(std::move(others)) {
-  /// Tolerance over the size of a body, relative to that over the size of its conductor. A small part of a
-  /// large conductor, far from all others, may lose more of its shape; with more than four times as much nine
-  /// robot arms became no faster.
-  constexpr double most_of_part = 4;
   AlignedBox3d conductor;
   for (const ChargedBody& other : bodies.bodies)
     if (other.conductor == bodies.bodies[body].conductor)
@@ -117,8 +114,7 @@ Simplification::Zones::Zones(const ChargedBodies& bodies, std::size_t body, std:
     else
       others_.push_back(bounds_of(other));
   size_ =
-      std::min(conductor.diagonal().norm(), most_of_part * bounds_of(bodies.bodies[body]).diagonal().norm()) /
-      4;
+      std::min(conductor.diagonal().norm(), of_part * bounds_of(bodies.bodies[body]).diagonal().norm()) / 4;
 }
 
 std::size_t Simplification::Zones::zone(const Vector3d& point) const {
@@ -135,8 +131,8 @@ double Simplification::Zones::tolerance(std::size_t zone) const {
 }
 
 Simplification::Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles,
-                               std::vector<AlignedBox3d> others)
-    : bodies_(std::move(bodies)), others_(std::move(others)) {
+                               std::vector<AlignedBox3d> others, double of_part)
+    : bodies_(std::move(bodies)), others_(std::move(others)), of_part_(of_part) {
   if (triangles() <= few_triangles)
     return;
   /// Tolerance beyond which a surface would no longer be that of the body.
@@ -162,7 +158,7 @@ void Simplification::simplify(const ChargedBodies& original, double tolerance) {
     const std::span<const Triangle> old = triangles_of(body.surface);
     if (old.size() <= few_triangles_of_surface)
       continue;
-    Surface surface{k, Zones(original, k, others_), std::vector<double>(Zones::count, 0)};
+    Surface surface{k, Zones(original, k, others_, of_part_), std::vector<double>(Zones::count, 0)};
     const SurfaceMesh mesh(old);
     std::array<std::vector<std::uint32_t>, Zones::count> faces;
     check_interruption();

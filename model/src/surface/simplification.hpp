@@ -22,10 +22,13 @@ class Simplification {
   /// left, or as few as can be.
   ///
   /// @param tolerance distance between old and new surface, relative to the smallest of the size of the own
-  ///   conductor, four times that of the body, the distance from another conductor and that from `others`
+  ///   conductor, that of the body times `of_part`, the distance from another conductor and that from
+  ///   `others`
   /// @param others boxes around bodies that are no conductors
+  /// @param of_part more than 1 where all conductors are there: a small part of one, far from the others, may
+  ///   then lose more of its shape
   Simplification(ChargedBodies bodies, double tolerance, std::size_t most_triangles,
-                 std::vector<Eigen::AlignedBox3d> others = {});
+                 std::vector<Eigen::AlignedBox3d> others = {}, double of_part = 1);
 
   /// Leaves all surfaces as they are.
   explicit Simplification(ChargedBodies bodies) : bodies_(std::move(bodies)) {}
@@ -46,7 +49,8 @@ class Simplification {
   /// Divides a surface by the distance from other conductors: a zone is within half the distance of the next.
   class Zones {
    public:
-    Zones(const ChargedBodies& bodies, std::size_t body, std::vector<Eigen::AlignedBox3d> others);
+    Zones(const ChargedBodies& bodies, std::size_t body, std::vector<Eigen::AlignedBox3d> others,
+          double of_part);
     static constexpr std::size_t count = 10;
     std::size_t zone(const Eigen::Vector3d& point) const;
     double tolerance(std::size_t zone) const;  ///< relative to 1
@@ -68,6 +72,7 @@ class Simplification {
 
   ChargedBodies bodies_;
   std::vector<Eigen::AlignedBox3d> others_;
+  double of_part_ = 1;
   std::vector<Surface> surfaces_;
 };
 
