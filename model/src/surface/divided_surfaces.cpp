@@ -17,7 +17,7 @@ using Eigen::AlignedBox3d;
 using Eigen::Vector3d;
 
 /// A convex part of a triangle, anticlockwise about its normal.
-using Outline = std::vector<Vector3d>;
+using Contour = std::vector<Vector3d>;
 
 struct Plane {
   Vector3d normal;
@@ -27,12 +27,12 @@ struct Plane {
 
 /// The parts of a polygon behind a plane and before it; one of them may be empty.
 struct Halves {
-  Outline behind;
-  Outline before;
+  Contour behind;
+  Contour before;
 };
 
 /// Cuts a convex polygon. Corners within `tolerance` of the plane are on it.
-Halves cut(const Outline& polygon, const Plane& plane, double tolerance) {
+Halves cut(const Contour& polygon, const Plane& plane, double tolerance) {
   Halves result;
   bool is_behind = false, is_before = false;
   for (std::size_t k = 0; k < polygon.size(); ++k) {
@@ -68,13 +68,13 @@ std::array<Plane, 3> side_planes(const Triangle& triangle, const Vector3d& norma
 }
 
 /// Returns the parts of a triangle, which another triangle in its plane covers wholly or not at all.
-void divide_in_plane(std::vector<Outline>& parts, const Triangle& other, const Vector3d& normal,
+void divide_in_plane(std::vector<Contour>& parts, const Triangle& other, const Vector3d& normal,
                      double tolerance) {
   const std::array<Plane, 3> planes = side_planes(other, normal);
-  std::vector<Outline> result;
-  for (const Outline& part : parts) {
-    Outline rest = part;
-    std::vector<Outline> outside;
+  std::vector<Contour> result;
+  for (const Contour& part : parts) {
+    Contour rest = part;
+    std::vector<Contour> outside;
     for (const Plane& plane : planes) {
       Halves halves = cut(rest, plane, tolerance);
       if (!halves.before.empty())
@@ -94,8 +94,8 @@ void divide_in_plane(std::vector<Outline>& parts, const Triangle& other, const V
 }
 
 /// Returns the triangles of convex polygons, without slivers.
-void add_fans(const std::vector<Outline>& parts, double tolerance, std::vector<Triangle>& triangles) {
-  for (const Outline& part : parts)
+void add_fans(const std::vector<Contour>& parts, double tolerance, std::vector<Triangle>& triangles) {
+  for (const Contour& part : parts)
     for (std::size_t k = 1; k + 1 < part.size(); ++k) {
       const Triangle triangle{part[0], part[k], part[k + 1]};
       double longest = 0;
@@ -114,7 +114,7 @@ class Divider {
       boxes_.push_back(axis_aligned_box({&triangle, 1}));
   }
 
-  void divide(const Triangle& triangle, std::vector<Outline>& parts) const {
+  void divide(const Triangle& triangle, std::vector<Contour>& parts) const {
     const Vector3d normal = unit_normal(triangle);
     const Plane own{normal, normal.dot(triangle[0])};
     AlignedBox3d box;
@@ -151,11 +151,11 @@ class Divider {
     }
     return lowest < -tolerance_ && highest > tolerance_;
   }
-  void divide_by_plane(std::vector<Outline>& parts, const Plane& plane) const {
-    std::vector<Outline> result;
-    for (const Outline& part : parts) {
+  void divide_by_plane(std::vector<Contour>& parts, const Plane& plane) const {
+    std::vector<Contour> result;
+    for (const Contour& part : parts) {
       Halves halves = cut(part, plane, tolerance_);
-      for (Outline* const half : {&halves.behind, &halves.before})
+      for (Contour* const half : {&halves.behind, &halves.before})
         if (!half->empty())
           result.push_back(std::move(*half));
     }
@@ -210,7 +210,7 @@ std::vector<std::vector<Triangle>> divided_surfaces(const InsulatedBodies& bodie
     }
     std::vector<Triangle>& own = result.emplace_back();
     for (const Triangle& triangle : surfaces[body]) {
-      std::vector<Outline> parts{{triangle[0], triangle[1], triangle[2]}};
+      std::vector<Contour> parts{{triangle[0], triangle[1], triangle[2]}};
       for (const Divider& divider : dividers)
         divider.divide(triangle, parts);
       if (parts.size() == 1) {
