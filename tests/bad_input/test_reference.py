@@ -91,6 +91,11 @@ def test_both_references_refuse_it(text: str, told: tuple[str, ...]) -> None:
         assert all(word in str(refusal.value) for word in told)
 
 
+def test_auto_refuses_a_cover_thicker_than_the_gap() -> None:
+    with pytest.raises(ValueError, match='"front cover" and object "hand".*thicker than the gap'):
+        model_module().Scene.loads(SENSOR + cover(0.012) + HAND).capacitance("auto")
+
+
 def test_the_reduced_method_refuses_what_touches_several_conductors() -> None:
     text = SENSOR + HAND + glass("pad", 0, 0.005)
     with pytest.raises(

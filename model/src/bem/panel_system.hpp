@@ -47,7 +47,7 @@ struct PanelSolution {
   bool positive_definite = true;  ///< false if the quadratures are too coarse; then nothing else is set
   NestedMatrix all;               ///< of all conductors
   SensorsAlone sensors;           ///< empty if a sensor has panels
-  /// Of all conductors without the targets; rows of conductors that consist of targets are zero.
+  /// The same without the targets; rows of conductors that consist of targets are zero.
   NestedMatrix background;
   /// The charge on each body (rows) for every conductor at unit potential.
   Eigen::MatrixXd body_charges;
@@ -128,13 +128,21 @@ class PanelSystem {
 
     bool positive_definite() const { return fine.positive_definite && coarse.positive_definite; }
   };
-  struct Spaces;
+  /// The matrix of the faces and the spaces of fewer functions, with their matrices. The equations with and
+  /// without the targets share them.
+  struct Spaces {
+    Eigen::MatrixXd functions;  ///< the matrix of the faces' functions; none without panels
+    Restriction to_groups;
+    HierarchicalMatrix groups;  ///< the matrix of one density on each group
+    CoarseSpace of_panels;
+    CoarseSpace of_groups;
+  };
   Spaces spaces() const;
   SensorsAlone solve_sensors(const Spaces& spaces, double accuracy) const;
   PanelUnknowns number_unknowns() const;
   PanelUnknowns unknowns_of(PanelUnknowns unknowns,
                             const std::function<bool(const ChargedBody&)>& is_there) const;
-  Solved solve_functions(const PanelUnknowns& unknowns) const;
+  Solved solve_functions(const PanelUnknowns& unknowns, Eigen::Index groups) const;
   Solved solve_equations(const PanelUnknowns& unknowns, const Spaces& spaces, double accuracy,
                          const Eigen::MatrixXd& begun, const Solved* background) const;
   Eigen::MatrixXd gained_by_division(const SampledQuarters& sampled, const PanelUnknowns& unknowns,

@@ -4,7 +4,6 @@
 #include <utility>
 #include <vector>
 
-#include "numeric/cholesky.hpp"
 #include "numeric/interruption.hpp"
 #include "readings/readings.hpp"
 
@@ -107,23 +106,6 @@ SpaceSolution solve_space(const BorderedMatrix& matrix, const TwoLevelPreconditi
                                              VectorXd::Zero(net.cols()), std::move(start));
   if (result.positive_definite)
     result.matrix = energies(net, result.charges, result.residuals);
-  return result;
-}
-
-SpaceSolution solve_functions(const BorderedMatrix& matrix, const MatrixXd& net) {
-  std::vector<Index> own;
-  for (Index k = 0; k < matrix.functions.rows(); ++k)
-    if (matrix.present.size() == 0 || matrix.present[k] != 0)
-      own.push_back(k);
-  const Cholesky factor(matrix.functions(own, own));
-  SpaceSolution result;
-  result.positive_definite = factor.is_positive_definite();
-  if (!result.positive_definite)
-    return result;
-  result.charges = result.residuals = MatrixXd::Zero(net.rows(), net.cols());
-  result.charges(own, Eigen::all) = factor.solve(net(own, Eigen::all));
-  result.matrix = energies(net, result.charges, result.residuals);
-  result.missing = result.missing_of_change = VectorXd::Zero(net.cols());
   return result;
 }
 

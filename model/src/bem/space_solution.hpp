@@ -29,9 +29,6 @@ struct SpaceSolution {
 SpaceSolution solve_space(const BorderedMatrix& matrix, const TwoLevelPreconditioner& preconditioner,
                           const Eigen::MatrixXd& net, const Eigen::VectorXd& accuracy, Eigen::MatrixXd start);
 
-/// Solves without iteration where no others than functions are present.
-SpaceSolution solve_functions(const BorderedMatrix& matrix, const Eigen::MatrixXd& net);
-
 /// Solves for what the targets add to the charges of a background without them, of which no difference is
 /// taken: the charges whose potentials cancel those of the background on the targets. `accuracy` is relative
 /// to the energy of the change, `start` are changes of any accuracy. `is_machine` is one for unknowns of the

@@ -53,7 +53,7 @@ double shared_energy(const Energies& energies, Eigen::Index one, Eigen::Index ot
   return std::sqrt(std::max(first, 0.0) * std::max(second, 0.0));
 }
 
-/// What the error of a change consists of.
+/// The parts that the error of a change is stated from.
 struct ErrorsOfChange {
   double of_target;        ///< by the targets' functions
   double of_others;        ///< by all else but panels, facets and gaps

@@ -54,8 +54,8 @@ class MovingSolver {
 
   LinkCoupler coupler_;
   BesideLink beside_;
-  /// Of every pair of groups, the first one's with all later ones first: the links, and behind them the
-  /// targets.
+  /// The couplings of every pair of groups, which are the links and, last, the targets: those of the first
+  /// group with all later ones come first.
   std::vector<LinkCoupling> couplings_;
   std::vector<Eigen::Index> first_;  ///< the place of each group's first function, and the end
   Eigen::MatrixXf given_;  ///< potentials of the given charges on all functions, and of what these lack

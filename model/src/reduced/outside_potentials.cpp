@@ -97,17 +97,15 @@ OutsidePotentials::OutsidePotentials(const ChargeFunctions& functions) : functio
 }
 
 void OutsidePotentials::add_rule(double from, int degree) {
-  const std::span<const TriangleRule> rules = triangle_rules();
-  const TriangleRule& rule = *std::find_if(rules.begin(), rules.end(),
-                                           [&](const TriangleRule& each) { return each.degree >= degree; });
+  const TriangleRule& rule = triangle_rule(degree);
   const std::span nodes(rule.nodes, static_cast<std::size_t>(rule.points));
   PanelRule& added = rules_.emplace_back();
   added.from = from;
   for (const TriangleNode& node : nodes)
     added.weights.push_back(static_cast<float>(node.weight));
-  for (const auto& [a, b, c] : functions_.panels().corners)
+  for (const Triangle& corners : functions_.panels().corners)
     for (const TriangleNode& node : nodes) {
-      const Vector3d at = a + node.second * (b - a) + node.third * (c - a);
+      const Vector3d at = point_of(corners, node);
       added.x.push_back(static_cast<float>(at.x()));
       added.y.push_back(static_cast<float>(at.y()));
       added.z.push_back(static_cast<float>(at.z()));

@@ -145,8 +145,8 @@ ReducedReadings reduced_readings(const std::vector<ChargedReading>& readings, co
     discretisation += of_body;
     missing.row(body) = missed.value;
   }
-  // Of the potentials on other bodies functions miss the root of a body's energy times the part of the energy
-  // that is missing, as of all smooth functionals of a Galerkin solution.
+  // A Galerkin solution misses of every smooth functional, such as the potentials on other bodies, what it
+  // misses of the energy: here the root of a body's energy times the missing part of that energy.
   missing = (of_bodies.value.array() > 0).select(missing.array().square() / of_bodies.value.array(), 0);
   resolved.change += energies_on_targets(found.machine_bodies, solution.couplings, missing);
   add_errors(errors, per_discretisation, resolved, parts(products(roots(charges, discretisation))),

@@ -84,7 +84,7 @@ class SceneEvaluator {
   void place();
   /// Sets in_object_frame_ to plates in the frame of an object.
   void place_in_frame_of(const PlacedObject& object, std::span<const Rectangle> plates);
-  /// Whether groups of triangles may be lumped and objects replaced by their enclosures.
+  /// Tells whether groups of triangles may be lumped and objects replaced by their enclosures.
   bool lumps() const { return options_.tolerance > 0 && options_.plates == PlateRule::sum; }
   void evaluate(std::size_t sensor);
   /// Returns the absolute error allowed for each object. Half of the tolerance applies to each object's own
@@ -105,7 +105,7 @@ class SceneEvaluator {
   std::vector<Sensor> sensors_;
   std::vector<PlacedSensor> placed_sensors_;
   std::vector<PlacedObject> objects_;
-  // Of the formula; empty for triangle integrals.
+  // The formula alone has charged surfaces; for triangle integrals there are none.
   std::vector<detail::ChargedSurface> charged_sensors_;  ///< in the frames of their links
   std::vector<detail::ChargedSurface> charged_objects_;  ///< in their own frames
   std::vector<Pair> pairs_;  ///< those of the first sensor with every object, then those of the second

@@ -55,7 +55,7 @@ std::array<Triangle, 4> quarters(const Triangle& triangle) {
 
 void add_centres_of_parts(const Triangle& triangle, int quarterings, std::vector<Vector3d>& centres) {
   if (quarterings == 0) {
-    centres.emplace_back((triangle[0] + triangle[1] + triangle[2]) / 3);
+    centres.push_back(centre_of(triangle));
     return;
   }
   for (const Triangle& quarter : quarters(triangle))

@@ -91,7 +91,7 @@ struct Rule {
 /// `closeness` or more with real part ≤ 0. The inverse distance along a segment that leads away from the
 /// plate has such singularities; closeness is the ratio of the distance at the near end to the length.
 ///
-/// From a closeness of 1 on, a single Gauss rule on [0, 1] suffices. Below, the substitution s =
+/// A single Gauss rule on [0, 1] suffices for a closeness of 1 or more. For less, the substitution s =
 /// sinh(τ)/sinh(T) with sinh(T) = 1/closeness moves the singularities to points where sinh τ has modulus 1,
 /// at least 0.88 away from the half axis τ ≥ 0, and panels of length 2 in τ are integrated.
 class GradedRules {

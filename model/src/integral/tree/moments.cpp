@@ -59,11 +59,9 @@ void shift_along(std::size_t axis, double shift, Moments& moments) {
 }  // namespace
 
 void append_rule(const Triangle& triangle, double area, std::vector<WeightedPoint>& points) {
-  static const TriangleRule& rule =
-      *std::ranges::find(triangle_rules(), highest_degree, &TriangleRule::degree);
-  const auto& [a, b, c] = triangle;
-  for (const auto& [second, third, weight] : std::span(rule.nodes, static_cast<std::size_t>(rule.points)))
-    points.push_back({(1 - second - third) * a + second * b + third * c, area * weight});
+  static const TriangleRule& rule = triangle_rule(highest_degree);
+  for (const TriangleNode& node : std::span(rule.nodes, static_cast<std::size_t>(rule.points)))
+    points.push_back({point_of(triangle, node), area * node.weight});
 }
 
 Moments moments_of(const std::vector<WeightedPoint>& points, const MomentFrame& frame) {
