@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "bem/panel_mesh.hpp"
 #include "reduced/reduced_system.hpp"
 #include "simd/dispatch.hpp"
 
