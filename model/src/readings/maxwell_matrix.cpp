@@ -13,10 +13,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 
 MatrixXd floating_block(const MatrixXd& matrix, const ChargedBodies& bodies) {
-  const auto insulated = static_cast<Index>(count_of(bodies, Role::floating));
-  const Index kept = matrix.rows() - insulated;
-  MatrixXd block = matrix.bottomRightCorner(insulated, insulated);
-  for (Index k = 0; k < insulated; ++k) {
+  const auto floating = static_cast<Index>(count_of(bodies, Role::floating));
+  const Index kept = matrix.rows() - floating;
+  MatrixXd block = matrix.bottomRightCorner(floating, floating);
+  for (Index k = 0; k < floating; ++k) {
     if (block(k, k) == 0)
       block(k, k) = 1;
     block(k, k) += bodies.conductors[static_cast<std::size_t>(kept + k)].to_ground;
@@ -24,23 +24,23 @@ MatrixXd floating_block(const MatrixXd& matrix, const ChargedBodies& bodies) {
   return block;
 }
 
+MatrixXd potentials(const MatrixXd& matrix, const ChargedBodies& bodies) {
+  const auto floating = static_cast<Index>(count_of(bodies, Role::floating));
+  const Index kept = matrix.rows() - floating;
+  MatrixXd result = MatrixXd::Identity(matrix.rows(), kept);
+  if (floating > 0)
+    result.bottomRows(floating) =
+        -floating_block(matrix, bodies).llt().solve(matrix.bottomLeftCorner(floating, kept));
+  return result;
+}
+
 MatrixXd without_floating(const MatrixXd& matrix, const ChargedBodies& bodies) {
-  const auto insulated = static_cast<Index>(count_of(bodies, Role::floating));
-  const Index kept = matrix.rows() - insulated;
-  if (insulated == 0)
-    return matrix;
-  return matrix.topLeftCorner(kept, kept) -
-         matrix.topRightCorner(kept, insulated) *
-             floating_block(matrix, bodies).llt().solve(matrix.bottomLeftCorner(insulated, kept));
+  const MatrixXd at = potentials(matrix, bodies);
+  return at.cols() == matrix.cols() ? matrix : matrix.topRows(at.cols()) * at;
 }
 
 MatrixXd member_charges(const MatrixXd& matrix, const MatrixXd& body_charges, const ChargedBodies& bodies) {
-  const auto insulated = static_cast<Index>(count_of(bodies, Role::floating));
-  const Index kept = matrix.rows() - insulated;
-  MatrixXd charges = body_charges.leftCols(kept);
-  if (insulated > 0)
-    charges -= body_charges.rightCols(insulated) *
-               floating_block(matrix, bodies).llt().solve(matrix.bottomLeftCorner(insulated, kept));
+  const MatrixXd charges = body_charges * potentials(matrix, bodies);
   std::vector<Index> first;
   Index members = 0;
   for (const ChargedConductor& conductor : bodies.conductors) {
@@ -48,7 +48,7 @@ MatrixXd member_charges(const MatrixXd& matrix, const MatrixXd& body_charges, co
     if (conductor.role != Role::floating)
       members += static_cast<Index>(conductor.members.size());
   }
-  MatrixXd result = MatrixXd::Zero(members, kept);
+  MatrixXd result = MatrixXd::Zero(members, charges.cols());
   for (std::size_t k = 0; k < bodies.bodies.size(); ++k)
     if (const ChargedBody& body = bodies.bodies[k]; bodies.role(body) != Role::floating)
       result.row(first[body.conductor] + static_cast<Index>(body.member)) +=

@@ -19,8 +19,13 @@ struct NestedMatrix {
 /// and the ground. A conductor that is not there, whose row is zero, gets a unit diagonal element.
 Eigen::MatrixXd floating_block(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
 
+/// Returns the conductors' potentials (rows) for every conductor at unit potential that is not floating:
+/// those of floating conductors are such that they carry no charge but that of their capacitors to ground.
+/// Rows of conductors without a charge, which are not there, have no effect.
+Eigen::MatrixXd potentials(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
+
 /// Returns the matrix of the other conductors if the floating ones carry no charge but that of their
-/// capacitors to the ground, by the Schur complement.
+/// capacitors to the ground: the Schur complement.
 Eigen::MatrixXd without_floating(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
 
 /// Returns the charge on each member of the conductors (rows, those of the first conductor first) for every

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <Eigen/Cholesky>
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
@@ -16,10 +15,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-Index kept_conductors(const ChargedBodies& bodies) {
-  return static_cast<Index>(bodies.conductors.size() - count_of(bodies, Role::floating));
-}
 
 /// A matrix without its floating conductors, in both spaces.
 NestedMatrix without_floating(const NestedMatrix& matrix, const ChargedBodies& bodies) {
@@ -38,15 +33,6 @@ double missing_part(const VectorXd& potentials, const NestedMatrix& matrix) {
 
 }  // namespace
 
-MatrixXd potentials(const MatrixXd& matrix, const ChargedBodies& bodies) {
-  const Index kept = kept_conductors(bodies), floating = matrix.rows() - kept;
-  MatrixXd result = MatrixXd::Identity(matrix.rows(), kept);
-  if (floating > 0)
-    result.bottomRows(floating) =
-        -floating_block(matrix, bodies).llt().solve(matrix.bottomLeftCorner(floating, kept));
-  return result;
-}
-
 MatrixXd ReadingCharges::all() const {
   MatrixXd result(sense_change.rows(), 4 * sense_change.cols());
   result << sense_background, sense_change, drive_background, drive_change;
@@ -56,13 +42,13 @@ MatrixXd ReadingCharges::all() const {
 ReadingCharges reading_charges(const MatrixXd& charges, const MatrixXd& matrix,
                                const MatrixXd& background_charges, const MatrixXd& background,
                                const ChargedBodies& bodies) {
-  const Index kept = kept_conductors(bodies), readings = static_cast<Index>(bodies.readings.size());
+  const MatrixXd with = potentials(matrix, bodies), without = potentials(background, bodies);
+  const Index kept = with.cols(), readings = static_cast<Index>(bodies.readings.size());
   MatrixXd sense(kept, readings), drive(kept, readings);
   for (Index k = 0; k < readings; ++k) {
     sense.col(k) = bodies.readings[static_cast<std::size_t>(k)].sense.head(kept);
     drive.col(k) = bodies.readings[static_cast<std::size_t>(k)].drive.head(kept);
   }
-  const MatrixXd with = potentials(matrix, bodies), without = potentials(background, bodies);
   ReadingCharges result{background_charges * (without * sense), charges * (with * sense),
                         background_charges * (without * drive), charges * (with * drive)};
   result.sense_change -= result.sense_background;

@@ -12,11 +12,6 @@
 /// Readings by the matrices with and without the targets, in metres (model/BOUNDARY_ELEMENTS.md, section 11).
 namespace fringe::detail {
 
-/// Returns the conductors' potentials (rows) for every conductor at unit potential that is not floating:
-/// those of floating conductors are such that they carry no charge but that of their capacitors to ground.
-/// Rows of conductors without a charge, which are not there, have no effect.
-Eigen::MatrixXd potentials(const Eigen::MatrixXd& matrix, const ChargedBodies& bodies);
-
 /// The charges that belong to readings (columns): without the targets, and what the targets change, for the
 /// sensed conductor at unit potential and for the driven ones.
 struct ReadingCharges {
