@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 from markupsafe import Markup
 
@@ -28,62 +27,6 @@ _QUERIES = (
 _SCENES = "Milliseconds per frame in which every object moves, and small how many collisions were found."
 
 
-@dataclass(frozen=True)
-class PairClass:
-    """The answers on pairs of one kind, compared with exact arithmetic.
-
-    `wrong` and `unproven` are of this project's answers; `exact` counts the pairs that needed exact arithmetic;
-    `thesis_wrong` and `thesis_endless` are of the thesis' algorithm as it is printed.
-    """
-
-    name: str
-    pairs: int
-    intersecting: int
-    wrong: int
-    unproven: int
-    exact: int
-    thesis_wrong: int
-    thesis_endless: int
-
-
-@dataclass(frozen=True)
-class QueryTimes:
-    """Nanoseconds per query and how many pairs were found to intersect, by library."""
-
-    name: str
-    pairs: int
-    nanoseconds: dict[str, float]
-    intersecting: dict[str, int]
-
-    @staticmethod
-    def of(entry: Document) -> QueryTimes:
-        """Returns the times of a row of the stored answer."""
-        return QueryTimes(
-            entry["name"],
-            entry["pairs"],
-            {peer["name"]: float(peer["nanoseconds"]) for peer in entry["peers"]},
-            {peer["name"]: int(peer["intersecting"]) for peer in entry["peers"]},
-        )
-
-
-@dataclass(frozen=True)
-class SceneTimes:
-    """Milliseconds per frame and collisions found, by the way of finding them."""
-
-    objects: int
-    milliseconds: dict[str, float]
-    collisions: dict[str, int]
-
-    @staticmethod
-    def of(entry: Document) -> SceneTimes:
-        """Returns the times of a scene of the stored answer."""
-        return SceneTimes(
-            entry["objects"],
-            {way["name"]: float(way["milliseconds"]) for way in entry["ways"]},
-            {way["name"]: int(way["collisions"]) for way in entry["ways"]},
-        )
-
-
 def section(answers: Document | None, queries: Document | None, scenes: Document | None) -> Markup:
     """Returns three tables, each below its finding; those that were not measured are left out."""
     return measured.section(TITLE, (answers, queries, scenes), _parts)
@@ -91,41 +34,45 @@ def section(answers: Document | None, queries: Document | None, scenes: Document
 
 def _parts(answers: Document | None, queries: Document | None, scenes: Document | None) -> Iterator[Markup]:
     if answers is not None:
-        classes = [PairClass(**entry) for entry in answers["answer"]["classes"]]
+        classes = answers["answer"]["classes"]
         yield page.finding(finding_on_answers(classes))
         yield from (_classes_table(classes), page.soft(_ANSWERS))
     if queries is not None:
-        rows = [QueryTimes.of(entry) for entry in queries["answer"]["rows"]]
+        rows = {entry["name"]: _by_name(entry["peers"]) for entry in queries["answer"]["rows"]}
         yield page.finding(finding_on_queries(rows))
         yield from (_queries_table(rows), page.soft(_QUERIES))
     if scenes is not None:
-        frames = [SceneTimes.of(entry) for entry in scenes["answer"]["scenes"]]
+        frames = {entry["objects"]: _by_name(entry["ways"]) for entry in scenes["answer"]["scenes"]}
         yield page.finding(finding_on_scenes(frames))
         yield from (_scenes_table(frames), page.soft(_SCENES))
 
 
-def finding_on_answers(classes: Sequence[PairClass]) -> str:
+Named = dict[str, Document]
+"""What was measured of each library, or way, by its name."""
+
+
+def _by_name(entries: Sequence[Document]) -> Named:
+    return {entry["name"]: entry for entry in entries}
+
+
+def finding_on_answers(classes: Sequence[Document]) -> str:
     """Returns how many answers are wrong, of this project and of the thesis, and where the thesis' are worst."""
-    pairs = sum(each.pairs for each in classes)
-    wrong, unproven = sum(each.wrong for each in classes), sum(each.unproven for each in classes)
-    exact = sum(each.exact for each in classes)
-    thesis_wrong = sum(each.thesis_wrong for each in classes)
-    endless = sum(each.thesis_endless for each in classes)
-    worst = max(classes, key=_failing_share)
+    count = {what: sum(each[what] for each in classes) for what in classes[0] if what != "name"}
+    worst = max(classes, key=lambda each: float(_failing(each) / each["pairs"]) if each["pairs"] else 0.0)
     return (
-        f"Of {pairs:,} pairs {wrong:,} were answered wrong and {unproven:,} without a proof, {_share(exact, pairs)} took exact "
-        f"arithmetic; the thesis' algorithm was wrong for {thesis_wrong:,} and did not end for {endless:,}, most often in "
-        f"the class {worst.name}, {_share(worst.thesis_wrong + worst.thesis_endless, worst.pairs)}."
+        f"Of {count['pairs']:,} pairs {count['wrong']:,} were answered wrong and {count['unproven']:,} without a proof, "
+        f"{_share(count['exact'], count['pairs'])} took exact arithmetic; the thesis' algorithm was wrong for {count['thesis_wrong']:,} and "
+        f"did not end for {count['thesis_endless']:,}, most often in the class {worst['name']}, {_share(_failing(worst), worst['pairs'])}."
     )
 
 
-def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
+def finding_on_queries(queries: dict[str, Named]) -> str:
     """Compares the times of every row with those of the fastest other library."""
-    ratios = {}
-    for row in queries:
-        others = [time for name, time in row.nanoseconds.items() if name != OWN]
-        if others and OWN in row.nanoseconds:
-            ratios[row.name] = min(others) / row.nanoseconds[OWN]
+    ratios: dict[str, float] = {}
+    for name, peers in queries.items():
+        others = [float(peer["nanoseconds"]) for library, peer in peers.items() if library != OWN]
+        if others and OWN in peers:
+            ratios[name] = min(others) / peers[OWN]["nanoseconds"]
     if not ratios:
         return "No other library was measured."
     slower = [name for name, ratio in ratios.items() if ratio < 1]
@@ -137,32 +84,29 @@ def finding_on_queries(queries: Sequence[QueryTimes]) -> str:
     )
 
 
-def finding_on_scenes(scenes: Sequence[SceneTimes]) -> str:
+def finding_on_scenes(scenes: dict[int, Named]) -> str:
     """Tells how the cost grows with the scene, and whether all methods found the same collisions."""
-    small, large = scenes[0], scenes[-1]
-    agree = all(len(set(scene.collisions.values())) == 1 for scene in scenes)
-    own = large.milliseconds[OWN]
+    (few, small), (many, large) = list(scenes.items())[0], list(scenes.items())[-1]
+    agree = all(len({way["collisions"] for way in ways.values()}) == 1 for ways in scenes.values())
+    own = large[OWN]["milliseconds"]
     others = ", ".join(
-        f"{_figures(time / own)} times as long by {name}"
-        for name, time in large.milliseconds.items()
+        f"{_figures(way['milliseconds'] / own)} times as long by {name}"
+        for name, way in large.items()
         if name != OWN
     )
+
+    def growth(way: str, what: str) -> str:
+        return _figures(large[way][what] / small[way][what] if small[way][what] else float("nan"))
+
     return (
-        f"{_figures(large.objects / small.objects)} times as many objects have {_figures(_ratio(large.collisions, small.collisions))} "
-        f"times the collisions and take {_figures(own / small.milliseconds[OWN])} times as long, all pairs "
-        f"{_figures(_ratio(large.milliseconds, small.milliseconds, _ALL_PAIRS))} times; a frame of {large.objects:,} takes {others}; "
-        f"{'all ways found the same number' if agree else 'the ways found different numbers'}."
+        f"{_figures(many / few)} times as many objects have {growth(OWN, 'collisions')} times the collisions and take "
+        f"{growth(OWN, 'milliseconds')} times as long, all pairs {growth(_ALL_PAIRS, 'milliseconds')} times; a frame of {many:,} takes "
+        f"{others}; {'all ways found the same number' if agree else 'the ways found different numbers'}."
     )
 
 
-def _ratio(
-    large: dict[str, float] | dict[str, int], small: dict[str, float] | dict[str, int], name: str = OWN
-) -> float:
-    return large[name] / small[name] if small[name] else float("nan")
-
-
-def _failing_share(entry: PairClass) -> float:
-    return (entry.thesis_wrong + entry.thesis_endless) / entry.pairs if entry.pairs else 0.0
+def _failing(entry: Document) -> int:
+    return int(entry["thesis_wrong"] + entry["thesis_endless"])
 
 
 def _share(part: int, whole: int) -> str:
@@ -174,46 +118,49 @@ def _figures(number: float) -> str:
     return f"{number:.0f}" if abs(number) >= 10 else f"{number:.2g}"
 
 
-def _classes_table(classes: Sequence[PairClass]) -> Markup:
-    return page.table_of(
-        classes,
-        ("class", lambda each: page.code(each.name)),
-        ("pairs", lambda each: f"{each.pairs:,}"),
-        ("intersecting", lambda each: _share(each.intersecting, each.pairs)),
-        ("wrong", lambda each: f"{each.wrong:,}"),
-        ("unproven", lambda each: f"{each.unproven:,}"),
-        ("exactly", lambda each: f"{each.exact:,}"),
-        ("thesis wrong", lambda each: f"{each.thesis_wrong:,}"),
-        ("did not end", lambda each: f"{each.thesis_endless:,}"),
+def _classes_table(classes: Sequence[Document]) -> Markup:
+    counted = {
+        "wrong": "wrong",
+        "unproven": "unproven",
+        "exactly": "exact",
+        "thesis wrong": "thesis_wrong",
+        "did not end": "thesis_endless",
+    }
+    return page.table(
+        ["class", "pairs", "intersecting", *counted],
+        [
+            [page.code(each["name"]), f"{each['pairs']:,}", _share(each["intersecting"], each["pairs"])]
+            + [f"{each[what]:,}" for what in counted.values()]
+            for each in classes
+        ],
     )
 
 
-def _queries_table(queries: Sequence[QueryTimes]) -> Markup:
-    names = list(dict.fromkeys(name for row in queries for name in row.nanoseconds))
-    rows = [[row.name, *(_query_cell(row, name) for name in names)] for row in queries]
+def _queries_table(queries: dict[str, Named]) -> Markup:
+    names = list(dict.fromkeys(name for peers in queries.values() for name in peers))
+    rows = [[row, *(_query_cell(peers, name) for name in names)] for row, peers in queries.items()]
     return page.table(["pairs of", *names], rows)
 
 
-def _query_cell(row: QueryTimes, name: str) -> str:
-    if name not in row.nanoseconds:
+def _query_cell(peers: Named, name: str) -> str:
+    if name not in peers:
         return ""
-    time = f"{row.nanoseconds[name]:,.1f}"
+    time = f"{peers[name]['nanoseconds']:,.1f}"
     if name == OWN:
         return page.strong(time)
-    difference = row.intersecting[name] - row.intersecting[OWN]
+    difference = peers[name]["intersecting"] - peers[OWN]["intersecting"]
     return page.two_lines(time, f"{difference:+,}", small=True) if difference else time
 
 
-def _scenes_table(scenes: Sequence[SceneTimes]) -> Markup:
-    names = list(scenes[0].milliseconds)
+def _scenes_table(scenes: dict[int, Named]) -> Markup:
     rows = [
         [
-            f"{scene.objects:,}",
+            f"{objects:,}",
             *(
-                page.two_lines(f"{scene.milliseconds[name]:,.3g}", f"{scene.collisions[name]:,}", small=True)
-                for name in names
+                page.two_lines(f"{way['milliseconds']:,.3g}", f"{way['collisions']:,}", small=True)
+                for way in ways.values()
             ),
         ]
-        for scene in scenes
+        for objects, ways in scenes.items()
     ]
-    return page.table(["objects", *names], rows)
+    return page.table(["objects", *next(iter(scenes.values()))], rows)

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from markupsafe import Markup
 
 from analysis.report import measured, page
+from analysis.results.statistics import front
 from analysis.results.store import Document
 
 TITLE = "Run time against error of the integral"
@@ -25,38 +25,27 @@ _SETS = (
 )
 
 
-@dataclass(frozen=True)
-class MethodTime:
-    """One method on one set of triangles. `error` is the largest relative error, `triangles` how many were evaluated."""
-
-    set: str
-    method: str
-    seconds_per_triangle: float
-    error: float
-    triangles: int
-
-
-def by_set(document: Document) -> dict[str, list[MethodTime]]:
-    """Returns the times in a stored answer of the benchmark by their sets; sets and methods in the benchmark's order."""
-    # The minimum over the repetitions: other work on the machine only makes a method slower.
-    found: dict[tuple[str, str], MethodTime] = {}
+def by_set(document: Document) -> dict[str, dict[str, Document]]:
+    """Returns the entries in a stored answer of the benchmark by their sets and methods, both in the benchmark's order."""
+    sets: dict[str, dict[str, Document]] = {}
     # Their repetitions come in any order; the index says where the benchmark has them.
     for entry in sorted(document["answer"]["benchmarks"], key=lambda entry: int(entry["family_index"])):
         if entry["run_type"] == "iteration":
-            time = _method_time(entry)
-            known = found.get((time.set, time.method), time)
-            found[time.set, time.method] = min(known, time, key=lambda t: t.seconds_per_triangle)
-    sets: dict[str, list[MethodTime]] = {}
-    for time in found.values():
-        sets.setdefault(time.set, []).append(time)
+            name, method = entry["name"].split("/")[:2]
+            known = sets.setdefault(name, {})
+            # The minimum over the repetitions: other work on the machine only makes a method slower.
+            known[method] = min(known.get(method, entry), entry, key=_seconds)
     return sets
 
 
-def _method_time(entry: Document) -> MethodTime:
-    name, method = entry["name"].split("/")[:2]
-    return MethodTime(
-        name, method, float(entry["per_triangle"]), float(entry["error"]), int(entry["triangles"])
-    )
+def _seconds(entry: Document) -> float:
+    """Returns the time for a triangle."""
+    return float(entry["per_triangle"])
+
+
+def best(times: dict[str, Document]) -> list[str]:
+    """Returns the methods that no other one beats in both time and largest relative error, from fast to accurate."""
+    return front(times, lambda method: (_seconds(times[method]), float(times[method]["error"])))
 
 
 def section(document: Document | None) -> Markup:
@@ -75,58 +64,42 @@ def _parts(document: Document) -> Iterator[Markup]:
     yield page.soft(_SETS)
 
 
-def front(times: list[MethodTime]) -> list[MethodTime]:
-    """Returns the Pareto front: the methods that no other method beats in both time and error, from fast to accurate."""
-    best: list[MethodTime] = []
-    for time in sorted(times, key=lambda t: (t.seconds_per_triangle, t.error)):
-        if not best or time.error < best[-1].error:
-            best.append(time)
-    return best
-
-
-def finding(sets: dict[str, list[MethodTime]]) -> str:
+def finding(sets: dict[str, dict[str, Document]]) -> str:
     """Compares the exact method with the thesis' over all sets, and names the methods on a Pareto front."""
-    pairs = []
-    for times in sets.values():
-        named = {time.method: time for time in times}
-        if EXACT in named and THESIS in named:
-            pairs.append((named[EXACT], named[THESIS]))
-    best = {time.method for times in sets.values() for time in front(times)}
-    chosen = [method for method in methods_of(sets) if method in best]
+    pairs = [(times[EXACT], times[THESIS]) for times in sets.values() if EXACT in times and THESIS in times]
+    on_front = {method for times in sets.values() for method in best(times)}
+    chosen = [method for method in _methods(sets) if method in on_front]
     sentence = f"On the front between run time and error, on one set or another, are {', '.join(chosen)}."
     if not pairs:
         return sentence
-    ratios = sorted(thesis.seconds_per_triangle / exact.seconds_per_triangle for exact, thesis in pairs)
-    worst_exact = max(exact.error for exact, _ in pairs)
-    errors = sorted(thesis.error for _, thesis in pairs)
+    ratios = sorted(_seconds(thesis) / _seconds(exact) for exact, thesis in pairs)
+    worst_exact = max(exact["error"] for exact, _ in pairs)
+    errors = sorted(thesis["error"] for _, thesis in pairs)
     return (
         f"The method {EXACT} is right to {worst_exact:.1e} on every set. The thesis' {THESIS} takes from {ratios[0]:.2g} to "
         f"{ratios[-1]:.2g} times as long and is wrong by {errors[0]:.0e} to {errors[-1]:.0e}. {sentence}"
     )
 
 
-def methods_of(sets: dict[str, list[MethodTime]]) -> list[str]:
+def _methods(sets: dict[str, dict[str, Document]]) -> list[str]:
     """Returns all methods in the benchmark's order."""
-    return list(dict.fromkeys(time.method for times in sets.values() for time in times))
+    return list(dict.fromkeys(method for times in sets.values() for method in times))
 
 
-def _title(times: list[MethodTime]) -> str:
-    return f"{times[0].set.replace('_', ' ')}, {max(time.triangles for time in times):,} triangles"
+def _title(name: str, times: dict[str, Document]) -> str:
+    return f"{name.replace('_', ' ')}, {max(int(entry['triangles']) for entry in times.values()):,} triangles"
 
 
-def _table(sets: dict[str, list[MethodTime]]) -> Markup:
-    cells = {}
-    for name, times in sets.items():
-        best = {time.method for time in front(times)}
-        cells.update({(name, time.method): _cell(time, time.method in best) for time in times})
+def _table(sets: dict[str, dict[str, Document]]) -> Markup:
     rows = [
-        [page.code(method), *(cells.get((name, method), "") for name in sets)] for method in methods_of(sets)
+        [page.code(method), *(_cell(times, method) if method in times else "" for times in sets.values())]
+        for method in _methods(sets)
     ]
-    return page.table(["method", *(_title(times) for times in sets.values())], rows)
+    return page.table(["method", *(_title(name, times) for name, times in sets.items())], rows)
 
 
-def _cell(time: MethodTime, strong: bool) -> str:
-    nanoseconds = time.seconds_per_triangle / _NANOSECOND
+def _cell(times: dict[str, Document], method: str) -> str:
+    nanoseconds = _seconds(times[method]) / _NANOSECOND
     text = f"{nanoseconds:,.0f}" if nanoseconds >= 100 else f"{nanoseconds:.3g}"
-    cell = page.two_lines(text, f"{time.error:.0e}")
-    return page.strong(cell) if strong else cell
+    cell = page.two_lines(text, f"{times[method]['error']:.0e}")
+    return page.strong(cell) if method in best(times) else cell

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 from markupsafe import Markup
 
@@ -22,145 +21,82 @@ _WHAT = (
 )
 
 
-@dataclass(frozen=True)
-class MethodErrors:
-    """One method on one class of triangles; the errors are those of the finite values, None when there is none.
-
-    `not_finite` are those whose truth is finite and not zero; `wrong_by_1_percent` are all that are off by more than that,
-    among them finite values of divergent integrals.
-    """
-
-    triangles: int
-    not_finite: int
-    wrong_by_1_percent: int
-    largest_over_conditioning: float | None
-    percentile_99_over_conditioning: float | None
-
-
-@dataclass(frozen=True)
-class StabilityClass:
-    """Triangles of one kind with the methods evaluated on them. For `truth_failed` of them no accurate value is known."""
-
-    name: str
-    truth_failed: int
-    methods: dict[str, MethodErrors]
-
-
-@dataclass(frozen=True)
-class Stability:
-    """`limit` is the allowed ratio of error to conditioning; `passed` tells whether the program found nothing wrong."""
-
-    passed: bool
-    limit: float
-    classes: tuple[StabilityClass, ...]
-
-
-def stability(document: Document) -> Stability:
-    """Returns the errors in a stored answer of the stress program."""
-    answer = document["answer"]
-    classes = tuple(
-        StabilityClass(
-            entry["name"],
-            entry["truth_failed"],
-            {
-                name: _method_errors(errors)
-                for name, errors in entry["methods"].items()
-                if errors["triangles"] > 0
-            },
-        )
-        for entry in answer["classes"]
-    )
-    return Stability(document["passed"], float(answer["limit"]), classes)
-
-
-def _method_errors(errors: Document) -> MethodErrors:
-    return MethodErrors(**{name: errors[name] for name in MethodErrors.__dataclass_fields__})
-
-
 def section(document: Document | None) -> Markup:
     """Returns the finding, and for every class the error over the conditioning and the counts of wrong values."""
     return measured.section(TITLE, [document], _parts)
 
 
 def _parts(document: Document) -> Iterator[Markup]:
-    found = stability(document)
-    yield page.finding(finding(found))
+    yield page.finding(finding(document))
     yield page.paragraph(
         "Error over conditioning, the largest and what 99 % are below; values not finite, values wrong by more than 1 %."
     )
-    yield _table(found)
+    yield _table(_by_class(document))
     yield page.soft(_WHAT)
 
 
-def finding(whole: Stability) -> str:
+def _by_class(document: Document) -> dict[str, dict[str, Document]]:
+    """Returns the errors of the methods that each class was evaluated with. Those over the conditioning are of the finite values, None if
+    there is none."""
+    return {
+        entry["name"]: {name: errors for name, errors in entry["methods"].items() if errors["triangles"] > 0}
+        for entry in document["answer"]["classes"]
+    }
+
+
+def finding(document: Document) -> str:
     """Tells whether the exact method keeps the limit, where it does not, and the worst of every method over all classes."""
-    failing = [entry.name for entry in whole.classes if _fails(entry, whole.limit)]
-    if failing or not whole.passed:
+    limit, classes = float(document["answer"]["limit"]), _by_class(document)
+    failing = [name for name, errors in classes.items() if EXACT in errors and _fails(errors[EXACT], limit)]
+    if failing or not document["passed"]:
         verdict = f"{EXACT} fails" + (f", in: {', '.join(failing)}." if failing else ".")
     else:
-        verdict = f"{EXACT} keeps the limit of {whole.limit:g} in all {len(whole.classes)} classes."
-    sentences = [verdict, *(_sentence(whole, method) for method in methods_of(whole))]
-    failed = sum(entry.truth_failed for entry in whole.classes)
+        verdict = f"{EXACT} keeps the limit of {limit:g} in all {len(classes)} classes."
+    sentences = [verdict, *(_sentence(classes, method) for method in _methods(classes))]
+    failed = sum(entry["truth_failed"] for entry in document["answer"]["classes"])
     if failed:
         sentences.append(f"The quadrature failed for {failed:,} triangles.")
     return " ".join(sentences)
 
 
-def methods_of(whole: Stability) -> list[str]:
+def _methods(classes: dict[str, dict[str, Document]]) -> list[str]:
     """Returns the methods that any class was evaluated with, the exact one first, then the thesis'."""
-    return sorted({name for entry in whole.classes for name in entry.methods}, key=_rank)
+    names = {name for errors in classes.values() for name in errors}
+    return sorted(names, key=lambda name: (name != EXACT, name != _THESIS, name))
 
 
-def _rank(method: str) -> tuple[bool, bool, str]:
-    return method != EXACT, method != _THESIS, method
+def _fails(errors: Document, limit: float) -> bool:
+    wrong = errors["not_finite"] + errors["wrong_by_1_percent"]
+    return bool(wrong > 0 or (errors["largest_over_conditioning"] or 0) > limit)
 
 
-def _fails(entry: StabilityClass, limit: float) -> bool:
-    errors = entry.methods.get(EXACT)
-    if errors is None:
-        return False
+def _sentence(classes: dict[str, dict[str, Document]], method: str) -> str:
+    found = [errors[method] for errors in classes.values() if method in errors]
+    largest = max(errors["largest_over_conditioning"] or 0 for errors in found)
+    count, not_finite, wrong = (
+        sum(errors[what] for errors in found) for what in ("triangles", "not_finite", "wrong_by_1_percent")
+    )
     return (
-        errors.not_finite + errors.wrong_by_1_percent > 0 or (errors.largest_over_conditioning or 0) > limit
+        f"Over {count:,} triangles {_LABELS.get(method, method)} is off by up to {largest:.2g} times the conditioning; {not_finite:,} of "
+        f"its values are not finite, {wrong:,} are wrong by more than 1 %."
     )
 
 
-def _sentence(whole: Stability, method: str) -> str:
-    found = [entry.methods[method] for entry in whole.classes if method in entry.methods]
-    count = sum(errors.triangles for errors in found)
-    largest = max((errors.largest_over_conditioning or 0 for errors in found), default=0.0)
-    not_finite, wrong = sum(e.not_finite for e in found), sum(e.wrong_by_1_percent for e in found)
-    return (
-        f"Over {count:,} triangles {_label(method)} is off by up to {largest:.2g} times the conditioning; {not_finite:,} of its "
-        f"values are not finite, {wrong:,} are wrong by more than 1 %."
-    )
+def _table(classes: dict[str, dict[str, Document]]) -> Markup:
+    methods, rows = _methods(classes), []
+    for name, known in classes.items():
+        count = max((errors["triangles"] for errors in known.values()), default=0)
+        cells = [cell for method in methods for cell in _cells(known.get(method), count)]
+        rows.append([name, f"{count:,}", *cells])
+    titles = [title for method in methods for title in (f"{method}: largest", "99 %", "not finite", "wrong")]
+    return page.table(["class", "triangles", *titles], rows)
 
 
-def _label(method: str) -> str:
-    return _LABELS.get(method, method)
-
-
-def _table(whole: Stability) -> Markup:
-    methods = methods_of(whole)
-    header = ["class", "triangles"]
-    for method in methods:
-        header += [f"{method}: largest", "99 %", "not finite", "wrong"]
-    rows = []
-    for entry in whole.classes:
-        cells = [cell for method in methods for cell in _cells(entry, entry.methods.get(method))]
-        rows.append([entry.name, f"{_triangles(entry):,}", *cells])
-    return page.table(header, rows)
-
-
-def _triangles(entry: StabilityClass) -> int:
-    return max((errors.triangles for errors in entry.methods.values()), default=0)
-
-
-def _cells(entry: StabilityClass, errors: MethodErrors | None) -> list[str]:
+def _cells(errors: Document | None, triangles: int) -> list[str]:
     """Writes the cells of a method; one that was evaluated for some triangles of a class also says for how many."""
     if errors is None:
         return [""] * 4
-    counts = [f"{errors.not_finite:,}", f"{errors.wrong_by_1_percent:,}"]
-    if errors.triangles < _triangles(entry):
-        counts = [f"{count} of {errors.triangles:,}" for count in counts]
-    sizes = (errors.largest_over_conditioning, errors.percentile_99_over_conditioning)
+    of = f" of {errors['triangles']:,}" if errors["triangles"] < triangles else ""
+    sizes = (errors[f"{which}_over_conditioning"] for which in ("largest", "percentile_99"))
+    counts = (f"{errors[what]:,}{of}" for what in ("not_finite", "wrong_by_1_percent"))
     return [*("" if size is None else f"{size:.2g}" for size in sizes), *counts]

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,6 +12,16 @@ from analysis.results.table import CHANGE, QUANTITIES, Row, compared
 from analysis.results.units import percent
 
 ALL_FAMILIES = "all"
+_Item = TypeVar("_Item")
+
+
+def front(items: Iterable[_Item], place: Callable[[_Item], tuple[float, float]]) -> list[_Item]:
+    """Returns the Pareto front: the items that no other one beats in both time and error, which `place` gives, from fast to accurate."""
+    best: list[_Item] = []
+    for each in sorted(items, key=place):
+        if not best or place(each)[1] < place(best[-1])[1]:
+            best.append(each)
+    return best
 
 
 @dataclass(frozen=True)

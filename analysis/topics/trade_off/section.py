@@ -12,6 +12,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
 from analysis.results.answers import Estimate, ReferenceAnswer
+from analysis.results.statistics import front
 from analysis.results.store import Document
 from analysis.results.study_results import Results
 from analysis.results.units import duration, percent
@@ -185,18 +186,10 @@ def plot(found: list[Point], known_to: float) -> go.Figure:
     return figure(traces, x, power_axis("relative error in mutual"), height=560)
 
 
-def front(found: list[Point], known_to: float) -> list[Point]:
-    """Returns the Pareto front, from fast to accurate; errors below that of the truth count as equal."""
-    best: list[Point] = []
-    for point in sorted(found, key=lambda each: (each.seconds, each.error)):
-        if not best or max(point.error, known_to) < max(best[-1].error, known_to):
-            best.append(point)
-    return best
-
-
 def _front(found: list[Point], known_to: float) -> go.Scatter:
-    best = front(found, known_to)
-    seconds, errors = [point.seconds for point in best], [max(point.error, known_to) for point in best]
+    """Returns the line through the Pareto front; errors below that of the truth count as equal."""
+    places = [(point.seconds, max(point.error, known_to)) for point in found]
+    seconds, errors = zip(*front(places, lambda place: place))
     return guide("front: none is faster and better", seconds, errors, shape="hv")
 
 

@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 
 from analysis.report import collision_section, run_times_section, stability_section
-from analysis.report.run_times_section import MethodTime
-from analysis.results import store, study_results as results
+from analysis.results import statistics, store, study_results as results
 from tests.analysis.synthetic import make_results, report_text
 
 ORIGIN = {
@@ -85,22 +84,21 @@ def test_of_repetitions_in_any_order_the_fastest_counts_and_aggregates_do_not() 
         )
     )
     assert list(found.items()) == [
-        ("a", [MethodTime("a", "split:4", 30 / 1e9, 1e-7, 2000)]),
-        ("b", [MethodTime("b", "exact", 80 / 1e9, 2e-16, 2000)]),
+        ("a", {"split:4": timed("a/split:4", 0, 30, 1e-7)}),
+        ("b", {"exact": timed("b/exact", 1, 80, 2e-16)}),
     ]
 
 
 def test_the_front_is_what_nothing_else_beats_in_both() -> None:
     found = {
-        "exact": (5, 1),
+        "exact": (5.0, 1.0),
         "as slow as exact and worse": (5, 2),
         "fast": (1, 9),
         "beaten": (4, 6),
         "between": (3, 5),
     }
     found["as wrong as fast and slower"] = (2, 9)
-    times = [MethodTime("set", method, seconds, error, 1) for method, (seconds, error) in found.items()]
-    assert [t.method for t in run_times_section.front(times)] == ["fast", "between", "exact"]
+    assert statistics.front(found, lambda method: found[method]) == ["fast", "between", "exact"]
 
 
 def test_the_finding_on_run_times_computed_by_hand() -> None:
@@ -111,7 +109,7 @@ def test_the_finding_on_run_times_computed_by_hand() -> None:
 
 
 def test_the_finding_on_stability_computed_by_hand() -> None:
-    text = stability_section.finding(stability_section.stability(stability_document()))
+    text = stability_section.finding(stability_document())
     assert "exact keeps the limit of 16 in all 2 classes" in text
     assert "Over 200 triangles exact is off by up to 4 times the conditioning" in text
     assert "Over 40 triangles the thesis' formula is off by up to 2e+06 times" in text
@@ -122,14 +120,12 @@ def test_the_finding_on_stability_computed_by_hand() -> None:
     "more", [{"largest_over_conditioning": 16.1}, {"not_finite": 1}, {"wrong_by_1_percent": 1}]
 )
 def test_a_class_in_which_the_exact_method_fails_is_named(more: dict[str, Any]) -> None:
-    text = stability_section.finding(stability_section.stability(stability_document(errors_document(**more))))
+    text = stability_section.finding(stability_document(errors_document(**more)))
     assert "exact fails, in: parallel." in text and "keeps" not in text
 
 
 def test_what_the_program_found_wrong_is_never_told_as_right() -> None:
-    assert "exact fails." in stability_section.finding(
-        stability_section.stability(stability_document(passed=False))
-    )
+    assert "exact fails." in stability_section.finding(stability_document(passed=False))
 
 
 def test_a_class_without_finite_values_has_counts_and_no_error() -> None:

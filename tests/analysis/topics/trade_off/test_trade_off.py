@@ -96,8 +96,9 @@ def test_a_point_opens_the_case_in_which_its_method_is_worst(found: Results) -> 
 
 def test_the_front_ends_where_the_truth_is_known_to(found: Results) -> None:
     made = section.points(document(found, **ERRORS), found)
-    names = [point.name for point in section.front(made, 1e-6)]
-    assert names == ["split:0", "exact", "formula", "reduced 1e-3", "2"]
+    named = {point.seconds: point.name for point in made}
+    drawn, *_ = section.plot(made, 1e-6).data
+    assert [named[seconds] for seconds in drawn.x] == ["split:0", "exact", "formula", "reduced 1e-3", "2"]
 
 
 def test_the_finding_is_computed(found: Results) -> None:
