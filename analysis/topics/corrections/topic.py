@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import subprocess
 from collections.abc import Callable, Iterable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,7 @@ from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from analysis.results.units import CENTIMETRE, percent, signed_percent, too
 from analysis.topics.corrections import estimates
-from analysis.topics.corrections.estimates import FORMULA, PLAIN, REDUCED, Estimates
+from analysis.topics.corrections.estimates import FORMULA, PLAIN, REDUCED, off
 from analysis.topics.corrections.set_ups import FILE, RTOL
 from analysis.topics.topic import Topic
 from geometries.common.children import ending_with_this, temporary_folder
@@ -34,36 +34,6 @@ from geometries.common.measured import PICOFARAD, measured
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
-
-
-def documents(module: Any, found: Estimates) -> list[Document]:
-    """Returns every set-up with its scene, its truth and all estimates, as plain data: farads, metres."""
-    return [
-        {
-            "name": set_up.name,
-            "family": set_up.family,
-            "sealed": set_up.sealed,
-            "distance": _distance(module, set_up.scene),
-            "sensor_size": _sensor_size(set_up.scene),
-            "truth": truth.mutual,
-            "error": truth.error,
-            "estimates": {name: float(values[index]) for name, values in found.by_method.items()},
-            "scene": set_up.text,
-        }
-        for index, (set_up, truth) in enumerate(zip(found.set_ups, found.truths, strict=True))
-    ]
-
-
-def _sensor_size(scene: Scene) -> float:
-    (plate,) = scene.sensors[0].plates
-    return float(np.sqrt(np.linalg.norm(plate.edge_u) * np.linalg.norm(plate.edge_v)))
-
-
-def _distance(module: Any, scene: Scene) -> float:
-    """Returns the shortest distance between the two bodies, in metres."""
-    bodies = scene.conductors()
-    points = [bodies[name].reshape(-1, 3) for name in ("sensor", "target")]
-    return float(module.gjk_distance(*points)[0])
 
 
 SHOWN = (FORMULA, REDUCED)
@@ -90,8 +60,8 @@ def set_by_set(cases: list[Document], set_ups: str) -> Markup:
 def finding_of_set_ups(cases: list[Document]) -> str:
     """Tells for how many set-ups the best closed formula is nearly right, and where it and the reduced method are worst."""
     best, reduced = SHOWN
-    near = sum(abs(_off(case, best)) <= _WITHIN for case in cases)
-    worst = {name: max(cases, key=lambda case: abs(_off(case, name))) for name in SHOWN}
+    near = sum(abs(off(case, best)) <= _WITHIN for case in cases)
+    worst = {name: max(cases, key=lambda case: abs(off(case, name))) for name in SHOWN}
     return (
         f"The {best} is within {percent(_WITHIN)} in {near} of {len(cases)} set-ups and worst in {_told_worst(worst[best], best)}; "
         f"{reduced} is worst in {_told_worst(worst[reduced], reduced)}."
@@ -100,7 +70,7 @@ def finding_of_set_ups(cases: list[Document]) -> str:
 
 def _told_worst(case: Document, name: str) -> str:
     return (
-        f"{case['name']}, {_PERCENT * _off(case, name):+.2g} % at {_relative_distance(case):.2g} sensor sizes"
+        f"{case['name']}, {_PERCENT * off(case, name):+.2g} % at {_relative_distance(case):.2g} sensor sizes"
     )
 
 
@@ -111,7 +81,7 @@ def _panel(cases: list[Document], name: str) -> Panel:
         "%{customdata}: %{y:+.2g} %<extra></extra>",
         size=6,
         x=_relative_distance,
-        y=lambda case: _PERCENT * _off(case, name),
+        y=lambda case: _PERCENT * off(case, name),
         customdata=lambda case: case["name"],
     )
     x, y = log_axis("distance over sensor size"), axis("error in mutual, %")
@@ -139,8 +109,8 @@ def _shown(case: Document) -> Shown:
     scene = reader.loads(case["scene"], case["name"])
     kept = "sealed: no constant was fitted on it" if case["sealed"] else "open to the fit of constants"
     truth, error = case["truth"] / PICOFARAD, case["error"] / PICOFARAD
-    off = ", ".join(f"{name} is {too(_off(case, name))}" for name in SHOWN)
-    finding_ = f"mutual: {measured(truth, error)} pF by boundary elements; {off}, the plain model {too(_off(case, PLAIN))}."
+    wrong = ", ".join(f"{name} is {too(off(case, name))}" for name in SHOWN)
+    finding_ = f"mutual: {measured(truth, error)} pF by boundary elements; {wrong}, the plain model {too(off(case, PLAIN))}."
     rows = [("boundary elements", measured(truth, error), "")]
     rows += [
         (name, f"{value / PICOFARAD:.6g}", signed_percent(value / case["truth"] - 1))
@@ -162,10 +132,6 @@ def _sizes(scene: Scene) -> str:
 
 def _lengths(metres: Any) -> str:
     return f"{' × '.join(f'{length / CENTIMETRE:.3g}' for length in metres)} cm"
-
-
-def _off(case: Document, name: str) -> float:
-    return float(case["estimates"][name] / case["truth"] - 1)
 
 
 def _relative_distance(case: Document) -> float:
@@ -284,13 +250,13 @@ def _answer(_: Processes) -> Document:
 
 def evaluated(module: Any) -> Document:
     """Returns the errors of every method as a document; half a minute."""
-    found = estimates.estimate(module)
+    cases = estimates.estimate(module)
     return {
         "truths": FILE.relative_to(ROOT).as_posix(),
-        "set_ups": len(found.set_ups),
-        "sealed": sum(each.sealed for each in found.set_ups),
-        "corrections": [asdict(entry) for entry in estimates.evaluations(found)],
-        "cases": documents(module, found),
+        "set_ups": len(cases),
+        "sealed": sum(case["sealed"] for case in cases),
+        "corrections": estimates.evaluations(cases),
+        "cases": cases,
     }
 
 

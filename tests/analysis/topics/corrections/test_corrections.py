@@ -12,7 +12,6 @@ from analysis.results import store
 from analysis.results.store import Document
 from analysis.results.units import percent
 from analysis.topics.corrections import estimates, set_ups, topic
-from analysis.topics.corrections.estimates import Errors
 from analysis.topics.corrections.topic import CORRECTIONS
 from geometries.common.installation import ROOT
 from geometries.scene import reader
@@ -29,7 +28,8 @@ FORMULA_CODE = ROOT / "model" / "src" / "formula" / "formula.cpp"
 
 
 @pytest.fixture(scope="module")
-def found() -> estimates.Estimates:
+def found() -> list[Document]:
+    """Every set-up as plain data."""
     return estimates.estimate(model_module())
 
 
@@ -39,48 +39,47 @@ def text() -> str:
     return " ".join(estimates.PAGE.read_text(encoding="utf-8").split())
 
 
-def test_every_set_up_has_a_truth_and_a_third_is_sealed(found: estimates.Estimates) -> None:
-    chosen = found.set_ups
-    assert [set_up.name for set_up in chosen] == list(set_ups.load())
-    assert len(chosen) >= 300
-    assert {set_up.family for set_up in chosen} == set(set_ups.COUNTS)
-    assert 0.25 < np.mean([set_up.sealed for set_up in chosen]) < 0.4
+def test_every_set_up_has_a_truth_and_a_third_is_sealed(found: list[Document]) -> None:
+    assert [case["name"] for case in found] == list(set_ups.load())
+    assert len(found) >= 300
+    assert {case["family"] for case in found} == set(set_ups.COUNTS)
+    assert 0.25 < np.mean([case["sealed"] for case in found]) < 0.4
 
 
-def test_stored_truths_are_what_boundary_elements_say(found: estimates.Estimates) -> None:
-    for set_up, stored in list(zip(found.set_ups, found.truths))[::150]:
-        truth = set_ups.solved(model_module(), set_up)
+def test_stored_truths_are_what_boundary_elements_say() -> None:
+    known = set_ups.load()
+    for set_up in list(set_ups.set_ups(model_module()))[::150]:
+        truth, stored = set_ups.solved(model_module(), set_up), known[set_up.name]
         assert abs(truth.mutual - stored.mutual) <= truth.error + stored.error <= 3e-4 * stored.mutual
 
 
 def test_the_formula_is_within_the_asked_errors_where_it_was_not_fitted_and_in_every_family(
-    found: estimates.Estimates,
+    found: list[Document],
 ) -> None:
     for sealed in (True, False):
-        errors = Errors.of(found.errors("formula", lambda each: each.sealed == sealed))
-        assert errors.rms <= MOST_RMS and errors.worst <= MOST_WORST
-    for family in set_ups.COUNTS:
-        assert Errors.of(found.errors("formula", lambda each: each.family == family)).rms <= MOST_RMS
+        errors = estimates.errors([case for case in found if case["sealed"] == sealed], "formula")
+        assert errors["rms"] <= MOST_RMS and errors["worst"] <= MOST_WORST
+    (formula,) = (each for each in estimates.evaluations(found) if each["name"] == "formula")
+    assert all(errors["rms"] <= MOST_RMS for errors in formula["families"].values())
 
 
 def test_the_reduced_method_is_within_the_asked_errors_where_it_says_so(
-    found: estimates.Estimates,
+    found: list[Document],
 ) -> None:
-    errors = found.errors("reduced")
-    assert Errors.of(errors).worst <= REDUCED_WORST_NEAR
-    worse = [each.text for each, error in zip(found.set_ups, errors) if abs(error) > REDUCED_WORST]
-    assert len(worse) <= 0.02 * len(errors)
+    assert estimates.errors(found, "reduced")["worst"] <= REDUCED_WORST_NEAR
+    worse = [case["scene"] for case in found if abs(estimates.off(case, "reduced")) > REDUCED_WORST]
+    assert len(worse) <= 0.02 * len(found)
     for scene in worse:
         assert not model_module().Scene.loads(scene).maxwell(method="reduced")["reached"]
-    for family in set_ups.COUNTS:
-        assert Errors.of(found.errors("reduced", lambda each: each.family == family)).rms <= REDUCED_RMS
+    (reduced,) = (each for each in estimates.evaluations(found) if each["name"] == "reduced")
+    assert all(errors["rms"] <= REDUCED_RMS for errors in reduced["families"].values())
 
 
-def test_the_note_has_the_errors_that_are_computed(found: estimates.Estimates, text: str) -> None:
-    evaluated, count = estimates.evaluations(found), len(found.set_ups)
+def test_the_note_has_the_errors_that_are_computed(found: list[Document], text: str) -> None:
+    evaluated, count = estimates.evaluations(found), len(found)
     assert " ".join(estimates.errors_table(evaluated)) in text
     assert estimates.by_family(evaluated) in text
-    assert f"It is {percent(evaluated[0].all.rms)} off (rms) over the {count} set-ups" in text
+    assert f"It is {percent(evaluated[0]['all']['rms'])} off (rms) over the {count} set-ups" in text
     assert f"{estimates.near_misses(found)} of {count} set-ups are more than 1 % off" in text
 
 
@@ -98,35 +97,26 @@ def test_the_constants_are_those_of_the_code(text: str) -> None:
     assert in_text == {name: float(code[name if name in code else f"{name}_stiffness"]) for name in in_text}
 
 
-@pytest.fixture(scope="module")
-def told(found: estimates.Estimates) -> list[Document]:
-    """Every set-up as plain data."""
-    return topic.documents(model_module(), found)
-
-
-def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(
-    found: estimates.Estimates, told: list[Document]
-) -> None:
-    text = topic.set_by_set(told, SET_UPS)
+def test_every_set_up_is_told_with_its_truth_and_opened_by_its_point(found: list[Document]) -> None:
+    text = topic.set_by_set(found, SET_UPS)
     named = {
         name for group in re.findall(r'"customdata":\[(.*?)\]', text) for name in json.loads(f"[{group}]")
     }
-    assert named == {each.name for each in found.set_ups} and f'data-set-ups="{SET_UPS}"' in text
-    sides = {case["name"]: (case["distance"], case["sensor_size"]) for case in told}
-    parallel = next(each for each in found.set_ups if each.family == "parallel")
-    gap = parallel.scene.pose_of_object("target")[1][2]
-    assert sides[parallel.name][0] == pytest.approx(gap)
-    worst = max(told, key=lambda case: abs(case["estimates"]["formula"] / case["truth"] - 1))
-    assert f"worst in {worst['name']}, " in topic.finding_of_set_ups(told)
+    assert named == {case["name"] for case in found} and f'data-set-ups="{SET_UPS}"' in text
+    parallel = next(case for case in found if case["family"] == "parallel")
+    gap = reader.loads(parallel["scene"]).pose_of_object("target")[1][2]
+    assert parallel["distance"] == pytest.approx(gap)
+    worst = max(found, key=lambda case: abs(case["estimates"]["formula"] / case["truth"] - 1))
+    assert f"worst in {worst['name']}, " in topic.finding_of_set_ups(found)
 
 
-def test_the_page_of_the_set_ups_shows_each_scene_with_its_numbers(told: list[Document]) -> None:
-    text = topic.set_ups_document(told, "corrections.html", "Corrections", "made from", "plotly.js")
+def test_the_page_of_the_set_ups_shows_each_scene_with_its_numbers(found: list[Document]) -> None:
+    text = topic.set_ups_document(found, "corrections.html", "Corrections", "made from", "plotly.js")
     (data,) = re.findall(r'<script type="application/json" id="set-ups">(.*?)</script>', text, re.DOTALL)
     shown = {each["name"]: each for each in json.loads(data)["setUps"]}
     heads, commands = json.loads(data)["heads"], json.loads(data)["commands"]
     assert any("--method formula" in command for command in commands) and "--slice" in commands[-1]
-    for case in told[::25]:
+    for case in found[::25]:
         each = shown[case["name"]]
         scene = reader.loads(case["scene"])
         assert reader.loads(heads[each["head"]] + each["scene"]) == scene
