@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import math
 import signal
 import sys
 from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from analysis import measure
 from geometries.common import installation
 from geometries.common.arguments import positive_integer, positive_number
 
@@ -184,6 +184,18 @@ _AFTER_TOPICS: dict[str, Command] = {
         _switch("--times", "fail, not only warn, where a method takes 10 %% longer"),
     )),
 }  # fmt: skip
+_MEASURES: dict[str, Command] = {
+    "truths": ("solve the set-ups of a topic that have no true values, by boundary elements; they are kept beside the topic's code", (
+        ("topic", {"choices": ("corrections", "insulators", "machines"), "help": "a minute for the corrections, a quarter of an hour for the others; delete the file to solve all anew"}),
+    )),
+    "field-check": ("solve the set-ups of a topic that have no readings by the field solver; they are kept beside the topic's code", (
+        ("topic", {"choices": ("company", "insulators", "machines"), "help": "an hour or so of one core for each; delete the file to solve all anew"}),
+        _option("--seconds", "S", "begin none after these seconds", type=positive_number, default=math.inf),
+        _switch("--boundary", "of the insulators that have a record, solve anew by boundary elements only"),
+    )),
+    "corrections": ("print the tables of errors in model/CORRECTIONS.md, section 5", ()),
+    "benchmarks": ("replace the measured tables of model/MEASUREMENTS.md, in some minutes", ()),
+}  # fmt: skip
 
 
 def _topics() -> dict[str, Command]:
@@ -227,7 +239,18 @@ def _parser(program: str) -> argparse.ArgumentParser:
         "reported; 1 a case failed or has no answer by any method, a value moved, or anything else.",
     )
     commands = parser.add_subparsers(dest="command", required=True)
-    for name, (does, options) in (_BEFORE_TOPICS | _topics() | _AFTER_TOPICS).items():
+    _add(commands, _BEFORE_TOPICS | _topics() | _AFTER_TOPICS)
+    what = "make what is stored with the project anew, or measure what a note tells"
+    measured = commands.add_parser("measure", help=what).add_subparsers(
+        dest="what", metavar="WHAT", required=True
+    )
+    _add(measured, _MEASURES)
+    return parser
+
+
+def _add(commands: Any, table: dict[str, Command]) -> None:
+    """Adds the commands of a table."""
+    for name, (does, options) in table.items():
         command = commands.add_parser(name, help=does)
         # Commands that start no jobs have no option --jobs.
         command.set_defaults(jobs=None)
@@ -235,9 +258,6 @@ def _parser(program: str) -> argparse.ArgumentParser:
             among = command.add_mutually_exclusive_group() if isinstance(each, list) else command
             for word, more in each if isinstance(each, list) else [each]:
                 among.add_argument(word, **more)
-    what = "make what is stored with the project anew, or measure what a note tells"
-    measure.add_arguments(commands.add_parser("measure", help=what))
-    return parser
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

@@ -327,5 +327,5 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "coverage": _coverage,
     "honesty": _honesty,
     "golden": _golden,
-    "measure": lambda options: measure.run(options.what, options.arguments),
+    "measure": lambda options: measure.MEASURES[options.what](options),
 }

@@ -13,11 +13,11 @@ from analysis.pipeline.stage import NoAnswer
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
 from analysis import measure
+from analysis.__main__ import _MEASURES, main
 from analysis.topics import field_solver
 from analysis.topics.company.set_ups import CHECK, SetUp, all_set_ups, chosen
 from analysis.topics.field_solver import Comparison, FieldCheck, quantities_of
 from analysis.topics.stored import Completed, Stored, rounded
-from geometries.common.errors import InputError
 
 FIRST, SECOND = all_set_ups()[:2]
 RECORD = {"value": 2.0}
@@ -73,16 +73,18 @@ def test_the_commands_solve_by_topic_and_tell_what_is_left(
     solved: list[SetUp] = []
     kept = stored(tmp_path, solved)
     monkeypatch.setitem(measure._CHECKS, "company", kept)
-    assert measure.run("field-check", ["company", "--seconds", "1e-9"]) == 1
-    assert measure.run("field-check", ["company"]) == 0 and len(solved) == 2
+    assert main(["measure", "field-check", "company", "--seconds", "1e-9"]) == 1
+    assert main(["measure", "field-check", "company"]) == 0 and len(solved) == 2
     assert "company: 2 set-ups solved, 0 remain without a record" in capsys.readouterr().out
-    with pytest.raises(InputError, match="--boundary is an option of insulators"):
-        measure.run("field-check", ["company", "--boundary"])
+    assert main(["measure", "field-check", "company", "--boundary"]) == 2
+    assert "--boundary is an option of insulators" in capsys.readouterr().err
     monkeypatch.setitem(measure._TRUTHS, "machines", lambda: 3)
-    assert measure.run("truths", ["machines"]) == 0
+    assert main(["measure", "truths", "machines"]) == 0
     assert capsys.readouterr().out == "machines: 3 set-ups solved\n"
-    assert set(measure._CHECKS) == {"company", "insulators", "machines"}
-    assert set(measure._TRUTHS) == {"corrections", "insulators", "machines"}
+    assert set(measure.MEASURES) == set(_MEASURES)
+    for what, topics in {"truths": measure._TRUTHS, "field-check": measure._CHECKS}.items():
+        ((_, more), *_) = _MEASURES[what][1]
+        assert set(more["choices"]) == set(topics)
 
 
 def test_a_record_may_hold_both_methods(tmp_path: Path) -> None:
