@@ -15,7 +15,7 @@ from analysis.documentation import make as documentation
 from analysis.live import make as live
 from analysis.nightly import chunks, cluster, night
 from analysis.pipeline import reference_stage
-from analysis.report import results_page
+from analysis.report import index_page
 from analysis.results import statistics, store
 from analysis.results.refusals import named
 from analysis.results.store import InUse, exclusive
@@ -52,7 +52,7 @@ def run_command(options: argparse.Namespace) -> int:
         status = _COMMANDS[options.command](options)
         # Jobs are parts of a command that is still at work.
         if options.command != "job":
-            results_page.make(installation.results_folder())
+            index_page.make(installation.results_folder())
         return status
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import base64
 import os
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
-from analysis.live import paths, scene_text
+import tomli_w
+
+from analysis.live import paths
 from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page
-from analysis.report.results_page import LIVE
+from analysis.report.index_page import LIVE
 from analysis.results.store import Document, write_text
 from analysis.show.make import find_scene, motion_beside
 from fem_reference.bodies.remarks import remarks
@@ -21,6 +25,53 @@ from geometries.scene import motion, reader
 from geometries.scene.covers import is_cover
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
+
+
+def movable(text: str) -> str:
+    """Returns the text of a scene in which each target is on a link: one that has none gets a link of its own, with its name, in the
+    world's frame, so that it can be dragged. If no object is marked as a target, all are but electrodes. No answer changes by it.
+    """
+    scene = tomllib.loads(text)
+    bodies: list[dict[str, Any]] = scene.get("object", [])
+    some_are_marked = any(body.get("target", False) for body in bodies)
+    names = {link["name"] for link in scene.get("link", [])}
+    added = []
+    for body in bodies:
+        is_target = body.get("target", False) if some_are_marked else body.get("potential") != "electrode"
+        if is_target and "link" not in body:
+            name = _unused(body["name"], names)
+            names.add(name)
+            added.append({"name": name})
+            body["link"] = name
+    if not added:
+        return text
+    scene["link"] = [*scene.get("link", []), *added]
+    return str(tomli_w.dumps(scene))
+
+
+def covered(text: str, thickness: float, relative_permittivity: float) -> str:
+    """Returns the text of a scene in which every sensor has this cover (thickness in m)."""
+    scene = tomllib.loads(text)
+    for sensor in scene.get("sensor", []):
+        sensor["cover"] = {"thickness": thickness, "relative_permittivity": relative_permittivity}
+    return str(tomli_w.dumps(scene))
+
+
+def files(text: str, folder: Path) -> dict[str, str]:
+    """Returns the mesh files that a scene names, as it names them, in base64; `folder` is where the scene lies."""
+    names = (body.get("shape", {}).get("file") for body in tomllib.loads(text).get("object", []))
+    return {
+        name: base64.b64encode((folder.absolute() / name).read_bytes()).decode()
+        for name in names
+        if name is not None
+    }
+
+
+def _unused(name: str, names: set[str]) -> str:
+    while name in names:
+        name += "'"
+    return name
+
 
 _SCRIPTS = (
     *("parts.js", "live_view.js", "live_model.js", "live_picture.js"),
@@ -81,7 +132,7 @@ def make(name: str, motion_file: Path | None, target: Path | None, rtol: float |
     path = find_scene(name)
     # Refuses a wrong scene by the lines of its own file.
     reader.load(path)
-    text = scene_text.movable(path.read_text(encoding="utf-8"))
+    text = movable(path.read_text(encoding="utf-8"))
     scene, native = reader.loads(text, source=str(path)), _native(text, path)
     library = _library()
     for remark in remarks(scene):
@@ -92,7 +143,7 @@ def make(name: str, motion_file: Path | None, target: Path | None, rtol: float |
     data: Document = {
         "scene": text,
         "covers": _covers(text, scene, path),
-        "files": scene_text.files(text, path.parent),
+        "files": files(text, path.parent),
         "reduced": _is_quickly_prepared(scene),
     }
     ways = paths.of_scene(scene, frames)
@@ -141,7 +192,7 @@ def _covers(text: str, scene: Scene, path: Path) -> list[Document]:
         return []
     found: list[Document] = []
     for name, thickness, permittivity in COVERS:
-        with_cover = scene_text.covered(text, thickness, permittivity)
+        with_cover = covered(text, thickness, permittivity)
         try:
             _native(with_cover, path)
         except InputError:

@@ -11,7 +11,7 @@ from analysis.pipeline import reference_stage
 from analysis.results.store import Document, is_current, read_json, write_json, write_text
 from analysis.results.study_results import Failure, case_folder
 from analysis.study import workflow
-from analysis.study.plan import Work
+from analysis.study.workflow import Work
 from geometries.common.errors import InputError
 from geometries.studies.study import Study
 

@@ -18,8 +18,8 @@ from analysis.pipeline.processes import Processes, environment_of_modules, forge
 from analysis.pipeline.scheduler import Progress, parallel_jobs
 from analysis.results.store import write_text
 from analysis.results.study_results import Failure, case_folder, write_manifest
-from analysis.study import plan, workflow
-from analysis.study.plan import Work
+from analysis.study import workflow
+from analysis.study.workflow import Work
 from analysis.topics.trade_off import measure as trade_off
 from geometries.common.children import ENDS_WITH_PARENT
 from geometries.common.errors import InputError
@@ -53,7 +53,7 @@ def run(study: Study, folder: Path, options: Options) -> list[Failure]:
     profile = find_profile(options.profile) if options.profile else None
     cluster.begin(folder, profile)
     cases = study.cases()
-    works = plan.missing(study, cases, folder)
+    works = workflow.missing(study, cases, folder)
     prepared = prepare(works, study, folder, seconds, workers)
     workflow.measure(folder, wanted=False)
     trade_off.run(folder, [case.identity for case in cases], wanted=False)

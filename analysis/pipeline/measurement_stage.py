@@ -41,19 +41,24 @@ class Measurement:
         return shlex.join([str(_BIN / self.program), *self.arguments])
 
 
+def timed(answer: str) -> tuple[str, ...]:
+    """Returns the options of a benchmark that is to write its answer to a file."""
+    return (
+        # Three times, far apart, so that a disturbance affects only one of them.
+        "--benchmark_repetitions=3",
+        "--benchmark_enable_random_interleaving=true",
+        f"--benchmark_out={answer}",
+        "--benchmark_out_format=json",
+    )
+
+
 _BUILD = ("CMakeLists.txt", "CMakePresets.json")
 MEASUREMENTS = (
     Measurement(
         "run time against error",
         RUN_TIMES,
         "plate_integral_benchmark",
-        (
-            # Three times, far apart, so that a disturbance affects only one of them.
-            "--benchmark_repetitions=3",
-            "--benchmark_enable_random_interleaving=true",
-            f"--benchmark_out={_ANSWER}",
-            "--benchmark_out_format=json",
-        ),
+        timed(_ANSWER),
         40,
         ("model", *_BUILD),
     ),

@@ -36,21 +36,9 @@ class Whole:
     id: str = "all"
 
 
-class SetUp(Item, Protocol):
-    """A scene as its canonical text, the hash of the text, and a short form of the hash, by which the set-up is called."""
-
-    @property
-    def text(self) -> str:
-        ...
-
-    @property
-    def identity(self) -> str:
-        ...
-
-
 @dataclass(frozen=True)
 class OfScene:
-    """A set-up that is known by its scene."""
+    """A set-up that is known by its scene, as its canonical text."""
 
     scene: Scene
 
@@ -73,10 +61,15 @@ class OfScene:
         """The first digits of the hash, by which the set-up is called."""
         return self.identity[:IDENTITY_DIGITS]
 
+    @property
+    def name(self) -> str:
+        """The set-up in words."""
+        return f"set-up {self.id}"
+
 
 SomeItem = TypeVar("SomeItem", bound=Item)
 _SomeItem = TypeVar("_SomeItem", bound=Item, contravariant=True)
-SomeSetUp = TypeVar("SomeSetUp", bound=SetUp)
+SomeSetUp = TypeVar("SomeSetUp", bound=OfScene)
 
 
 class Stages(Protocol[_SomeItem]):

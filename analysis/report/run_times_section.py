@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
 
@@ -25,27 +25,27 @@ _SETS = (
 )
 
 
-def by_set(document: Document) -> dict[str, dict[str, Document]]:
-    """Returns the entries in a stored answer of the benchmark by their sets and methods, both in the benchmark's order."""
+def by_set(benchmarks: Sequence[Document]) -> dict[str, dict[str, Document]]:
+    """Returns the entries of a benchmark by their sets and methods, both in the benchmark's order."""
     sets: dict[str, dict[str, Document]] = {}
     # Their repetitions come in any order; the index says where the benchmark has them.
-    for entry in sorted(document["answer"]["benchmarks"], key=lambda entry: int(entry["family_index"])):
+    for entry in sorted(benchmarks, key=lambda entry: int(entry["family_index"])):
         if entry["run_type"] == "iteration":
             name, method = entry["name"].split("/")[:2]
             known = sets.setdefault(name, {})
             # The minimum over the repetitions: other work on the machine only makes a method slower.
-            known[method] = min(known.get(method, entry), entry, key=_seconds)
+            known[method] = min(known.get(method, entry), entry, key=seconds)
     return sets
 
 
-def _seconds(entry: Document) -> float:
+def seconds(entry: Document) -> float:
     """Returns the time for a triangle."""
     return float(entry["per_triangle"])
 
 
 def best(times: dict[str, Document]) -> list[str]:
     """Returns the methods that no other one beats in both time and largest relative error, from fast to accurate."""
-    return front(times, lambda method: (_seconds(times[method]), float(times[method]["error"])))
+    return front(times, lambda method: (seconds(times[method]), float(times[method]["error"])))
 
 
 def section(document: Document | None) -> Markup:
@@ -55,7 +55,7 @@ def section(document: Document | None) -> Markup:
 
 
 def _parts(document: Document) -> Iterator[Markup]:
-    sets = by_set(document)
+    sets = by_set(document["answer"]["benchmarks"])
     yield page.finding(finding(sets))
     yield page.paragraph(
         "ns per triangle, and the largest relative error below. Bold: no other method is both faster and more accurate."
@@ -72,7 +72,7 @@ def finding(sets: dict[str, dict[str, Document]]) -> str:
     sentence = f"On the front between run time and error, on one set or another, are {', '.join(chosen)}."
     if not pairs:
         return sentence
-    ratios = sorted(_seconds(thesis) / _seconds(exact) for exact, thesis in pairs)
+    ratios = sorted(seconds(thesis) / seconds(exact) for exact, thesis in pairs)
     worst_exact = max(exact["error"] for exact, _ in pairs)
     errors = sorted(thesis["error"] for _, thesis in pairs)
     return (
@@ -99,7 +99,7 @@ def _table(sets: dict[str, dict[str, Document]]) -> Markup:
 
 
 def _cell(times: dict[str, Document], method: str) -> str:
-    nanoseconds = _seconds(times[method]) / _NANOSECOND
+    nanoseconds = seconds(times[method]) / _NANOSECOND
     text = f"{nanoseconds:,.0f}" if nanoseconds >= 100 else f"{nanoseconds:.3g}"
     cell = page.two_lines(text, f"{times[method]['error']:.0e}")
     return page.strong(cell) if method in best(times) else cell

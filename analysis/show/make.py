@@ -8,7 +8,7 @@ from pathlib import Path
 from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page
-from analysis.report.results_page import MOTION
+from analysis.report.index_page import MOTION
 from analysis.results.store import Document, write_text
 from analysis.show import data as show_data
 from fem_reference.bodies.remarks import remarks

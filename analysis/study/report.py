@@ -11,9 +11,8 @@ from typing import Any
 from markupsafe import Markup
 
 from analysis.pipeline import keys
-from analysis.report import index_page, page, plots_of_errors, results_page, sections
-from analysis.report.index_page import Answer, Card, Picture
-from analysis.report.results_page import ScenePage
+from analysis.report import index_page, page, plots_of_errors, sections
+from analysis.report.index_page import Answer, Card, Picture, ScenePage
 from analysis.results import refusals, statistics, study_results as results, table
 from analysis.results.refusals import Refusal
 from analysis.results.store import Document, read_json, write_json, write_text
@@ -61,7 +60,7 @@ def make(folder: Path) -> Report:
     nights = (
         index_page.first_finding(Markup(trends.read_text(encoding="utf-8"))) if trends.is_file() else None
     )
-    scenes = results_page.all_beside(folder)
+    scenes = index_page.all_beside(folder)
     whole = keys.page_inputs(inputs, nights, [file for _, file in scenes])
     if not (
         (folder / table.TABLE).is_file()

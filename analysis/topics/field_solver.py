@@ -5,46 +5,33 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import Any, Generic, Protocol, TypeVar
+from typing import Any, Generic
 
 import numpy as np
 from markupsafe import Markup
 
 from analysis.pipeline import reference_stage
 from analysis.pipeline.processes import Processes
-from analysis.pipeline.set_up_stages import SetUp
+from analysis.pipeline.set_up_stages import OfScene, SomeSetUp
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, marks, series_colour
 from analysis.results.answers import Estimate
 from analysis.results.store import Document, write_text
 from analysis.results.study_results import SCENE
 from analysis.results.units import percent, signed_percent
-from analysis.topics.stored import Named, SomeNamed, Stored
+from analysis.topics.stored import Stored
 from geometries.common.children import temporary_folder
 from geometries.common.measured import PICOFARAD, picofarads
 
 
 QUANTITIES = ("value", "background", "change")
-_SomeNamed = TypeVar("_SomeNamed", bound=Named, covariant=True)
-
-
-class Entry(Protocol[_SomeNamed]):
-    """A set-up with the change of its reading by boundary elements; there may be more quantities."""
-
-    @property
-    def set_up(self) -> _SomeNamed:
-        ...
-
-    @property
-    def change(self) -> Estimate:
-        ...
 
 
 @dataclass(frozen=True)
-class Comparison(Generic[SomeNamed]):
+class Comparison(Generic[SomeSetUp]):
     """One quantity of a set-up's reading by both methods (F), and the ends of the interval that the field solver proves, if it does."""
 
-    set_up: SomeNamed
+    set_up: SomeSetUp
     quantity: str
     field: Estimate
     boundary: Estimate
@@ -84,21 +71,22 @@ class Comparison(Generic[SomeNamed]):
 
 
 @dataclass(frozen=True, kw_only=True)
-class FieldCheck(Stored[SomeNamed]):
+class FieldCheck(Stored[SomeSetUp]):
     """Records of the field solver's `quantities` of readings. A record has them by itself, or, with `both`, under "field" beside those by boundary elements
     under "boundary"; it may have "lower" and "upper", the ends of the interval proven for the change. A page counts the set-ups of each `kind`,
     has the columns `described` of them in its table, and an `explanation`."""
 
-    kind: Callable[[SomeNamed], str]
-    described: tuple[tuple[str, Callable[[SomeNamed], str]], ...]
+    kind: Callable[[SomeSetUp], str]
+    described: tuple[tuple[str, Callable[[SomeSetUp], str]], ...]
     explanation: str = ""
     quantities: tuple[str, ...] = QUANTITIES
     both: bool = False
 
-    def comparisons(self, found: Iterable[Entry[SomeNamed]] = ()) -> list[Comparison[SomeNamed]]:
-        """Pairs the quantities that are recorded with those of the entries, in their order, or with those in the records."""
+    def comparisons(self, found: Iterable[Any] = ()) -> list[Comparison[SomeSetUp]]:
+        """Pairs the quantities that are recorded with those of the entries, which have a `set_up` and the quantities, in their order, or with those
+        in the records."""
         records = self.records()
-        pairs: list[tuple[SomeNamed, Entry[SomeNamed] | None]] = (
+        pairs = (
             [(each, None) for each in self.chosen()] if self.both else [(each.set_up, each) for each in found]
         )
         return [
@@ -109,9 +97,7 @@ class FieldCheck(Stored[SomeNamed]):
         ]
 
 
-def _comparison(
-    set_up: SomeNamed, quantity: str, record: Document, entry: Entry[SomeNamed] | None
-) -> Comparison[SomeNamed]:
+def _comparison(set_up: SomeSetUp, quantity: str, record: Document, entry: Any) -> Comparison[SomeSetUp]:
     """Returns a quantity of the entry, or of the record without one, beside the field solver's."""
     if entry is None:
         field, boundary = (Estimate(**record[method][quantity]) for method in ("field", "boundary"))
@@ -122,7 +108,7 @@ def _comparison(
     return Comparison(set_up, quantity, field, boundary, (record["lower"], record["upper"]))
 
 
-def solved(set_up: SetUp, *options: str) -> Document:
+def solved(set_up: OfScene, *options: str) -> Document:
     """Solves a set-up by the field solver with these options of its command; NoAnswer if it has none."""
     with temporary_folder() as folder:
         scene = folder / SCENE

@@ -8,25 +8,14 @@ import time
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Generic, NamedTuple, Protocol, TypeVar
+from typing import Any, Generic, NamedTuple
 
-from analysis.pipeline.set_up_stages import SetUp
+from analysis.pipeline.set_up_stages import SomeSetUp
 from analysis.pipeline.stage import NoAnswer
 from analysis.results.store import Document, read_json, write_json
 
 _DIGITS = 7
 """Significant digits of a rounded value: far more than are true."""
-
-
-class Named(SetUp, Protocol):
-    """A set-up with a name for people."""
-
-    @property
-    def name(self) -> str:
-        ...
-
-
-SomeNamed = TypeVar("SomeNamed", bound=Named)
 
 
 class Completed(NamedTuple):
@@ -37,7 +26,7 @@ class Completed(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Stored(Generic[SomeNamed]):
+class Stored(Generic[SomeSetUp]):
     """The records of the set-ups `chosen` in a file, in which they stand after the `description`.
 
     `solve` makes a record; NoAnswer where there is none.
@@ -45,8 +34,8 @@ class Stored(Generic[SomeNamed]):
 
     file: Path
     description: str
-    chosen: Callable[[], Iterable[SomeNamed]]
-    solve: Callable[[SomeNamed], Document]
+    chosen: Callable[[], Iterable[SomeSetUp]]
+    solve: Callable[[SomeSetUp], Document]
 
     @property
     def key(self) -> str:
@@ -59,7 +48,7 @@ class Stored(Generic[SomeNamed]):
         found: Document = {} if document is None else document[self.key]
         return found
 
-    def complete(self, set_ups: Iterable[SomeNamed] | None = None, seconds: float = math.inf) -> Completed:
+    def complete(self, set_ups: Iterable[SomeSetUp] | None = None, seconds: float = math.inf) -> Completed:
         """Solves those of the set-ups, all chosen ones if none are given, that have no record, and begins none after these seconds. Drops the
         records of what is none of them. Each record is written at once."""
         asked, known = list(self.chosen() if set_ups is None else set_ups), self.records()

@@ -89,9 +89,7 @@ class Topic(Generic[SomeItem, SomeEntry]):
         """Returns the sections of a page; `opened` is what the points of figures open, as seen from it. Without entries it says so."""
         if not found:
             return [page.section(self.title, page.paragraph(self.absent))]
-        # The entries of a topic with a field check have a set-up and the quantities that it compares.
-        entries: Any = found
-        checked = field_solver.parts(self.check, self.check.comparisons(entries)) if self.check else []
+        checked = field_solver.parts(self.check, self.check.comparisons(found)) if self.check else []
         return self.sections(found, checked, opened)
 
     def make(self, folder: Path) -> page.Made:

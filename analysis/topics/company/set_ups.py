@@ -58,10 +58,6 @@ class SetUp(OfScene):
     machine: str
     ground: str
 
-    @property
-    def name(self) -> str:
-        return f"set-up {self.id}"
-
 
 @cache
 def all_set_ups() -> tuple[SetUp, ...]:

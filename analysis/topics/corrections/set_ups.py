@@ -41,8 +41,12 @@ Vector2 = tuple[float, float]
 class SetUp(OfScene):
     """A scene with one sensor, "sensor", and one object, "target"."""
 
-    name: str
     family: str
+    number: int
+
+    @property
+    def name(self) -> str:
+        return f"{self.family}-{self.number:03d}"
 
     @property
     def sealed(self) -> bool:
@@ -57,7 +61,7 @@ def set_ups(module: Any) -> Iterator[SetUp]:
         scenes = (_drawn(family, draw, module) for _ in itertools.count())
         accepted = (scene for scene in scenes if scene is not None)
         for number, scene in enumerate(itertools.islice(accepted, count)):
-            yield SetUp(scene, f"{family}-{number:03d}", family)
+            yield SetUp(scene, family, number)
 
 
 def _drawn(family: str, draw: Draw, module: Any) -> Scene | None:

@@ -13,12 +13,14 @@ import numpy as np
 from markupsafe import Markup
 
 from analysis.pipeline import keys, model_stage
+from analysis.pipeline.measurement_stage import timed
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
 from analysis.pipeline.set_up_stages import Whole
 from analysis.pipeline.stage import NoAnswer, Stage, outdated
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, by_family, figure, log_axis
+from analysis.report.run_times_section import by_set, seconds
 from analysis.report.set_ups_page import Around, Shown
 from analysis.results import machine
 from analysis.results.store import Document, read_json
@@ -265,22 +267,13 @@ def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
     order; the least of three."""
     with temporary_folder() as folder:
         answer = folder / "answer.json"
-        options = (
-            "--benchmark_repetitions=3",
-            "--benchmark_enable_random_interleaving=true",
-            f"--benchmark_out={answer}",
-            "--benchmark_out_format=json",
-        )
-        subprocess.run(ending_with_this([program, *options]), check=True, capture_output=True)
+        command = ending_with_this([program, *timed(str(answer))])
+        subprocess.run(command, check=True, capture_output=True)
         entries = json.loads(answer.read_text(encoding="utf-8"))["benchmarks"]
-    times: dict[str, dict[str, float]] = {}
-    for entry in sorted(entries, key=lambda entry: int(entry["family_index"])):
-        if entry["run_type"] == "iteration":
-            shape, method = entry["name"].split("/")[:2]
-            time = 1e9 * float(entry["per_triangle"])
-            of_shape = times.setdefault(shape, {})
-            of_shape[method] = min(time, of_shape.get(method, time))
-    return times
+    return {
+        shape: {method: 1e9 * seconds(entry) for method, entry in methods.items()}
+        for shape, methods in by_set(entries).items()
+    }
 
 
 CORRECTIONS = Topic[Whole, Document](

@@ -13,7 +13,7 @@ import pytest
 from analysis import __main__ as command_line
 from analysis.golden import cases, run
 from analysis.golden.cases import Case
-from analysis.golden.gate import Comparison, Recorded, compared
+from analysis.golden.run import Comparison, Recorded, compared
 from analysis.honesty.methods import ANSWERED, ENDED, REFUSED, Answer, Stated
 from analysis.results.answers import Estimate
 

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.live import make as live, paths, scene_text
+from analysis.live import make as live, paths
 from analysis.pipeline.model_stage import model_module
-from analysis.report.results_page import LIVE
+from analysis.report.index_page import LIVE
 from geometries.scene import poses, reader
 from tests import scenes
 from tests.analysis.live.browser import Browser, opened, skip_where_missing, wait_for
@@ -191,7 +191,7 @@ def test_a_cover_is_put_on_the_sensors_and_the_hand_stays_where_it_is(browser: B
     told = "return window.livePage ? window.livePage.state.cover : null"
     wait_for(browser, told, 1)
     np.testing.assert_allclose(moved_hand(browser), [0.01, 0.02, 0.04])
-    covered = scene_text.covered(scene_text.movable(SCENE.read_text()), thickness, permittivity)
+    covered = live.covered(live.movable(SCENE.read_text()), thickness, permittivity)
     native = model_module().Scene.loads(covered)
     native.set_pose("wrist", np.array([0.01, 0.02, 0.04]), np.array([1.0, 0, 0, 0]))
     said = browser.run("return window.livePage.scene.capacitance('boundary-elements', 0.3)")

@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 
 from analysis.__main__ import main
-from analysis.live import make as live, paths, scene_text
+from analysis.live import make as live, paths
 from analysis.pipeline.model_stage import model_module
-from analysis.report.results_page import LIVE
+from analysis.report.index_page import LIVE
 from geometries.scene import motion, reader
 from geometries.scene.scene import Scene
 from tests import scenes
@@ -66,10 +66,10 @@ def test_a_target_without_a_link_gets_one_and_no_answer_changes() -> None:
             rotation={"axis": [0, 1, 0], "degrees": 20},
         )
     )
-    movable = scene_text.movable(text)
+    movable = live.movable(text)
     scene = reader.loads(movable)
     assert scene.objects[0].link == "hand'" and [link.name for link in scene.links] == ["hand", "hand'"]
-    assert scene_text.movable(movable) == movable
+    assert live.movable(movable) == movable
     assert [way.name for way in paths.of_scene(scene, ())] == ["approach", "over the edge"]
     native = [model_module().Scene.loads(each).capacitance()["sensors"] for each in (text, movable)]
     assert native[0] == native[1]

@@ -11,7 +11,7 @@ import pytest
 
 from analysis.nightly import chunks, cluster, slurm_status
 from analysis.results import study_results as results
-from analysis.study.plan import Work
+from analysis.study.workflow import Work
 from analysis.topics.trends import changes, page as trends_page, records
 from analysis.topics.trends.records import Record
 from geometries.common.errors import InputError

@@ -13,7 +13,7 @@ from markupsafe import Markup
 
 import analysis
 from analysis import commands
-from analysis.report import index_page, page, results_page
+from analysis.report import index_page, page
 from analysis.report.index_page import Answer
 from analysis.report.plot import Panel, axis, figure, guide, joined, log_axis
 from analysis.results import study_results as results, table
@@ -218,7 +218,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def test_each_page_and_table_is_listed_once(folder: Path) -> None:
-    made = results_page.make(folder)
+    made = index_page.make(folder)
     assert made == folder / "index.html"
     listed = re.findall(r'<a href="(.*?)">(.*?)</a>', made.read_text(encoding="utf-8"))
     assert listed == [
@@ -233,17 +233,17 @@ def test_each_page_and_table_is_listed_once(folder: Path) -> None:
 
 
 def test_it_is_written_again_when_something_was_made(folder: Path) -> None:
-    made = results_page.make(folder)
+    made = index_page.make(folder)
     assert made is not None
     before = made.stat().st_mtime_ns
-    assert results_page.make(folder) == made and made.stat().st_mtime_ns == before
+    assert index_page.make(folder) == made and made.stat().st_mtime_ns == before
     write_text(folder / "live" / "head.html", "no title")
-    results_page.make(folder)
+    index_page.make(folder)
     assert 'href="live/head.html">head.html' in made.read_text(encoding="utf-8")
 
 
 def test_there_is_none_where_nothing_was_made(tmp_path: Path) -> None:
-    assert results_page.make(tmp_path) is None and results_page.make(tmp_path / "nowhere") is None
+    assert index_page.make(tmp_path) is None and index_page.make(tmp_path / "nowhere") is None
     assert not list(tmp_path.iterdir())
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from analysis.report.page import SCRIPT
-from analysis.report.results_page import LIVE, MOTION
+from analysis.report.index_page import LIVE, MOTION
 from analysis.results import store, study_results as results, table
 from analysis.results.study_results import Failure
 from analysis.study import report

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.sweep import page, series
+from analysis.sweep import make, series
 from analysis.sweep.series import crossings
 from geometries.scene import motion, reader
 from tests import scenes
@@ -110,7 +110,7 @@ def test_the_truth_is_the_answer_with_the_least_error_in_every_frame(tmp_path: P
 def test_the_place_of_a_crossing_is_told_with_the_pose_and_the_interval(tmp_path: Path, scene: Path) -> None:
     """10, 100, 1000 fF about a threshold of 100 √10 fF would cross at 2.5; of 100 fF they do at frame 2."""
     found = sweep_of(tmp_path, *(row(n, "a", 10.0**n / 2, 0.05 * 10**n, "no") for n in (1, 2, 3)))
-    (sentence,) = page.findings(found, frames_of(scene))
+    (sentence,) = make.findings(found, frames_of(scene))
     assert sentence.startswith(
         "self <front>, threshold 100 fF: noticed from frame 2.30 on, between f2 and f3"
     )
@@ -130,7 +130,7 @@ def test_a_threshold_that_is_not_crossed_has_words_too(
 ) -> None:
     size = 500.0 if noticed == "yes" else 5.0
     found = sweep_of(tmp_path, *(row(n, "a", size, error, noticed) for n in (1, 2, 3)))
-    assert words in page.findings(found, frames_of(scene))[0]
+    assert words in make.findings(found, frames_of(scene))[0]
 
 
 def figures(text: str) -> list[list[dict[str, Any]]]:

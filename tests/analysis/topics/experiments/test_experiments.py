@@ -13,7 +13,7 @@ import pytest
 from analysis.results import store, study_results as results
 from analysis.results.answers import Estimate
 from analysis.results.set_up import rectangles
-from analysis.study import plan
+from analysis.study import workflow
 from analysis.topics.experiments import neighbours
 from analysis.topics.experiments.curves import curves, delta_output, reference_delta_output, with_flat_start
 from analysis.topics.experiments.materials import materials, ratios
@@ -270,13 +270,13 @@ def test_the_model_is_asked_for_grounded_targets_only_and_a_study_without_a_refe
     tmp_path: Path,
 ) -> None:
     chosen = study.loads(HEAD + MATERIALS)
-    works = {work.case: work for work in plan.missing(chosen, chosen.cases(), tmp_path)}
+    works = {work.case: work for work in workflow.missing(chosen, chosen.cases(), tmp_path)}
     for case in chosen.cases():
         asked = results.MODEL in works[case.id].keys
         assert asked == (case.parameters.get("material") == "grounded")
         assert results.REFERENCE in works[case.id].keys
     chosen = study.loads(HEAD.replace("rtol = 1e-3\nmax_seconds = 60", 'error = "none"') + EDGE)
-    files = {file for work in plan.missing(chosen, chosen.cases(), tmp_path) for file in work.keys}
+    files = {file for work in workflow.missing(chosen, chosen.cases(), tmp_path) for file in work.keys}
     assert files == {results.MODEL}
 
 
