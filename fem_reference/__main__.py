@@ -1,8 +1,4 @@
-"""Command line: python3 -m fem_reference SCENE [options].
-
-Options are --rtol R, --error KIND, --columns NAME,…, --max-seconds, --max-unknowns, --max-memory, --only-readings,
---no-symmetry, --geometry KIND, --wrap-alpha M, --wrap-offset M, --json, --output F.vtu and --slice F.
-"""
+"""The command `python3 -m fem_reference SCENE`; --help lists its options."""
 
 from __future__ import annotations
 

@@ -223,7 +223,7 @@ def maxwell(
         raise InputError(
             source, "--only-readings", "the scene has no readings of conductors that are solved for"
         )
-    others = [geometry.coarser] if problem.wraps else []
+    others = [replace(geometry, coarseness=2 * geometry.coarseness)] if problem.wraps else []
     others += [geometry.opened(problem.wraps)] if any(wrap.closes for wrap in problem.wraps) else []
     compared = [wrapped(parts, other) for other in others]
     prepared()

@@ -52,27 +52,20 @@ def refuse_contact(first: Surface, second: Surface, dielectric: bool, source: st
     for outer, inner in ((first, second), (second, first)):
         if holds(outer, inner):
             raise InputError(source, key, f'"{inner.name}" is inside "{outer.name}"{remedy}')
+    reason = ""
     if gap <= TOUCHING * size and dielectric:
-        raise InputError(
-            source,
-            key,
+        reason = (
             "overlap, touch elsewhere than with plane faces, or one is inside of the other; a dielectric body may touch with plane "
-            "faces of plates, discs, polygons, cuboids, cylinders and cones only, and may coat none: boundary elements take such bodies",
+            "faces of plates, discs, polygons, cuboids, cylinders and cones only, and may coat none: boundary elements take such bodies"
         )
-    if gap <= TOUCHING * size:
-        raise InputError(
-            source,
-            key,
-            "the conductors touch or cross: with different potentials their capacitance is infinite or meaningless; "
-            f"they have to be at least {least:.3g} m apart{remedy}",
-        )
-    if gap < least:
-        raise InputError(
-            source,
-            key,
-            f"the gap of {gap:.3g} m is below {SMALLEST_GAP:g} of the smaller size, too narrow to mesh: "
-            f"at least {least:.3g} m are needed{remedy}",
-        )
+    elif gap <= TOUCHING * size:
+        reason = "the conductors touch or cross: with different potentials their capacitance is infinite or meaningless; "
+        reason += f"they have to be at least {least:.3g} m apart{remedy}"
+    elif gap < least:
+        reason = f"the gap of {gap:.3g} m is below {SMALLEST_GAP:g} of the smaller size, too narrow to mesh: "
+        reason += f"at least {least:.3g} m are needed{remedy}"
+    if reason:
+        raise InputError(source, key, reason)
 
 
 def refuse_outside(body: Surface, room: Cuboid, source: str) -> None:

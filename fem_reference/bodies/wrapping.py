@@ -71,11 +71,6 @@ class Geometry:
     """By the names of wraps that close hollows, the largest distance (m) in these, `Wrap.closes`: alpha is so small that the widest one opens,
     which shows what closing hollows costs."""
 
-    @property
-    def coarser(self) -> Geometry:
-        """The same with wraps of twice the lengths."""
-        return replace(self, coarseness=2 * self.coarseness)
-
     def opened(self, wraps: Sequence[Wrap]) -> Geometry:
         """The same with the hollows open that these wraps close."""
         return replace(self, opens={wrap.name: wrap.closes for wrap in wraps if wrap.closes})

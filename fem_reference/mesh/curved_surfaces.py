@@ -15,8 +15,8 @@ from fem_reference.bodies.round_bodies import ROUND_BODIES
 from fem_reference.bodies.shapes import Body, Disc
 from fem_reference.mesh.body_distances import distance_from_surface, edge_distance
 from fem_reference.mesh.distributed import summed
-from fem_reference.mesh.edges import ALONG_EDGE
 from fem_reference.mesh.quarter_points import (
+    ALONG_EDGE,
     CORNERS,
     FACES,
     TETRAHEDRON_EDGES,

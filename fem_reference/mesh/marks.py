@@ -14,7 +14,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fem_reference.bodies.conductors import Conductors
-from fem_reference.mesh.edges import ON_EDGE, sides_along_edges
+from fem_reference.mesh.quarter_points import ON_EDGE, sides_along_edges
 from fem_reference.mesh.tape import SizeFunction, Tape
 from fem_reference.mesh.sizing import AdaptedSizes, distance_on_tape
 from geometries.common.arrays import Array, Indices, Integers

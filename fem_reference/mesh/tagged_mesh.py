@@ -16,7 +16,7 @@ from fem_reference.bodies.conductors import Conductors
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import SHEETS, Cuboid, bounding_sphere
 from fem_reference.mesh.distributed import gathered, whole_numbers
-from fem_reference.mesh.edges import on_edges
+from fem_reference.mesh.quarter_points import is_pulled, on_edges, pull, straighten
 from fem_reference.mesh.curved_surfaces import (
     CurvedFaces,
     curved_cells,
@@ -25,7 +25,6 @@ from fem_reference.mesh.curved_surfaces import (
     straighten_inverted,
 )
 from fem_reference.mesh.occ_shapes import add_ball, add_body, cut_to, united
-from fem_reference.mesh.quarter_points import is_pulled, pull, straighten
 from fem_reference.mesh.sizing import Sizing, size_function
 from fem_reference.common.limits import stage
 from fem_reference.bodies.symmetry import Plane

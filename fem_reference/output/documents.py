@@ -19,7 +19,7 @@ from mpi4py import MPI
 from petsc4py import PETSc
 
 from fem_reference.output.pictures import potential_slice, write_field_file
-from fem_reference.output.readings import readings_document, readings_table
+from fem_reference.output.readings import reading_document, readings_table, row
 from fem_reference.solve.level import Level
 from fem_reference.common.limits import Limits
 from fem_reference.common.supervision import AnswerSoFar, Report
@@ -189,7 +189,7 @@ def document(reference: Reference, found: Sequence[str] = ()) -> dict[str, Any]:
         }
     finest = reference.levels[-1]
     return result | {
-        "readings": readings_document(reference.readings),
+        "readings": list(map(reading_document, reference.readings)),
         "not_asked": list(problem.grounded),
         "ground": "room" if problem.room is not None else "infinity",
         "left_out": [{"name": body.name, "bound": float(body.bound.max())} for body in reference.left_out],
@@ -264,18 +264,20 @@ def table(reference: Reference) -> str:
     """A table of the Maxwell matrix and delta_self in picofarad, each with its error, for people to read."""
     problem, names = reference.problem, reference.problem.names
     width = max(8, *(len(name) for name in names)) + 2
-    lines = ["Maxwell matrix, pF: charge on the row's conductor per volt on the column's"]
-    lines.append(" " * width + "".join(f"  {name:>22}" for name in names))
-    entries = zip(reference.maxwell.value, reference.maxwell.error)
-    lines += _rows(width, names, [list(map(picofarads, *row)) for row in entries])
+    lines = [
+        "Maxwell matrix, pF: charge on the row's conductor per volt on the column's",
+        row(width, "", names),
+    ]
+    entries = zip(names, reference.maxwell.value, reference.maxwell.error)
+    lines += [row(width, name, list(map(picofarads, *both))) for name, *both in entries]
     for members in problem.members[: len(names)]:
         if len(members) > 1:
             lines.append(f"one conductor: {', '.join(members)}")
     if reference.enclosure is not None:
         why = reference.unproven_because
         lines.append("proven to lie in" if why is None else f"estimated to lie in, because {why}")
-        bounds = zip(reference.lower, reference.upper)
-        lines += _rows(width, names, [list(map(picofarad_interval, *row)) for row in bounds])
+        bounds = zip(names, reference.lower, reference.upper)
+        lines += [row(width, name, list(map(picofarad_interval, *both))) for name, *both in bounds]
     for wrap in problem.wraps:
         lines.append(
             f"wrapped: {', '.join(wrap.members)}, {len(wrap.triangles)} triangles, offset {wrap.offset * 1e3:.3g} mm"
@@ -285,8 +287,8 @@ def table(reference: Reference) -> str:
         lines.append(f"largest relative error due to the wraps: {worst:.2e}, included in all errors")
     if reference.has_objects:
         lines.append("delta_self, pF: the sensor's own entry less what it is without the objects")
-        changes = zip(reference.delta_self.value, reference.delta_self.error)
-        lines += _rows(width, names[: problem.sensors], [[picofarads(*change)] for change in changes])
+        changes = zip(names[: problem.sensors], reference.delta_self.value, reference.delta_self.error)
+        lines += [row(width, name, [picofarads(*change)]) for name, *change in changes]
     lines += readings_table(reference.readings)
     if problem.grounded:
         lines.append(f"grounded, their columns not asked for: {', '.join(problem.grounded)}")
@@ -308,13 +310,6 @@ def table(reference: Reference) -> str:
         f"{finest.unknowns} unknowns, {reference.seconds:.1f} s"
     )
     return "\n".join(lines)
-
-
-def _rows(width: int, names: Sequence[str], entries: Sequence[Sequence[str]]) -> list[str]:
-    """Lines of a table, each with its name and its entries."""
-    return [
-        f"{name:<{width}}" + "".join(f"  {entry:>22}" for entry in row) for name, row in zip(names, entries)
-    ]
 
 
 def write_slice(path: Path, target: Path) -> int:

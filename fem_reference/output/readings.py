@@ -12,12 +12,8 @@ ANSWERED_BY = "field"
 PARTS = ("value", "background", "change")
 
 
-def readings_document(readings: Sequence[ReadingAnswer]) -> list[dict[str, Any]]:
-    """The readings as data for JSON; farads. `lower` and `upper` are there if any bound is proven, with null for those that are not."""
-    return [_document(reading) for reading in readings]
-
-
-def _document(reading: ReadingAnswer) -> dict[str, Any]:
+def reading_document(reading: ReadingAnswer) -> dict[str, Any]:
+    """A reading as data for JSON; farads. `lower` and `upper` are there if any bound is proven, with null for those that are not."""
     quantities: dict[str, Quantity] = {part: getattr(reading, part) for part in PARTS}
     document: dict[str, Any] = {"name": reading.name, "answered_by": ANSWERED_BY}
     document |= {part: quantity.value for part, quantity in quantities.items()}
@@ -34,17 +30,19 @@ def readings_table(readings: Sequence[ReadingAnswer]) -> list[str]:
     if not readings:
         return []
     width = max(8, *(len(reading.name) for reading in readings)) + 2
-    lines = [
-        "readings, pF: charge sensed per volt on what is driven; without the targets; the change by the targets"
-    ]
-    lines.append(" " * width + "".join(f"  {part:>22}" for part in PARTS))
+    head = "readings, pF: charge sensed per volt on what is driven; without the targets; the change by the targets"
+    lines = [head, row(width, "", PARTS)]
     for reading in readings:
         quantities: list[Quantity] = [getattr(reading, part) for part in PARTS]
-        entries = (picofarads(quantity.value, quantity.error) for quantity in quantities)
-        lines.append(f"{reading.name:<{width}}" + "".join(f"  {entry:>22}" for entry in entries))
+        lines.append(row(width, reading.name, [picofarads(each.value, each.error) for each in quantities]))
         if any(quantity.lower is not None for quantity in quantities):
-            lines.append(f"{'  proven':<{width}}" + "".join(f"  {_interval(q):>22}" for q in quantities))
+            lines.append(row(width, "  proven", list(map(_interval, quantities))))
     return lines
+
+
+def row(width: int, name: str, entries: Sequence[str]) -> str:
+    """A line of a table, with its name in so many columns, and its entries."""
+    return f"{name:<{width}}" + "".join(f"  {entry:>22}" for entry in entries)
 
 
 def _interval(quantity: Quantity) -> str:

@@ -27,12 +27,12 @@ from fem_reference.solve.field_problem import (
 )
 from fem_reference.solve.flux import CondensedCells, flux_energies, with_field
 from fem_reference.solve.reference_flux import ORDERS, face_polynomials, in_order, polynomials_on_face
-from fem_reference.solve.surface_shift import surface_shift
 from fem_reference.solve.upper_energy import (
     CELLS_AT_A_TIME,
     cell_energies,
     lagrange,
     nodal_values,
+    surface_shift,
     upper_energies,
 )
 from geometries.common.arrays import Array, Indices, Integers

@@ -15,15 +15,22 @@ from fem_reference.solve.cell_gaps import bounded_matrix
 from fem_reference.solve.enclosure import Enclosure, enclosure, widened
 from fem_reference.solve.flux import CondensedCells
 from fem_reference.common.limits import peak_memory, stage
-from fem_reference.mesh.tagged_mesh import TaggedMesh, tagged_mesh
+from fem_reference.mesh.tagged_mesh import tagged_mesh
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.mesh.marks import Marks, marks
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.solve.field_problem import Charges, FieldProblem, charges, release_unused
 from fem_reference.bodies.symmetry import Plane
-from fem_reference.solve.parts_of_errors import entries, parts_of_errors, parts_of_estimates
+from fem_reference.solve.two_sided import (
+    TwoSided,
+    entries,
+    estimated,
+    parts_of_errors,
+    parts_of_estimates,
+    shares_by_kind,
+    two_sided,
+)
 from fem_reference.solve.readings import Bounded, LevelReadings, level_readings, quantities
-from fem_reference.solve.two_sided import TwoSided, estimated, shares_by_kind, two_sided
 from geometries.common.arrays import Array
 
 Bounds = Literal["none", "estimate", "enclosure"]
@@ -99,60 +106,49 @@ def solve_level(
     """
     start = time.monotonic()
     mesh = tagged_mesh(problem, sizing, planes)
-    level = _solved(problem, mesh, relative_permittivity, sizing, bounds, planes, only_readings, start)
+    farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
+
+    def solved() -> Level:
+        system = FieldProblem(mesh, problem)
+        found = charges(
+            system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
+        )
+        on_bodies: tuple[Array, ...] = ()
+        of_bounds = None
+        done = time.monotonic()
+        if bounds == "none":
+            # Only what wraps change is asked of such a level.
+            readings = level_readings(problem, system, found)
+        else:
+            on_bodies = body_charges(problem, system, found.potentials, planes)
+            done = time.monotonic()
+            with stage("bounding the energies"):
+                known = _bounded(problem, system, found, bounds == "enclosure")
+                readings = level_readings(problem, system, found, known)
+                of_bounds = _level_bounds(problem, known, readings, farads, only_readings)
+        end, sensors = time.monotonic(), problem.sensors
+        return Level(
+            edge_size=_edge_size(problem, sizing) * problem.unit,
+            unknowns=found.unknowns,
+            cells=mesh.cell_count,
+            maxwell=farads * found.maxwell,
+            sensors_alone=farads * found.sensors_alone,
+            delta_self=farads * np.diag(found.maxwell[:sensors, :sensors] - found.sensors_alone),
+            body_charges=tuple(farads * own for own in on_bodies),
+            readings=None if readings is None else readings.scaled(farads),
+            bounds=of_bounds,
+            seconds=end - start,
+            flux_seconds=end - done,
+            memory=peak_memory(),
+        )
+
+    level = solved()
     # All matrices were local to that function, so that they can be freed now.
     release_unused(mesh.mesh.comm)
     # All processes go on with the numbers of the first, to the last digit: these decide what all of them do next.
     if mesh.mesh.comm.size > 1:
         level = mesh.mesh.comm.bcast(level)
     return level
-
-
-def _solved(
-    problem: Conductors,
-    mesh: TaggedMesh,
-    relative_permittivity: float,
-    sizing: Sizing,
-    bounds: Bounds,
-    planes: Sequence[Plane],
-    only_readings: bool,
-    start: float,
-) -> Level:
-    """Solve for the charges and the readings on a mesh and, if asked for, bound them; the level began at `start` on the monotonic clock."""
-    farads = epsilon_0 * relative_permittivity * problem.unit * mesh.copies
-    system = FieldProblem(mesh, problem)
-    found = charges(
-        system, problem.sensors, len(problem.floating), len(problem.grounded), problem.grounded_sensors
-    )
-    on_bodies: tuple[Array, ...] = ()
-    of_bounds = None
-    done = time.monotonic()
-    if bounds == "none":
-        # Only what wraps change is asked of such a level.
-        readings = level_readings(problem, system, found)
-    else:
-        on_bodies = body_charges(problem, system, found.potentials, planes)
-        done = time.monotonic()
-        with stage("bounding the energies"):
-            known = _bounded(problem, system, found, bounds == "enclosure")
-            readings = level_readings(problem, system, found, known)
-            of_bounds = _level_bounds(problem, known, readings, farads, only_readings)
-    end = time.monotonic()
-    return Level(
-        edge_size=_edge_size(problem, sizing) * problem.unit,
-        unknowns=found.unknowns,
-        cells=mesh.cell_count,
-        maxwell=farads * found.maxwell,
-        sensors_alone=farads * found.sensors_alone,
-        delta_self=farads
-        * np.diag(found.maxwell[: problem.sensors, : problem.sensors] - found.sensors_alone),
-        body_charges=tuple(farads * own for own in on_bodies),
-        readings=None if readings is None else readings.scaled(farads),
-        bounds=of_bounds,
-        seconds=end - start,
-        flux_seconds=end - done,
-        memory=peak_memory(),
-    )
 
 
 def _edge_size(problem: Conductors, sizing: Sizing) -> float:

@@ -14,8 +14,7 @@ from fem_reference.bodies.conductors import Conductors, Measured
 from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
 from fem_reference.solve.field_problem import Charges, FieldProblem, without_floating
 from fem_reference.solve.flux import CondensedCells
-from fem_reference.solve.parts_of_errors import Quantities
-from fem_reference.solve.two_sided import Shares, TwoSided, two_sided, unit_voltages
+from fem_reference.solve.two_sided import Quantities, Shares, TwoSided, two_sided, unit_voltages
 from geometries.common.arrays import Array
 
 

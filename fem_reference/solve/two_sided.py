@@ -1,4 +1,5 @@
-"""Values from both bounds of one mesh, of a matrix and of the difference of two; their errors are estimated, not proven.
+"""Values from both bounds of one mesh, of a matrix and of the difference of two, whose errors are estimated, not proven; and what every cell adds
+to relative errors.
 
 By which share of a cell's gap the upper bound exceeds the true value depends on the kind of singularity in the cell, and hardly on the mesh,
 so that both bounds of one mesh give a value far closer than their distance: NUMERICS.md section 3 has the measurements.
@@ -17,10 +18,11 @@ import numpy as np
 
 from fem_reference.bodies.shapes import Body, Disc
 from fem_reference.mesh.distributed import gathered
-from fem_reference.mesh.edges import on_edges
+from fem_reference.mesh.quarter_points import on_edges
 from fem_reference.mesh.tagged_mesh import TaggedMesh
 from fem_reference.solve.cell_gaps import BoundedMatrix
 from geometries.common.arrays import Array
+
 
 SHEET_EDGES, ROUND_SHEET_EDGES, SOLID_EDGES, ELSEWHERE = 0, 1, 2, 3
 """Kinds of cells: quarter-point cells at straight edges of plates and at those of discs, cells that touch an edge of a solid body, and all
@@ -138,3 +140,70 @@ def unit_voltages(count: int, conductors: Sequence[Sequence[int]]) -> Array:
     for row, chosen in zip(voltages, conductors):
         row[list(chosen)] = 1
     return voltages
+
+
+@dataclass(frozen=True)
+class PartsOfErrors:
+    """The parts (cells, q) of the cells in q relative errors, and the whole errors (q,)."""
+
+    of_cells: Array
+    whole: Array
+
+
+@dataclass(frozen=True)
+class Quantities:
+    """The quantities aᵀMb whose errors count, by the voltages a of what is sensed and b of what is driven: the rows of two arrays (q, n)."""
+
+    sensed: Array
+    driven: Array
+
+
+def entries(count: int) -> Quantities:
+    """All entries M_ij, j ≥ i, row by row, of a matrix of `count` conductors."""
+    first, second = np.triu_indices(count)
+    return Quantities(np.eye(count)[first], np.eye(count)[second])
+
+
+def parts_of_errors(
+    matrix: BoundedMatrix, asked: Quantities, rim_error: float, changes: Sequence[TwoSided]
+) -> PartsOfErrors:
+    """The relative errors of enclosed quantities and of the changes.
+
+    The error of a quantity is half the width of its interval, ½√(aᵀDa·bᵀDb) with D the gap. As a function of aᵀDa and bᵀDb it is homogeneous of degree
+    1, so that its derivatives times what a cell adds to them are parts that add up to it. `rim_error` is the relative effect of the rims of
+    discs on energies.
+    """
+    gap, sides = matrix.upper - matrix.lower, (asked.sensed, asked.driven)
+    first, second = (_products(side, gap, side) for side in sides)
+    at_first, at_second = (_products(side, matrix.gaps, side) for side in sides)
+    ratio = np.sqrt(second / first)
+    parts = (at_first * ratio + at_second / ratio) / 4
+    value = np.abs(_values((matrix.lower + matrix.upper) / 2, asked))
+    whole = np.sqrt(first * second) / 2 + rim_error * _energies(matrix.upper, asked)
+    return _with_changes(parts / value, whole / value, changes)
+
+
+def parts_of_estimates(
+    found: Estimated, asked: Quantities, rim_error: float, changes: Sequence[TwoSided]
+) -> PartsOfErrors:
+    """The relative errors of estimated quantities, to which those of all entries in them add up, and of the changes."""
+    value = np.abs(_values(found.value, asked))
+    parts = _values(found.of_cells, asked)
+    whole = _values(found.error, asked) + rim_error * _energies(found.value, asked)
+    return _with_changes(parts / value, whole / value, changes)
+
+
+def _values(matrix: Array, asked: Quantities) -> Array:
+    return _products(asked.sensed, matrix, asked.driven)
+
+
+def _energies(matrix: Array, asked: Quantities) -> Array:
+    """The geometric means (q,) of the energies of both sets of voltages."""
+    of_sensed, of_driven = (_products(side, matrix, side) for side in (asked.sensed, asked.driven))
+    return np.asarray(np.sqrt(of_sensed * of_driven))
+
+
+def _with_changes(parts: Array, whole: Array, changes: Sequence[TwoSided]) -> PartsOfErrors:
+    cells = [parts, *(change.of_cells / np.abs(change.value) for change in changes)]
+    totals = [whole, *(change.error / np.abs(change.value) for change in changes)]
+    return PartsOfErrors(np.concatenate(cells, axis=1), np.concatenate(totals))

@@ -13,7 +13,7 @@ from fem_reference.answer.reference import Reference
 from fem_reference.bodies.conductors import conductors
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.output.documents import table
-from fem_reference.output.readings import readings_document, readings_table
+from fem_reference.output.readings import reading_document, readings_table
 from fem_reference.solve.level import solve_level
 from fem_reference.solve.readings import LevelReadings
 from geometries.common.errors import InputError
@@ -84,7 +84,7 @@ def test_without_marks_every_object_comes_and_goes_and_every_sensor_is_read() ->
     assert reading.name == "front"
     assert reading.change.value == pytest.approx(answer.delta_self.value[0], rel=1e-12)
     assert reading.value.value == answer.maxwell.value[0, 0]
-    assert reading.change.lower is None and "lower" in readings_document(answer.readings)[0]
+    assert reading.change.lower is None and "lower" in reading_document(answer.readings[0])
 
 
 def test_a_dielectric_target_is_the_medium_in_the_background() -> None:

@@ -19,15 +19,17 @@ from fem_reference.solve.cell_gaps import BoundedMatrix, bounded_matrix
 from fem_reference.solve.field_problem import FieldProblem
 from fem_reference.solve.flux import CondensedCells
 from fem_reference.solve.level import Bounds, solve_level
-from fem_reference.solve.parts_of_errors import Quantities, entries, parts_of_errors
 from fem_reference.solve.two_sided import (
     ELSEWHERE,
     ERROR,
     OF_UPPER,
+    Quantities,
     SHEET_EDGES,
     SOLID_EDGES,
     Shares,
+    entries,
     estimated,
+    parts_of_errors,
     shares_by_kind,
 )
 from tests.fem_reference.problems import conductors_of, plate
