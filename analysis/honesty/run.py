@@ -11,7 +11,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from analysis.honesty import judging, methods, table
+from analysis.honesty import judging, methods
 from analysis.honesty.asking import Worker, field_answer
 from analysis.honesty.judging import Judged, Record, judged
 from analysis.honesty.kinds import KINDS, Drawn, drawn, seeds
@@ -69,13 +69,13 @@ def _named(option: str, names: str | None, known: tuple[str, ...]) -> tuple[str,
 class League:
     """What a run has found: the table's rows and its file."""
 
-    rows: list[table.Row]
+    rows: list[judging.Row]
     path: Path
     text: str
 
     @property
     def is_met(self) -> bool:
-        return not table.misses(self.rows)
+        return not judging.misses(self.rows)
 
 
 def run(folder: Path, asked: Options) -> League:
@@ -105,8 +105,8 @@ def run(folder: Path, asked: Options) -> League:
         )
         for scene in scenes
     ]
-    found = table.rows(current, asked.methods)
-    text = table.text(found, f"{installation.command('analysis')} honesty --only")
+    found = judging.rows(current, asked.methods)
+    text = judging.text(found, f"{installation.command('analysis')} honesty --only")
     write_text(folder / TABLE, text)
     return League(found, folder / TABLE, text)
 
@@ -130,7 +130,7 @@ def show(seed: int, folder: Path, asked: Options) -> Iterator[str]:
         for name, each in scene.truths.items()
     )
     found = (each for method in record.answers if method != FINER for each in judged(record, method))
-    yield from (table.finding(each) for each in found if isinstance(each, Judged))
+    yield from (judging.finding(each) for each in found if isinstance(each, Judged))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Any
 
-from analysis.results.commands import COMPARED_METHOD, STATED_RTOLS
+from analysis.results.study_results import COMPARED_METHOD, STATED_RTOLS
 from analysis.results.set_up import is_delta_self
 from analysis.results.store import Document
 from geometries.common.installation import module_folders

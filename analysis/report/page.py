@@ -193,6 +193,19 @@ def is_current(page: Path, inputs: str) -> bool:
         return inputs_mark(inputs) in file.read(_MARK_WITHIN)
 
 
+def _text(macro: str, *more: str) -> Callable[[str], Markup]:
+    """Returns what makes a part of a text; `more` is told the macro besides."""
+    made = getattr(_PARTS, macro)
+    return lambda text: Markup(made(text, *more))
+
+
+paragraph, code, strong = _text("paragraph", ""), _text("code"), _text("strong")
+finding, soft = _text("paragraph", "finding"), _text("paragraph", "soft")
+"""Paragraphs that say what was found out, and that explain, in a lighter colour."""
+heading, command = _text("heading"), _text("command")
+"""The title of a part of a section, and a command on a line of its own, which may be long."""
+
+
 def section(title: str, *parts: Markup) -> Markup:
     return Markup(_PARTS.section(title, parts))
 
@@ -217,11 +230,6 @@ def beside(left: Iterable[Markup], right: Iterable[Markup]) -> Markup:
     return Markup(_PARTS.beside(list(left), list(right)))
 
 
-def heading(text: str) -> Markup:
-    """Returns the title of a part of a section."""
-    return Markup(_PARTS.heading(text))
-
-
 def plot_section(plot: Plot, cases: str = CASES) -> Markup:
     """Returns a plot with its finding above and its explanation below. `cases` is the folder of the cases as seen from the page."""
     parts = [finding(plot.finding), figures(plot.panels, cases)]
@@ -236,28 +244,6 @@ def figures(panels: list[Panel], cases: str = CASES, set_ups: str = "", with_dat
     """
     drawn = [_figure(panel, with_data) | {"caption": panel.caption, "kind": PLOT} for panel in panels]
     return Markup(_PARTS.figures(drawn, cases, set_ups))
-
-
-def finding(text: str) -> Markup:
-    """Returns a paragraph that says what was found out."""
-    return Markup(_PARTS.paragraph(text, "finding"))
-
-
-def paragraph(text: str) -> Markup:
-    return Markup(_PARTS.paragraph(text, ""))
-
-
-def soft(text: str) -> Markup:
-    """Returns a paragraph of explanation, in a lighter colour."""
-    return Markup(_PARTS.paragraph(text, "soft"))
-
-
-def code(text: str) -> Markup:
-    return Markup(_PARTS.code(text))
-
-
-def strong(text: str) -> Markup:
-    return Markup(_PARTS.strong(text))
 
 
 def two_lines(first: str, second: str, small: bool = False) -> Markup:
@@ -278,11 +264,6 @@ def link(target: str, text: str | Markup, current: bool = False) -> Markup:
 def case_link(case: str, name: str, cases: str = CASES) -> Markup:
     """Returns a link to the page of a case or set-up, given by its id; the link's text is its name in words."""
     return link(f"{cases}/{case}/{CASE_PAGE}", name)
-
-
-def command(text: str) -> Markup:
-    """Returns a command on a line of its own, which may be long."""
-    return Markup(_PARTS.command(text))
 
 
 def folded(summary: str, content: Markup) -> Markup:

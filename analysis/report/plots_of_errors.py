@@ -10,7 +10,7 @@ import numpy as np
 import plotly.graph_objects as go
 
 from analysis.report.plot import Panel, Plot, axis, by_family, family_marker, figure, guide, log_axis, marks
-from analysis.results.commands import COMPARED_METHOD
+from analysis.results.study_results import COMPARED_METHOD
 from analysis.results.set_up import SetUp
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, QUANTITIES, Row, compared
 from analysis.results.units import in_words, too

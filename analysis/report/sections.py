@@ -9,10 +9,9 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.results.answers import ReferenceAnswer
-from analysis.results.commands import COMPARED_METHOD
+from analysis.results.study_results import COMPARED_METHOD, Results
 from analysis.results.refusals import refusals
 from analysis.results.statistics import ALL_FAMILIES, Summary
-from analysis.results.study_results import Results
 from analysis.results.symmetry import Pair
 from analysis.results.table import CHANGE, QUANTITIES, Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, in_sentence

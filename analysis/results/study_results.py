@@ -1,4 +1,5 @@
-"""The folder of a study's results: what was asked (`study.json`) and the answers there are (`cases/<id>/`)."""
+"""The folder of a study's results: what was asked (`study.json`) and the answers there are (`cases/<id>/`), with the commands, from the repository's
+folder, that compute them anew."""
 
 from __future__ import annotations
 
@@ -12,10 +13,13 @@ from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswe
 from analysis.results.set_up import SetUp, describe
 from analysis.results.store import Document, read_json, write_json
 from analysis.results.truth import Truth
+from geometries.common import installation
 from geometries.common.errors import InputError
+from geometries.common.installation import from_repository
 from geometries.scene import reader
 from geometries.scene.scene import Scene
-from geometries.studies.study import BOTH, BOUNDARY_ELEMENTS, EMPTY, FIELD, Case, Parameter, Study, empty_case
+from geometries.studies.study import BOTH, BOUNDARY_ELEMENTS, Case, EMPTY, FIELD, Parameter, Study, empty_case
+
 
 MANIFEST = "study.json"
 SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
@@ -189,3 +193,36 @@ def _case_result(
         refused=boundary.get("refused", ""),
         by_field=by_field,
     )
+
+
+COMPARED_METHOD = "exact"
+"""The method of the model that reports compare with the reference."""
+STATED_RTOLS = {"reduced": 1e-2, "auto": 1e-2, "boundary-elements": 1e-3}
+"""The accuracy asked of the methods of a study that state errors, also of every entry in the rows of the sensors."""
+
+
+def reference_command(results: Results, case: str) -> str:
+    """Returns the command that computes the field solver's answer for a case."""
+    asked = f"--rtol {results.rtol:g} --max-seconds {results.max_seconds:g} --error {results.error}"
+    return f"{installation.command('fem_reference')} {_scene(results, case)} {asked}"
+
+
+def boundary_command(results: Results, case: str) -> str:
+    """Returns the command that computes the answer by boundary elements for a case that has one."""
+    answer = results.cases[case].boundary
+    assert answer is not None
+    return f"{_command(results, case, 'boundary-elements')} --rtol {answer.rtol:g} --entries"
+
+
+def model_command(results: Results, case: str, method: str = COMPARED_METHOD) -> str:
+    """Returns the command that computes the model's answer for a case."""
+    rtol = STATED_RTOLS.get(method)
+    return _command(results, case, method) + (f" --rtol {rtol:g} --entries" if rtol else "")
+
+
+def _command(results: Results, case: str, method: str) -> str:
+    return f"{installation.model_command()} capacitance {_scene(results, case)} --method {method}"
+
+
+def _scene(results: Results, case: str) -> str:
+    return from_repository(results.folder / "cases" / case / SCENE)

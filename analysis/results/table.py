@@ -41,9 +41,14 @@ from dataclasses import dataclass
 from functools import partial
 
 from analysis.results.answers import Estimate, ModelChange
-from analysis.results.commands import COMPARED_METHOD, boundary_command, reference_command
+from analysis.results.study_results import (
+    COMPARED_METHOD,
+    CaseResult,
+    Results,
+    boundary_command,
+    reference_command,
+)
 from analysis.results.set_up import SetUp, is_delta_self
-from analysis.results.study_results import CaseResult, Results
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known, Truth
 from geometries.scene.readings import readings, targets
 from geometries.scene.scene import Scene

@@ -13,9 +13,19 @@ from analysis.report import page, plots_in_space
 from analysis.report.page import is_current
 from analysis.report.plot import Panel
 from analysis.results.answers import BoundaryAnswer, Estimate, MatrixAnswer, ReferenceAnswer
-from analysis.results.commands import boundary_command, model_command, reference_command
+from analysis.results.study_results import (
+    BOUNDARY,
+    CaseResult,
+    MODEL,
+    REFERENCE,
+    Results,
+    SCENE,
+    SLICE,
+    boundary_command,
+    model_command,
+    reference_command,
+)
 from analysis.results.store import write_text
-from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, CaseResult, Results
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
 from analysis.results.truth import FIELD, Known, in_sentence
 from analysis.results.units import duration, in_words, signed_percent

@@ -18,7 +18,7 @@ from analysis.pipeline import model_stage
 from analysis.pipeline.set_up_stages import OfScene, SetUpStages
 from analysis.pipeline.stage import NoAnswer
 from analysis.report import page
-from analysis.results.commands import COMPARED_METHOD
+from analysis.results.study_results import COMPARED_METHOD
 from analysis.results.store import Document
 from analysis.topics import field_solver
 from analysis.topics.draw import DIGITS, length

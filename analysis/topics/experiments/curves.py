@@ -11,8 +11,7 @@ import plotly.graph_objects as go
 
 from analysis.report.plot import Panel, axis, figure, joined, log_axis, marks, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.commands import COMPARED_METHOD
-from analysis.results.study_results import CaseResult, Results
+from analysis.results.study_results import COMPARED_METHOD, CaseResult, Results
 from analysis.results.units import CENTIMETRE
 from geometries.common.arrays import Array
 from geometries.common.measured import PICOFARAD

@@ -9,8 +9,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, joined, log_axis, power_axis, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.commands import COMPARED_METHOD
-from analysis.results.study_results import CaseResult, Results
+from analysis.results.study_results import COMPARED_METHOD, CaseResult, Results
 from analysis.results.units import CENTIMETRE
 from analysis.topics.experiments.curves import DISTANCE, estimated, number, place
 from geometries.common.measured import PICOFARAD, picofarads

@@ -9,9 +9,8 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, joined, power_axis, series_colour
-from analysis.results.commands import COMPARED_METHOD
+from analysis.results.study_results import COMPARED_METHOD, CaseResult, Results
 from analysis.results.set_up import Rectangle, rectangles
-from analysis.results.study_results import CaseResult, Results
 from analysis.topics.experiments import curves, materials, neighbours
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve, with_flat_start
 

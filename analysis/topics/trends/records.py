@@ -15,9 +15,14 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from analysis.results import machine, study_results
-from analysis.results.commands import boundary_command, model_command, reference_command
+from analysis.results.study_results import (
+    Results,
+    boundary_command,
+    case_folder,
+    model_command,
+    reference_command,
+)
 from analysis.results.store import read_json
-from analysis.results.study_results import Results, case_folder
 from analysis.results.table import TABLE
 from analysis.results.truth import BOUNDARY, FIELD
 from geometries.common.children import ending_with_this

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.honesty import judging, run, table
+from analysis.honesty import judging, run
 from analysis.honesty.asking import Worker
 from analysis.honesty.judging import CLOSED_FORM, ITSELF, Judged, Record, Unjudged, judged
 from analysis.honesty.kinds import KINDS, drawn
@@ -112,19 +112,19 @@ def test_what_is_not_known_is_no_answer_and_what_a_method_never_knows_is_nothing
 
 def test_rows_count_and_tell_what_misses_the_target() -> None:
     made = [record(1.0, 0.1, truth=(1.05, 0.0)) for _ in range(18)]
-    (row, _) = table.rows(made, ["formula"])
-    assert row.held == 1 and table.misses([row]) == []
+    (row, _) = judging.rows(made, ["formula"])
+    assert row.held == 1 and judging.misses([row]) == []
     made += [record(1.0, 0.1, truth=(1.15, 0.0)) for _ in range(2)]
-    (row, whole) = table.rows(made, ["formula"])
+    (row, whole) = judging.rows(made, ["formula"])
     assert row.held == pytest.approx(0.9) and row.worst == pytest.approx(1.5)
-    assert table.misses([row, whole]) == [row]
+    assert judging.misses([row, whole]) == [row]
 
 
 def test_one_error_of_many_that_is_exceeded_too_much_misses_the_target() -> None:
     made = [record(1.0, 0.1, truth=(1.05, 0.0)) for _ in range(99)] + [record(1.0, 0.1, truth=(1.4, 0.0))]
-    found = table.rows(made, ["formula"])
-    assert table.misses(found) == [found[0]]
-    text = table.text(found, "show")
+    found = judging.rows(made, ["formula"])
+    assert judging.misses(found) == [found[0]]
+    text = judging.text(found, "show")
     assert "| formula | plates | 100 | 100 | 100 | 99.0 % | 4 | 2 | 0 | 0 | 0 | 0 |  | missed |" in text
     assert "seed 7, plates, formula: front: change" in text and "is missed by 1 of 1" in text
 
@@ -132,8 +132,8 @@ def test_one_error_of_many_that_is_exceeded_too_much_misses_the_target() -> None
 def test_guesses_of_the_time_are_right_within_a_factor_of_two() -> None:
     guesses = (0.4, 0.6, 1.9, 2.1, None)
     made = [Record(k, "plates", {}, {"auto:1e-2": Answer(ANSWERED, guess=g)}) for k, g in enumerate(guesses)]
-    found = table.rows(made, ["auto:1e-2"])
-    assert found[0].guessed == 0.5 and "| 0 | 0 | 0 | 50 % |  |" in table.text(found, "show")
+    found = judging.rows(made, ["auto:1e-2"])
+    assert found[0].guessed == 0.5 and "| 0 | 0 | 0 | 50 % |  |" in judging.text(found, "show")
 
 
 def test_refusals_are_told_with_their_most_frequent_reason() -> None:
@@ -142,15 +142,15 @@ def test_refusals_are_told_with_their_most_frequent_reason() -> None:
         Record(k, "plates", {}, {"formula": Answer(*outcome[:1], 1.0, outcome[1])})
         for k, outcome in enumerate(reasons)
     ]
-    text = table.text(table.rows(made, ["formula"]), "show")
+    text = judging.text(judging.rows(made, ["formula"]), "show")
     assert "* formula, 2: gap of # mm" in text
     assert "| formula | plates | 4 | 0 | 0 |  |  |  | 0 | 3 | 1 | 0 |  |  |" in text
     assert "target is met" in text
 
 
 def test_a_process_that_ends_misses_the_target() -> None:
-    found = table.rows([Record(1, "plates", {}, {"formula": Answer(ENDED, 1.0, "signal 11")})], ["formula"])
-    assert table.misses(found) == [found[0]]
+    found = judging.rows([Record(1, "plates", {}, {"formula": Answer(ENDED, 1.0, "signal 11")})], ["formula"])
+    assert judging.misses(found) == [found[0]]
 
 
 QUICK = {"method": "reduced"}

@@ -14,7 +14,7 @@ import numpy as np
 import pandas
 import pytest
 
-from analysis.results import commands, study_results as results, table
+from analysis.results import study_results as results, table
 from analysis.results.answers import Estimate
 from analysis.results.units import in_words, of_cases, signed_percent, too
 from geometries.studies.study import Parameter
@@ -93,10 +93,10 @@ def test_the_commands_name_the_scene_of_the_case_and_survive_spaces(tmp_path: Pa
     loaded = results.load(folder)
     case = loaded.compared()[0]
     scene = f"'{folder}/cases/{case.id}/scene.toml'"
-    assert commands.reference_command(loaded, case.id) == (
+    assert results.reference_command(loaded, case.id) == (
         f"python3 -m fem_reference {scene} --rtol 0.001 --max-seconds 60 --error estimate"
     )
-    assert commands.model_command(loaded, case.id) == f"build/bin/fringe capacitance {scene} --method exact"
+    assert results.model_command(loaded, case.id) == f"build/bin/fringe capacitance {scene} --method exact"
 
 
 TEXTS = {"case", "family", "parameters", "sensor", "object", "reading", "quantity", "command"}
