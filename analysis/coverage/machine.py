@@ -21,6 +21,8 @@ from analysis.coverage.probes import Probe
 from analysis.results.units import VACUUM_PERMITTIVITY
 from geometries.common.arrays import Array, Flags, Indices
 from geometries.common.errors import InputError
+from geometries.scene.scene import Object, Scene
+from geometries.scene.writer import canonical
 
 
 _RTOL, _PANELS, _FUNCTIONS = 0.004, 12000, 600
@@ -129,8 +131,8 @@ def _reading(name: str, told: dict[str, Any], sign: float) -> Reading:
 
 def respond(probe: Probe, model: Any) -> Response:
     """Solves the probe by itself."""
-    scene = model.Scene.loads(f'[[object]]\nname = "probe"\nshape = {{ {probe.text} }}\n')
-    panels = scene.surface_charges(rtol=_PROBE_RTOL, most_panels=_PROBE_PANELS)["panels"]
+    alone = canonical(Scene(objects=(Object("probe", probe.shape),)))
+    panels = model.Scene.loads(alone).surface_charges(rtol=_PROBE_RTOL, most_panels=_PROBE_PANELS)["panels"]
     centres = panels.mean(axis=1)
     middle = (centres.min(axis=0) + centres.max(axis=0)) / 2
     size = float(np.linalg.norm(centres - middle, axis=1).max())

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-import json
+import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 
@@ -40,23 +41,24 @@ class Probe:
     """A probe in its own frame, in metres: its z axis points away from the machine, and its lowest point is the one that comes nearest."""
 
     name: str
-    triangles: Array
-    text: str
-    """Its shape as the keys of a scene's object."""
+    shape: shapes.Shape
+
+    @cached_property
+    def triangles(self) -> Array:
+        """(n, 3, 3)."""
+        return self.shape.triangles()
 
 
 def probe(name: str) -> Probe:
     """Returns the probe that a name or a text describes; InputError for one that is none."""
     kind, *rest = name.split(":")
     if name in NAMED:
-        return _of_shape(name, NAMED[name])
+        return Probe(name, NAMED[name])
     if kind == "mesh" and rest:
         file = Path(":".join(rest)).absolute()
-        return Probe(
-            file.stem,
-            read_triangles(file),
-            f'type = "mesh", file = {json.dumps(str(file), ensure_ascii=False)}',
-        )
+        triangles = read_triangles(file)
+        digest = hashlib.sha256(file.read_bytes()).hexdigest()
+        return Probe(file.stem, shapes.MeshShape(str(file), digest, 1.0, triangles))
     if kind not in _SHAPES:
         forms = (f"{word}:{':'.join(names)}" for word, (names, _) in _SHAPES.items())
         raise InputError("--probe", "", f"{name!r} is none of {', '.join([*NAMED, *forms, 'mesh:FILE'])}")
@@ -67,23 +69,4 @@ def probe(name: str) -> Probe:
         lengths = []
     if len(lengths) != len(names) or not all(0 < x < math.inf for x in lengths):
         raise InputError("--probe", "", f"{name!r} must be {kind}:{':'.join(names)}, lengths in metres")
-    return _of_shape(name, shape_of(*lengths))
-
-
-def _of_shape(name: str, shape: shapes.Shape) -> Probe:
-    return Probe(name, shape.triangles(), _text(shape))
-
-
-def _text(shape: shapes.Shape) -> str:
-    match shape:
-        case Person():
-            return (
-                f'type = "person", height = {shape.height}, age = "{shape.age}", posture = "{shape.posture}"'
-            )
-        case shapes.Sphere():
-            return f'type = "sphere", radius = {shape.radius}, segments = {shape.segments}'
-        case shapes.Capsule():
-            return f'type = "capsule", radius = {shape.radius}, length = {shape.length}, segments = {shape.segments}'
-        case shapes.Cuboid():
-            return f'type = "cuboid", size = {list(shape.size)}'
-    raise TypeError(f"{type(shape).__name__} is no probe")
+    return Probe(name, shape_of(*lengths))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tomllib
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
@@ -13,11 +14,14 @@ import numpy as np
 from analysis.coverage.machine import Level, Machine, Reading, Response, respond
 from analysis.coverage.places import Places, spread
 from analysis.coverage.probes import Probe
+from analysis.results.store import Document
 from analysis.show.data import load
 from geometries.common.arrays import Array, Flags, Indices
 from geometries.common.errors import InputError
-from geometries.scene.scene import Scene
+from geometries.scene.scene import Link, Object, Scene
 from geometries.scene.shapes import SHEETS
+from geometries.scene.writer import canonical
+from geometries.studies.families import FLOATING, GROUNDED
 
 
 BOUNDARY_ELEMENTS, SMALL = "boundary-elements", "small-probe"
@@ -128,7 +132,7 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
         if method == SMALL:
             return small
         posed = live.copy()
-        posed.add(text_of(probe, options.to_ground))
+        posed.add(described(probe, options.to_ground))
         return partial(_asked, posed, method, machine)
 
     by_method = {
@@ -177,7 +181,7 @@ def _grid_for(conductors: dict[str, Array]) -> float:
 def approach(response: Response, places: Places, distances: Array, live: Any) -> Approach:
     """Returns the way of a probe whose lowest point is at each distance from each place, from the nearest one outwards."""
     posed = live.copy()
-    posed.add(text_of(response.probe, None))
+    posed.add(described(response.probe, None))
     heights = response.probe.triangles[..., 2]
     low, high = float(heights.min()), float(heights.max())
     rotations = places.rotations()
@@ -247,14 +251,12 @@ def _continued(found: Array, estimate: Array, exact: Flags) -> Array:
 LINK, _PROBE = "probe of the coverage", "the probe"
 
 
-def text_of(probe: Probe, to_ground: float | None) -> str:
-    potential = 'potential = "grounded"' if to_ground is None else 'potential = "floating"'
-    if to_ground:
-        potential += f"\nto_ground = {to_ground!r}"
-    return (
-        f'\n[[link]]\nname = "{LINK}"\n[[object]]\nname = "{_PROBE}"\nlink = "{LINK}"\nshape = {{ {probe.text} }}\n'
-        f"target = true\n{potential}\n"
-    )
+def described(probe: Probe, to_ground: float | None) -> Document:
+    """Returns what a scene has of a probe on a link of its own: grounded, or else connected to ground through a capacitance (F)."""
+    potential = GROUNDED if to_ground is None else FLOATING
+    body = Object(_PROBE, probe.shape, LINK, potential=potential, to_ground=to_ground or 0.0, target=True)
+    whole = tomllib.loads(canonical(Scene(links=(Link(LINK),), objects=(body,))))
+    return {part: whole[part] for part in ("link", "object")}
 
 
 def _asked(

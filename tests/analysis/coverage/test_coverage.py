@@ -60,7 +60,7 @@ def test_the_change_by_a_probe_is_that_of_boundary_elements(
 ) -> None:
     name, at = "box:0.06:0.04:0.03", [0.01, 0.02, 0.09]
     live = surveys.at_rest(path, reader.load(path), model_module())
-    live.add(surveys.text_of(probe(name), to_ground))
+    live.add(surveys.described(probe(name), to_ground))
     live.set_pose(surveys.LINK, np.array(at))
     true = live.readings(method="boundary-elements", rtol=1e-3)["self"]
     assert true.error["change"] < 2e-3 * true.change
