@@ -254,10 +254,10 @@ def _live(options: argparse.Namespace) -> int:
 
 def _sweep(options: argparse.Namespace) -> int:
     methods = options.method or sweep.METHODS
-    made = sweep.make(options.scene, options.motion, options.output, methods, options.rtol)
-    if made.is_made:
-        print("\n".join([*made.findings, f"page: {made.page}"]))
-    return made.status
+    made, status = sweep.make(options.scene, options.motion, options.output, methods, options.rtol)
+    if made is not None:
+        print("\n".join(filter(None, [made.headline, f"page: {made.path}"])))
+    return status
 
 
 def _coverage(options: argparse.Namespace) -> int:
@@ -274,7 +274,7 @@ def _coverage(options: argparse.Namespace) -> int:
         methods=() if methods == ("none",) else methods,
     )
     made = coverage.make(options.scene, tuple(options.probe), asked, options.output)
-    print("\n".join([*made.findings, f"page: {made.page}"]))
+    print(f"{made.headline}\npage: {made.path}")
     return ANSWERED
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 import base64
 import math
 import shlex
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -47,16 +46,9 @@ _PER_METRE = 10_000
 _MOST_BLIND = 12
 
 
-@dataclass(frozen=True)
-class Made:
-    """The page, and what the survey found, a sentence for each probe."""
-
-    page: Path
-    findings: list[str]
-
-
-def make(name: str, probes: tuple[str, ...], options: Options, target: Path | None) -> Made:
-    """Surveys a scene, a file or a name in geometries/scenes, and writes SCENE.html, SCENE.csv and SCENE.vtu. InputError for files and options that
+def make(name: str, probes: tuple[str, ...], options: Options, target: Path | None) -> page.Made:
+    """Surveys a scene, a file or a name in geometries/scenes, and writes SCENE.html, SCENE.csv and SCENE.vtu; the headline has a sentence for each
+    probe. InputError for files and options that
     cannot be used."""
     path = find_scene(name)
     scene = reader.load(path)
@@ -84,7 +76,7 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
     whole = model.Scene.load(str(path)).conductors()
     conductors = {name: triangles for name, triangles in whole.items() if name not in targets}
     write_text(place, document(title, inputs, scene, found, conductors, table.name, shown))
-    return Made(place, sentences(found))
+    return page.Made(place, "\n".join(sentences(found)))
 
 
 def document(

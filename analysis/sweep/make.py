@@ -6,7 +6,6 @@ from __future__ import annotations
 import math
 import shlex
 import subprocess
-from dataclasses import dataclass
 from pathlib import Path
 
 import plotly.graph_objects as go
@@ -34,31 +33,18 @@ _STATING = ("auto", "boundary-elements", "reduced")
 _ANSWERED, _NOT_REACHED = 0, 3
 
 
-@dataclass(frozen=True)
-class Made:
-    """The page and its findings; whether every method reached the error asked for; or the exit status of a sweep that failed."""
-
-    page: Path
-    findings: list[str]
-    status: int
-
-    @property
-    def is_made(self) -> bool:
-        return self.status in (_ANSWERED, _NOT_REACHED)
-
-
 def make(
     name: str,
     motion_file: Path | None = None,
     target: Path | None = None,
     methods: str = METHODS,
     rtol: float | None = None,
-) -> Made:
+) -> tuple[page.Made | None, int]:
     """Runs the sweep of a scene, a file or a name in geometries/scenes, and writes its page, with the table beside it under the same
     name, of a scene outside of the repository in the current folder. Frames that the table holds already are not computed again.
 
-    `methods` are separated by commas; of those that state errors the relative error `rtol` is asked, RTOL if it is None. InputError for files
-    that cannot be used.
+    `methods` are separated by commas; of those that state errors the relative error `rtol` is asked, RTOL if it is None. Returns the page, None of
+    a sweep that failed, and the exit status. InputError for files that cannot be used.
     """
     path = find_scene(name)
     scene = reader.load(path)
@@ -76,14 +62,14 @@ def make(
     program = ending_with_this([installation.model_program(), *command])
     status = subprocess.run(program, stdout=subprocess.DEVNULL, check=False).returncode
     if status not in (_ANSWERED, _NOT_REACHED):
-        return Made(place, [], status)
+        return None, status
     found = series.read(table)
     inputs = keys.page_inputs(table.read_text(encoding="utf-8"))
     title = f"{path.stem.replace('_', ' ')}: readings over {len(frames)} frames"
     shown = shlex.join([installation.model_command(), *command])
     page.provide_script(place.parent)
     page.write(place, document(title, inputs, found, frames, table.name, shown))
-    return Made(place, findings(found, frames), status)
+    return page.Made(place, "\n".join(findings(found, frames))), status
 
 
 _FEMTO, _PICO, _MILLI = 1e-15, 1e-12, 1e-3
