@@ -19,7 +19,7 @@ ROOT = Path(__file__).resolve().parents[3]
 REFERENCE = """
 import fcntl, json, os, sys, time, tomllib
 from pathlib import Path
-from tests.analysis.synthetic import empty_document, reference_document
+from tests.analysis.documents import empty_document, reference_document
 case = Path(sys.argv[1]).parent.name
 Path("locks").mkdir(exist_ok=True)
 lock = open(f"locks/{case}{'.slice' if '--slice' in sys.argv else ''}", "w")
@@ -54,7 +54,7 @@ target is at a height, and writes down which cases it has solved."""
 MODEL = """
 import os
 import numpy as np
-from tests.analysis.synthetic import boundary_document, model_document
+from tests.analysis.documents import boundary_document, model_document
 from contextlib import nullcontext as InterruptionScope
 __version__ = "toy"
 def plate_integral(triangles, corner, edge_u, edge_v):
@@ -87,8 +87,7 @@ class ToyRepository:
             "fem_reference/__init__.py": "",
             "fem_reference/__main__.py": REFERENCE,
             "build/python/fringe.py": MODEL,
-            "tests/analysis/synthetic.py": (ROOT / "tests/analysis/synthetic.py").read_text(),
-            "tests/scenes.py": (ROOT / "tests/scenes.py").read_text(),
+            "tests/analysis/documents.py": (ROOT / "tests/analysis/documents.py").read_text(),
         }.items():
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             (folder / name).write_text(text)

@@ -19,16 +19,8 @@ from analysis.report.plot import Panel, axis, figure, guide, joined, log_axis
 from analysis.results import study_results as results, table
 from analysis.results.store import write_text
 from analysis.study import report
-from tests.analysis.synthetic import (
-    EDGE,
-    MACHINES,
-    MACHINE_ANSWERS,
-    PARALLEL,
-    boundary_document,
-    make_results,
-    model_document,
-    reference_document,
-)
+from tests.analysis.documents import boundary_document, model_document, reference_document
+from tests.analysis.synthetic import EDGE, MACHINES, MACHINE_ANSWERS, PARALLEL, make_results
 
 BODY = go.Mesh3d(x=[0, 1, 0], y=[0, 0, 1], z=[0, 0, 0])
 

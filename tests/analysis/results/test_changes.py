@@ -15,14 +15,8 @@ from analysis.topics.trends import changes as trend_changes, records
 from geometries.scene import reader
 from geometries.studies import families
 from tests import scenes
-from tests.analysis.synthetic import (
-    MACHINES,
-    MACHINE_ANSWERS,
-    machine_document,
-    make_results,
-    model_document,
-    reference_document,
-)
+from tests.analysis.documents import model_document, reference_document
+from tests.analysis.synthetic import MACHINES, MACHINE_ANSWERS, machine_document, make_results
 
 SENSOR = scenes.sensor("front", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
 HAND = scenes.body("hand", "cube", size=0.1, translation=[0, 0, 0.1])

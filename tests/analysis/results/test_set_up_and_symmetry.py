@@ -12,7 +12,8 @@ from analysis.results import set_up, study_results as results, symmetry
 from geometries.scene.scene import Scene
 from geometries.studies import families
 from tests import scenes
-from tests.analysis.synthetic import EDGE, PARALLEL, make_results, model_document, reference_document
+from tests.analysis.documents import model_document, reference_document
+from tests.analysis.synthetic import EDGE, PARALLEL, make_results
 
 SENSOR = (0.1, 0.1)
 

@@ -18,15 +18,8 @@ from analysis.results import study_results as results, table
 from analysis.results.answers import Estimate
 from analysis.results.units import in_words, of_cases, signed_percent, too
 from geometries.studies.study import Parameter
-from tests.analysis.synthetic import (
-    ONE_CASE,
-    PARALLEL,
-    empty_document,
-    enclosed,
-    make_results,
-    model_document,
-    reference_document,
-)
+from tests.analysis.documents import empty_document, model_document, reference_document
+from tests.analysis.synthetic import ONE_CASE, PARALLEL, enclosed, make_results
 
 
 def rows_of(tmp_path: Path, reference: dict[str, object], model: float) -> list[table.Row]:

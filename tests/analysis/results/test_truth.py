@@ -19,17 +19,8 @@ from analysis.results.table import Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known
 from analysis.study import report, workflow
 from geometries.studies import study
-from tests.analysis.synthetic import (
-    ONE_CASE,
-    PARALLEL,
-    PICO,
-    boundary_document,
-    enclosed,
-    make_results,
-    model_document,
-    reference_document,
-    report_text,
-)
+from tests.analysis.documents import PICO, boundary_document, model_document, reference_document
+from tests.analysis.synthetic import ONE_CASE, PARALLEL, enclosed, make_results, report_text
 
 
 def rows_of(folder: Path, field: float, boundary: float, method: str = study.BOTH) -> list[Row]:

@@ -18,14 +18,8 @@ from analysis.topics.corrections import topic
 from analysis.topics.corrections.topic import CORRECTIONS
 from analysis.topics.trends import page as trends_page, records
 from geometries.common.errors import InputError
-from tests.analysis.synthetic import (
-    corrections_document,
-    enclosed,
-    make_results,
-    model_document,
-    reference_document,
-    report_text,
-)
+from tests.analysis.documents import model_document, reference_document
+from tests.analysis.synthetic import corrections_document, enclosed, make_results, report_text
 from tests.waiting import aged
 
 

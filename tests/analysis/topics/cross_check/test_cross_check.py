@@ -22,16 +22,14 @@ from geometries.scene.shapes import Sphere
 from geometries.scene.writer import canonical
 from geometries.studies import families, study
 from geometries.studies.study import Study
+from tests.analysis.documents import PICO, boundary_document, reference_document
 from tests.analysis.synthetic import (
     HEAD,
     MACHINE_ANSWERS,
     MACHINES,
     PARALLEL,
-    PICO,
-    boundary_document,
     machine_document,
     make_results,
-    reference_document,
     report_text,
 )
 

@@ -29,16 +29,8 @@ from analysis.topics.experiments.section import (
 from geometries.scene.scene import Scene
 from geometries.studies import families, study
 from tests import scenes
-from tests.analysis.synthetic import (
-    EDGE,
-    HEAD,
-    PARALLEL,
-    PICO,
-    make_results,
-    model_document,
-    reference_document,
-    report_text,
-)
+from tests.analysis.documents import PICO, model_document, reference_document
+from tests.analysis.synthetic import EDGE, HEAD, PARALLEL, make_results, report_text
 
 SIZE = (0.1, 0.06)
 

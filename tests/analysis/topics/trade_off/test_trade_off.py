@@ -14,7 +14,8 @@ from analysis.results import store, study_results as results
 from analysis.results.study_results import Results
 from analysis.study import report
 from analysis.topics.trade_off import measure, section
-from tests.analysis.synthetic import PARALLEL, PICO, make_results
+from tests.analysis.documents import PICO
+from tests.analysis.synthetic import PARALLEL, make_results
 
 ONE = PARALLEL.replace("[0.01, 0.02, 0.04]", "0.04")
 

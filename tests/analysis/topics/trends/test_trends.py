@@ -18,7 +18,8 @@ from analysis.topics.trends import changes, commits, counts, page, records
 from analysis.topics.trends.changes import DRIFTED, FASTER, MOVED, SLOWER
 from analysis.topics.trends.records import Record
 from geometries.common.errors import InputError
-from tests.analysis.synthetic import make_results, model_document, reference_document
+from tests.analysis.documents import model_document, reference_document
+from tests.analysis.synthetic import make_results
 
 
 def answer(folder: Path, mutual: float, key: str) -> None:
