@@ -115,11 +115,10 @@ def git(folder: Path, *words: str) -> str:
     ).stdout.strip()
 
 
-@pytest.fixture
-def repository(tmp_path: Path) -> tuple[Path, list[str]]:
-    """Ten commits of a program that prints a matrix, of which the seventh changes an entry; the sixth does not build. Results are beside them."""
-    folder = tmp_path / "repository"
-    folder.mkdir()
+@pytest.fixture(scope="module")
+def repository(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
+    """Ten commits of a program that prints a matrix, of which the seventh changes an entry; the sixth does not build."""
+    folder = tmp_path_factory.mktemp("repository")
     git(folder, "init", "--quiet")
     commits = []
     for at in range(10):
@@ -218,12 +217,13 @@ def test_the_command_bisects(
     assert capsys.readouterr().out == f"{tmp_path} mutual\n"
 
 
-@pytest.fixture
-def folders(tmp_path: Path) -> tuple[Path, Path]:
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     """Results in which one case's mutual is 2.0 ± 0.01 pF, then 2.1 ± 0.01 pF."""
+    place = tmp_path_factory.mktemp("results")
     for name, mutual in (("old", 2.0), ("new", 2.1)):
-        answer(tmp_path / name, mutual, "")
-    return tmp_path / "old", tmp_path / "new"
+        answer(place / name, mutual, "")
+    return place / "old", place / "new"
 
 
 def test_drift_ends_with_code_1_a_table_and_a_document(
