@@ -25,15 +25,17 @@ ROOT = Path(__file__).resolve().parents[2]
 
 
 def test_a_folder_named_like_ours_where_the_user_stands_is_not_taken_for_ours(tmp_path: Path) -> None:
+    folder = empty_repository(tmp_path, "cmake")
+    (folder / "analysis" / "__main__.py").write_text("import geometries, sys\nsys.exit(f'{sys.argv[1:]}')\n")
     for name in ("analysis", "geometries"):
         (tmp_path / name).mkdir()
         (tmp_path / name / "__init__.py").write_text("raise SystemExit('the wrong package')")
-    (tmp_path / "no study.toml").write_text("nothing = 1")
+    (tmp_path / "a study.toml").touch()
+    command, path = [folder / "run", "a study.toml"], {"PATH": f"{folder}:{os.environ['PATH']}"}
     done = subprocess.run(
-        [ROOT / "run", "no study.toml"], cwd=tmp_path, capture_output=True, text=True, check=False
+        command, cwd=tmp_path, env=os.environ | path, capture_output=True, text=True, check=False
     )
-    assert done.returncode == 2, done.stderr
-    assert "no study.toml" in done.stderr and "wrong package" not in done.stderr
+    assert done.returncode == 1 and done.stderr == "['run', 'a study.toml']\n"
 
 
 def test_help_and_a_name_that_is_no_study_are_answered_before_anything_is_installed(tmp_path: Path) -> None:
