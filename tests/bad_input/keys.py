@@ -4,6 +4,7 @@ numbers that are allowed and far from any that a sensor needs."""
 from __future__ import annotations
 
 import math
+import pathlib
 import sys
 from collections.abc import Iterator
 from dataclasses import replace
@@ -56,9 +57,13 @@ def _places(value: Any, path: Path = ()) -> Iterator[tuple[Path, Any]]:
             yield from _places(item, (*path, key))
 
 
-def _changed(path: Path, value: Any) -> str:
-    """The scene with another value at the place; None takes the key away."""
-    return tomli_w.dumps(changed(WHOLE, path, value))
+def _changed(name: str, path: Path, value: Any, place: str | None) -> Case:
+    """The scene with another value at a path; None takes the key away. It is written when it is asked for: there are many."""
+
+    def make(folder: pathlib.Path) -> pathlib.Path:
+        return from_text(name, tomli_w.dumps(changed(WHOLE, path, value)), place).make(folder)
+
+    return Case(name, make, place)
 
 
 def _told(path: Path) -> str:
@@ -85,7 +90,7 @@ def _missing() -> list[Case]:
         key = str(path[-1])
         optional = key in OPTIONAL or f"{key} of {path[0]}" in OPTIONAL
         place = needed.get(path, None if optional else key)
-        made.append(from_text(f"without {_told(path)}", _changed(path, None), place))
+        made.append(_changed(f"without {_told(path)}", path, None, place))
     return made
 
 
@@ -96,10 +101,7 @@ def _unknown() -> list[Case]:
             tables.append(path)
         if isinstance(value, list) and isinstance(value[0], dict):
             tables += [(*path, index) for index in range(len(value))]
-    return [
-        from_text(f"unknown key in {_told(path)}", _changed((*path, "colour"), 1), "colour")
-        for path in tables
-    ]
+    return [_changed(f"unknown key in {_told(path)}", (*path, "colour"), 1, "colour") for path in tables]
 
 
 def _wrong() -> Iterator[Case]:
@@ -107,7 +109,7 @@ def _wrong() -> Iterator[Case]:
         for name, wrong in _wrong_values(str(path[-1]), value):
             # The parser of C++ knows no such integer, and so no key either.
             place = "" if "64" in name else str(path[-1])
-            yield from_text(f"{_told(path)}: {name}", _changed(path, wrong), place)
+            yield _changed(f"{_told(path)}: {name}", path, wrong, place)
 
 
 def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -194,7 +196,7 @@ def related() -> list[Case]:
 
 
 def _spoiled(values: dict[str, tuple[Path, Any, str | None]]) -> list[Case]:
-    return [from_text(name, _changed(path, value), place) for name, (path, value, place) in values.items()]
+    return [_changed(name, *spoiled) for name, spoiled in values.items()]
 
 
 DENORMAL, SMALLEST, LARGEST = "5e-324", repr(sys.float_info.min), repr(sys.float_info.max)
