@@ -17,7 +17,7 @@ def wait_until(happens: Callable[[], object], what: str) -> None:
     end = time.monotonic() + DEADLINE
     while not happens():
         assert time.monotonic() < end, f"{what}: not within {DEADLINE:g} s"
-        time.sleep(0.01)
+        time.sleep(0.05)
 
 
 def heed_signals() -> None:

@@ -91,7 +91,7 @@ IN_ROOMS: list[tuple[tuple[Body, ...], tuple[float, ...], int]] = [
 ]
 
 
-@pytest.mark.parametrize("case", all_but(range(2), range(len(IN_ROOMS))))
+@pytest.mark.parametrize("case", all_but([0], range(len(IN_ROOMS))))
 def test_one_side_of_the_planes_of_a_room_gives_the_answer_of_the_whole(case: int) -> None:
     """A face in a plane of symmetry may have corners in opposite walls. It was once mistaken for a wall, and grounded, where no body
     cut it."""

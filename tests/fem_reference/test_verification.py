@@ -55,7 +55,7 @@ def check(name: str, value: float, error: float, truth: float, truth_error: floa
         ("cone", 1e-3),
         ("coaxial discs, gap/radius 1", 2e-3),
         ("size 3x3 on 10x10 gap1.5", 1e-3),
-        ("the same, the second of permittivity 5", 3e-4),
+        ("the same, the second of permittivity 5", 1e-3),
         *(
             pytest.param(name, widest, marks=pytest.mark.night)
             for name, widest in (
@@ -106,9 +106,9 @@ def test_the_multipoles_of_two_balls_reproduce_published_values() -> None:
 
 def test_rings_of_charge_reproduce_known_values() -> None:
     """Check the method on a ball made of flat rings, and against Smythe's formula (1962) for cylinders, accurate to 0.2 %."""
-    angles = np.linspace(0, np.pi, 17)
+    angles = np.linspace(0, np.pi, 9)
     inscribed = body_of_revolution(list(zip(np.abs(np.sin(angles)), -np.cos(angles))))
-    assert 0.99 < inscribed < 1
+    assert 0.98 < inscribed < 1
     cylinder = body_of_revolution([(0, -1), (1, -1), (1, 1), (0, 1)])
     assert cylinder == pytest.approx((8 + 6.95) / (4 * np.pi), rel=2e-3)
 
@@ -148,7 +148,13 @@ SQUARE = ((-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5))
     "body, truth, exactness, widest",
     [
         # 1/R_F(a², b², c²), which is (1/2)∫ds/√((a² + s)(b² + s)(c² + s)) over 0 … ∞, inverted.
-        (Ellipsoid("ellipsoid", ORIGIN, TURNED, (1.0, 0.7, 0.5)), 1 / elliprf(1.0, 0.49, 0.25), 0, 1e-3),
+        pytest.param(
+            Ellipsoid("ellipsoid", ORIGIN, TURNED, (1.0, 0.7, 0.5)),
+            1 / elliprf(1.0, 0.49, 0.25),
+            0,
+            1e-3,
+            marks=pytest.mark.night,
+        ),
         (Swept("swept point", ORIGIN, TURNED, (0.0, 0.0, 0.0), 1.0), 1.0, 0, 3e-4),
         (Disc("disc", ORIGIN, TURNED, 1.0), 2 / np.pi, 0, 1e-3),
         (polygon("square", SQUARE, ORIGIN, TURNED), UNIT_SQUARE_PLATE, UNIT_SQUARE_PLATE_ERROR, 1e-3),
