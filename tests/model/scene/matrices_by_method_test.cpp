@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -59,6 +60,15 @@ class MatricesByMethod : public testing::TestWithParam<Way> {
         object.shape = Mesh{"", 1, triangulate(object.shape)};
     return GetParam().solve(scene, rtol);
   }
+
+  /// Returns the answer for the hand above the sensors, which every way computes once.
+  static const MaxwellMatrix& of_the_hand(double rtol = GetParam().rtol()) {
+    static std::map<std::pair<std::string, double>, MaxwellMatrix> known;
+    const auto [place, is_new] = known.try_emplace({GetParam().name, rtol});
+    if (is_new)
+      place->second = solve(hand_above_sensors(), rtol);
+    return place->second;
+  }
 };
 
 double relative_difference(const MatrixXd& a, const MatrixXd& b) {
@@ -73,7 +83,7 @@ const MaxwellMatrix& truth() {
 TEST_P(MatricesByMethod, AreWithinTheirErrorsOfTheTruth) {
   for (const double rtol : GetParam().rtols) {
     SCOPED_TRACE(rtol);
-    const MaxwellMatrix answer = solve(hand_above_sensors(), rtol);
+    const MaxwellMatrix& answer = of_the_hand(rtol);
     EXPECT_EQ(answer.conductors, truth().conductors);
     EXPECT_TRUE(answer.reached);
     EXPECT_TRUE(covers(answer, truth()));
@@ -105,7 +115,7 @@ TEST_P(MatricesByMethod, AreTheKnownCapacitancesOfASquareAndOfACube) {
 }
 
 TEST_P(MatricesByMethod, AreReciprocalAndPositiveDefinite) {
-  const MaxwellMatrix answer = solve(hand_above_sensors());
+  const MaxwellMatrix& answer = of_the_hand();
   EXPECT_LT(relative_difference(answer.values, answer.values.transpose()), 1e-12);
   EXPECT_EQ(answer.values.llt().info(), Eigen::Success);
   for (Eigen::Index i = 0; i < answer.values.rows(); ++i)
@@ -113,21 +123,20 @@ TEST_P(MatricesByMethod, AreReciprocalAndPositiveDefinite) {
 }
 
 TEST_P(MatricesByMethod, DoNotDependOnPlaceScaleAndMedium) {
-  const MatrixXd expected = solve(hand_above_sensors()).values;
-  Scene moved = hand_above_sensors();
-  Eigen::Isometry3d motion = at(0.3, -0.2, 0.1);
-  motion.rotate(Eigen::AngleAxisd(1.1, Vector3d(0.3, -1, 0.4).normalized()));
-  moved.links.push_back({"everything", {}, motion});
-  moved.links[0].parent = 1;
-  for (Sensor& sensor : moved.sensors)
-    sensor.link = 1;
-  moved.objects[1].link = 1;
-  moved.medium.relative_permittivity = 3;
-  EXPECT_LT(relative_difference(solve(moved).values, 3 * expected), GetParam().rounding);
   // Powers of two round nothing, so that nothing is divided in another way.
-  for (const double scale : {0x1p-20, 0x1p13})
-    EXPECT_LT(relative_difference(solve(hand_above_sensors(scale)).values, scale * expected),
+  for (const double scale : {0x1p-20, 0x1p13}) {
+    Scene moved = hand_above_sensors(scale);
+    Eigen::Isometry3d motion = at(0.3 * scale, -0.2 * scale, 0.1 * scale);
+    motion.rotate(Eigen::AngleAxisd(1.1, Vector3d(0.3, -1, 0.4).normalized()));
+    moved.links.push_back({"everything", {}, motion});
+    moved.links[0].parent = 1;
+    for (Sensor& sensor : moved.sensors)
+      sensor.link = 1;
+    moved.objects[1].link = 1;
+    moved.medium.relative_permittivity = 3;
+    EXPECT_LT(relative_difference(solve(moved).values, 3 * scale * of_the_hand().values),
               GetParam().rounding);
+  }
 }
 
 TEST_P(MatricesByMethod, ExchangeTheirEntriesWithTheConductors) {
@@ -137,7 +146,7 @@ TEST_P(MatricesByMethod, ExchangeTheirEntriesWithTheConductors) {
   Eigen::PermutationMatrix<4> order;
   order.indices() << 1, 0, 3, 2;
   const MatrixXd permuted = order * solve(exchanged).values * order;
-  EXPECT_LT(relative_difference(permuted, solve(hand_above_sensors()).values), GetParam().reordering);
+  EXPECT_LT(relative_difference(permuted, of_the_hand().values), GetParam().reordering);
 }
 
 TEST_P(MatricesByMethod, HaveNoRowOfAFloatingObjectWhichHasNoCharge) {
@@ -157,8 +166,8 @@ TEST_P(MatricesByMethod, HaveNoRowOfAFloatingObjectWhichHasNoCharge) {
 }
 
 TEST_P(MatricesByMethod, DeltaSelfIsWhatTheObjectsAdd) {
+  const MaxwellMatrix& with = of_the_hand();
   Scene scene = hand_above_sensors();
-  const MaxwellMatrix with = solve(scene);
   scene.objects.clear();
   const MaxwellMatrix without = solve(scene);
   for (Eigen::Index s = 0; s < 2; ++s) {
