@@ -6,6 +6,8 @@ from __future__ import annotations
 import os
 import resource
 import subprocess
+import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -68,11 +70,18 @@ def skipping(case: Case) -> None:
         pytest.skip("permissions do not stop root")
 
 
+@pytest.fixture
+def folder() -> Iterator[Path]:
+    """An empty folder. That of pytest would be looked for among those of all tests before, two thousand of them."""
+    with tempfile.TemporaryDirectory() as name:
+        yield Path(name)
+
+
 @pytest.mark.usefixtures("skipping")
 @pytest.mark.parametrize("case", _selected(), ids=lambda case: case.name)
-def test_the_readers_agree_and_the_commands_say_so(tmp_path: Path, case: Case) -> None:
-    scene = case.make(tmp_path)
-    before = _listing(tmp_path)
+def test_the_readers_agree_and_the_commands_say_so(folder: Path, case: Case) -> None:
+    scene = case.make(folder)
+    before = _listing(folder)
     try:
         here = reader.load(scene).conductors()
         refused = ""
@@ -109,4 +118,4 @@ def test_the_readers_agree_and_the_commands_say_so(tmp_path: Path, case: Case) -
             assert (done.returncode, done.stdout) == (2, "")
             assert done.stderr.startswith("fringe: ") and done.stderr.endswith("\n")
             _assert_told(done.stderr, scene, case.place)
-    assert _listing(tmp_path) == before
+    assert _listing(folder) == before
