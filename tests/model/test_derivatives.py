@@ -14,6 +14,7 @@ import geometries
 from analysis.pipeline import model_stage
 from tests import scenes
 from tests.end_to_end.importing import about
+from tests.waiting import DEADLINE
 
 COMMAND = Path(geometries.__file__).parents[1] / "build/bin/fringe"
 ARM = (
@@ -212,9 +213,9 @@ def test_those_of_a_body_apart_do_not_wait_for_links_that_overlap(module: Any) -
         'type = "box", size = [0.1, 0.1, 0.1]', 'type = "sphere", radius = 0.06, segments = 32'
     ).replace('type = "box", size = [0.1, 0.1, 0.05]', 'type = "sphere", radius = 0.05, segments = 32')
     apart, as_one = (
-        module.Scene.loads(text).readings("boundary-elements", rtol=0.05, derivatives=True, max_seconds=30)[
-            "front"
-        ]
+        module.Scene.loads(text).readings(
+            "boundary-elements", rtol=0.05, derivatives=True, max_seconds=DEADLINE
+        )["front"]
         for text in (round_ones, round_ones.replace('name = "base"', 'name = "base"\nlink = "head"'))
     )
     assert np.isnan(apart.derivatives["head"]).all()
