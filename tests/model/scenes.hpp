@@ -166,17 +166,22 @@ inline Scene plate_above_sensor() {
   return scene_of(square(0.1, 0), {object("target", Plate{0.1, 0.1}, at(0, 0, 0.02))});
 }
 
+/// Returns the message with which a call refuses its input; "accepted" if it does not.
+inline std::string refusal_of(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
 /// Returns the message with which a solver refuses a changed plate_above_sensor; "accepted" if it does not.
 inline std::string refusal(const std::function<void(Scene&)>& change,
                            const std::function<void(const Scene&)>& solve) {
   Scene scene = plate_above_sensor();
   change(scene);
-  try {
-    solve(scene);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return refusal_of([&] { solve(scene); });
 }
 
 /// Returns true if two answers differ by no more than their stated errors together.

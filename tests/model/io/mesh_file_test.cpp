@@ -2,8 +2,6 @@
 #include "io/mesh_words.hpp"
 
 #include <algorithm>
-#include <bit>
-#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -78,50 +76,15 @@ end_header
 3 2 1 0
 )";
 
-template <class Number>
-void append_bytes(std::string& target, Number number) {
-  static_assert(std::endian::native == std::endian::little);
-  const auto bytes = std::bit_cast<std::array<char, sizeof(Number)>>(number);
-  target.append(bytes.data(), bytes.size());
-}
-
-std::string binary_stl() {
-  std::string content(80, '\0');
-  append_bytes(content, std::uint32_t{1});
-  for (const float number : {0.F, 0.F, 1.F, 0.F, 0.F, 0.F, 2.F, 0.F, 0.F, 0.F, 3.F, 0.F})
-    append_bytes(content, number);
-  append_bytes(content, std::uint16_t{0});
-  return content;
-}
-
-std::string binary_ply() {
-  std::string content = ascii_ply.substr(0, ascii_ply.find("0 0 0\n"));
-  content.replace(content.find("ascii"), 5, "binary_little_endian");
-  for (const float number : {0.F, 0.F, 0.F, 1.F, 0.F, 0.F, 1.F, 1.F, 0.F, 0.F, 1.F, 0.F})
-    append_bytes(content, number);
-  append_bytes(content, std::uint8_t{4});
-  for (const std::int32_t index : {0, 1, 2, 3})
-    append_bytes(content, index);
-  append_bytes(content, std::uint8_t{3});
-  for (const std::int32_t index : {2, 1, 0})
-    append_bytes(content, index);
-  return content;
-}
-
-const std::vector<Triangle> two_faces_of_ply{{Vector3d{0, 0, 0}, {1, 0, 0}, {1, 1, 0}},
-                                             {Vector3d{0, 0, 0}, {1, 1, 0}, {0, 1, 0}},
-                                             {Vector3d{1, 1, 0}, {1, 0, 0}, {0, 0, 0}}};
-
+// Files of bytes are held against the reader of Python by tests/bad_input.
 TEST_F(MeshFile, OfEveryFormatKeepsTheOrderOfTheFile) {
   EXPECT_THAT(read_mesh_file(write("two.stl", ascii_stl)),
               ElementsAre(Triangle{Vector3d{0, 0, 1}, {1, 0, 1}, {0, 1, 1}},
                           Triangle{Vector3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}));
-  EXPECT_THAT(read_mesh_file(write("one.STL", binary_stl())),
-              ElementsAre(Triangle{Vector3d{0, 0, 0}, {2, 0, 0}, {0, 3, 0}}));
-  EXPECT_EQ(read_mesh_file(write("text.ply", ascii_ply)), two_faces_of_ply);
-  EXPECT_EQ(read_mesh_file(write("bytes.ply", binary_ply())), two_faces_of_ply);
   // Convex polygons become fans from their first vertex; lines are skipped.
   const Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0), e(0.5, 2, 0);
+  EXPECT_THAT(read_mesh_file(write("four.ply", ascii_ply)),
+              ElementsAre(Triangle{a, b, c}, Triangle{a, c, d}, Triangle{c, b, a}));
   EXPECT_THAT(read_mesh_file(write("five.obj", obj)),
               ElementsAre(Triangle{a, b, c}, Triangle{a, c, e}, Triangle{a, e, d}, Triangle{c, b, a}));
 }
@@ -166,10 +129,8 @@ TEST_F(MeshFile, IsRefusedWithAReason) {
                    "it is a pointer of Git LFS");
   }
   expect_refused("text.stl", ascii_stl.substr(0, ascii_stl.rfind("vertex")), "cannot be read");
-  expect_refused("bytes.stl", binary_stl().substr(0, 100), "cannot be read");
   expect_refused("nan.stl", with(ascii_stl, "vertex 1 0 0", "vertex nan 0 1"),
                  "holds 'nan' instead of a finite number");
-  expect_refused("bytes.ply", binary_ply().substr(0, binary_ply().size() - 1), "ends before the data");
   expect_refused("text.ply", ascii_ply.substr(0, ascii_ply.size() - 3), "ends before the data");
   expect_refused("header.ply", ascii_ply.substr(0, 60), "header");
   expect_refused("points.ply", with(ascii_ply, "element face", "element edge"),

@@ -9,6 +9,7 @@
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/scene_reader.hpp"
+#include "scenes.hpp"
 #include "temporary_folder.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
@@ -31,12 +32,7 @@ class MotionReader : public test::TemporaryFolder {
   }
 
   std::string error_of(std::string_view text) const {
-    try {
-      read(text, scene(jointed));
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
+    return test::refusal_of([&] { read(text, scene(jointed)); });
   }
 
   static constexpr auto jointed = R"([[link]]

@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "fringe/error.hpp"
 #include "fringe/reading.hpp"
+#include "scenes.hpp"
 #include "temporary_folder.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
@@ -23,12 +23,7 @@ class SceneReader : public test::TemporaryFolder {
   Scene read(std::string_view text) const { return load_scene(write("scene.toml", text)); }
 
   std::string error_of(std::string_view text) const {
-    try {
-      read(text);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "no error";
+    return test::refusal_of([&] { read(text); });
   }
 };
 

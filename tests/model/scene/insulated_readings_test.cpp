@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include "fringe/capacitance.hpp"
-#include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
 #include "fringe/remarks.hpp"
 #include "scenes.hpp"
@@ -50,12 +49,7 @@ double change(const Scene& scene, const EvaluationOptions& options) {
 }
 
 std::string refusal(const Scene& scene, const EvaluationOptions& options) {
-  try {
-    evaluate(scene, options);
-  } catch (const InputError& error) {
-    return error.what();
-  }
-  return "accepted";
+  return test::refusal_of([&] { evaluate(scene, options); });
 }
 
 const EvaluationOptions by_integral{};
