@@ -33,7 +33,7 @@ _SECONDS_MACHINE = 35.0
 _SECONDS_MODEL, _SECONDS_BOUNDARY = 0.1, 0.1
 # Run time of proven intervals relative to estimated errors.
 _ENCLOSURE_FACTOR = 3.0
-# From this number of cases on, all are expected to take equally long: estimating each would take longer than it saves.
+# A study of this many cases or more expects the same seconds for each: estimates for all would take longer than they save.
 _MANY_CASES = 5000
 # Up to this number of cases, every case gets a slice of the potential; each takes three to five seconds.
 _ALL_PICTURED = 100

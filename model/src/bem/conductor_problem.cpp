@@ -480,8 +480,8 @@ class ConductorProblem : public AdaptiveProblem {
   }
 
   /// Finds the power of the number of unknowns with which the error has fallen since the solution before:
-  /// 1.8 to 4 for a patient under an X-ray arm. Far more than that happens once, where the first solution
-  /// misses a feature (nine robot arms).
+  /// 1.8 to 4 for a patient under an X-ray arm. A larger power is not believed: where the first solution
+  /// misses a feature, the error falls by far more once, and not again (nine robot arms).
   void measure_power(double excess_before, std::size_t unknowns_before) {
     constexpr double least = 1.7, most = 5;
     const double growth = static_cast<double>(answer_.unknowns) / static_cast<double>(unknowns_before);
