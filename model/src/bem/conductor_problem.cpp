@@ -203,13 +203,18 @@ void write_delta_self(const PanelSystem& system, const PanelSolution& solution, 
       per_change * change.cwiseAbs().cwiseMax(relative.cwiseProduct(answer.delta_self).cwiseAbs()) + others;
 }
 
+/// Returns the energy in the highest functions of all faces.
+double highest_energy(const PanelSolution& solution) {
+  double total = 0;
+  for (const Eigen::Vector2d& highest : solution.highest)
+    total += highest.sum();
+  return total;
+}
+
 /// Returns the missing energy that is allowed after a refinement. The energy that is missing now is estimated
 /// by that of the highest functions and of the groups of panels.
 double allowed_energy(const PanelSolution& solution, double excess) {
-  double total = solution.error_indicators.sum();
-  for (const Eigen::Vector2d& highest : solution.highest)
-    total += highest.sum();
-  return total / (excess_margin * excess);
+  return (solution.error_indicators.sum() + highest_energy(solution)) / (excess_margin * excess);
 }
 
 /// Adds functions where the highest ones hold more than their share of the allowed energy. Returns false if
@@ -250,24 +255,23 @@ bool has_most(const FaceFunctions& face) {
   return face.u == most_functions || face.v == most_functions;
 }
 
-/// The functions to begin with, those that all features would take, and the estimated error per change
-/// between the two spaces that goes with the former.
+/// The functions to begin with, those that all features would take, and the estimated errors per change
+/// between the two spaces that go with the former, for what functions and what panels miss.
 struct Beginning {
   std::vector<FaceFunctions> functions;
   std::vector<FaceFunctions> needed;
-  double error_per_change;
+  double of_functions;
+  double of_panels = error_per_panel_change;
 };
 
 Beginning beginning(const ChargedBodies& bodies, std::size_t panels, const BoundaryElementOptions& options) {
   const int least = options.rtol >= 0.01 ? 5 : 7;
   const double features = options.rtol > every_feature ? 1 : 2;
   const std::vector<FaceFunctions> needed = a_priori_functions(bodies, features, least);
-  Beginning result{needed, needed,
-                   panels > 0                     ? error_per_panel_change
-                   : options.rtol > every_feature ? error_per_coarse_change
-                                                  : error_per_change};
+  Beginning result{needed, needed, options.rtol > every_feature ? error_per_coarse_change : error_per_change};
   if (count_unknowns(needed) + panels > options.most_unknowns)
-    result = {a_priori_functions(bodies, 0, least), needed, error_per_unresolved_change};
+    result = {a_priori_functions(bodies, 0, least), needed, error_per_unresolved_change,
+              error_per_unresolved_change};
   if (count_unknowns(result.functions) + panels > options.most_unknowns)
     throw InputError(fmt::format("the scene needs at least {} unknowns: boundary elements take at most {}",
                                  count_unknowns(result.functions) + panels, options.most_unknowns));
@@ -328,13 +332,14 @@ class ConductorProblem : public AdaptiveProblem {
       return last();
     }
     surfaces_ = effects_of_surfaces(simplification_, system_, solution_, bodies_);
-    write(begun_.error_per_change);
+    const double per_change = weighted_error_per_change();
+    write(per_change);
     // The estimates stay as cautious as the last ones turned out to be.
     is_first_ = answer_.unknowns == 0;
     const double believed = believed_.next(answer_, surfaces_.entries.lasting_errors,
                                            reading_effects(surfaces_.readings.lasting_errors), bodies_);
     if (panels() > 0 && !is_first_)
-      write(begun_.error_per_change * believed);
+      write(per_change * believed);
     const std::size_t unknowns_before =
         std::exchange(answer_.unknowns, count_unknowns(begun_.functions) + panels());
     if (!bodies_.readings.empty())
@@ -412,6 +417,15 @@ class ConductorProblem : public AdaptiveProblem {
   static Assessment last() { return {true, {}, 0, 0}; }
 
   std::size_t panels() const { return system_.mesh().panels().size(); }
+
+  /// Returns the estimated error per change between the two spaces: that of what functions and of what panels
+  /// miss, by their parts of the missing energy.
+  double weighted_error_per_change() const {
+    const double functions = highest_energy(solution_), groups = solution_.error_indicators.sum();
+    if (functions + groups == 0)
+      return panels() > 0 ? begun_.of_panels : begun_.of_functions;
+    return (begun_.of_functions * functions + begun_.of_panels * groups) / (functions + groups);
+  }
 
   void write(double per_change) {
     per_change_ = per_change;
