@@ -98,17 +98,39 @@ Eigen::Vector2d least_parameters(const ChargedFace& face, const ChargedBody& bod
   return least;
 }
 
+/// Returns these of all faces, body after body.
+std::vector<Eigen::Vector2d> parameters_of_faces(const ChargedBodies& bodies) {
+  std::vector<Eigen::Vector2d> parameters;
+  for (const ChargedBody& body : bodies.bodies)
+    for (const ChargedFace& face : faces_of(body.surface))
+      parameters.push_back(least_parameters(face, body, bodies));
+  return parameters;
+}
+
+FaceFunctions functions_on_face(const Eigen::Vector2d& parameters, double features, int least) {
+  return {functions_for(parameters[0], features, least), functions_for(parameters[1], features, least)};
+}
+
 }  // namespace
 
 std::vector<FaceFunctions> a_priori_functions(const ChargedBodies& bodies, double features, int least) {
   std::vector<FaceFunctions> functions;
-  for (const ChargedBody& body : bodies.bodies)
-    for (const ChargedFace& face : faces_of(body.surface)) {
-      const Eigen::Vector2d parameters = least_parameters(face, body, bodies);
-      functions.push_back(
-          {functions_for(parameters[0], features, least), functions_for(parameters[1], features, least)});
-    }
+  for (const Eigen::Vector2d& parameters : parameters_of_faces(bodies))
+    functions.push_back(functions_on_face(parameters, features, least));
   return functions;
+}
+
+std::vector<double> numbers_of_functions(const ChargedBodies& bodies, std::span<const double> features,
+                                         int least) {
+  const std::vector<Eigen::Vector2d> faces = parameters_of_faces(bodies);
+  std::vector<double> numbers;
+  for (const double of_face : features) {
+    double number = 0;
+    for (const Eigen::Vector2d& parameters : faces)
+      number += functions_on_face(parameters, of_face, least).count();
+    numbers.push_back(number);
+  }
+  return numbers;
 }
 
 std::optional<ChargedBodies> with_triangles(const ChargedBodies& bodies, const std::vector<bool>& chosen) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "bem/jacobi_basis.hpp"
@@ -14,6 +15,10 @@ namespace fringe::detail {
 ///
 /// @param features least number of functions for each length over which the charge changes
 std::vector<FaceFunctions> a_priori_functions(const ChargedBodies& bodies, double features, int least);
+
+/// Returns how many functions these are in all, for each number of `features`.
+std::vector<double> numbers_of_functions(const ChargedBodies& bodies, std::span<const double> features,
+                                         int least);
 
 /// Returns the bodies with triangles in place of the faces of those that are chosen, one choice for each
 /// body. Returns nothing if none is.

@@ -21,10 +21,6 @@ using Eigen::MatrixXd;
 using Eigen::RowVectorXd;
 using Eigen::Vector3d;
 
-/// Largest number of triangles of a surface that are quartered. A larger surface has triangles enough of its
-/// own to group them for the coarse space.
-constexpr std::size_t few_triangles = 400;
-
 /// Number of triangles in a group: as many as a triangle has quarters.
 constexpr std::size_t group_size = 4;
 

@@ -48,6 +48,10 @@ struct PanelGrading {
 /// The panels of bodies of triangles, in groups that can be refined.
 class PanelMesh {
  public:
+  /// Largest number of triangles of a surface that are quartered. A larger surface has triangles enough of
+  /// its own to group them for the coarse space.
+  static constexpr std::size_t few_triangles = 400;
+
   /// Parts of the surfaces that `hidden` contains get no panels.
   explicit PanelMesh(std::shared_ptr<const HiddenSurface> hidden = nullptr) : hidden_(std::move(hidden)) {}
 

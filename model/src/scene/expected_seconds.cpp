@@ -2,12 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <map>
 #include <string>
 #include <variant>
+#include <vector>
 
+#include "bem/mesh_size.hpp"
+#include "bem/panel_mesh.hpp"
+#include "fringe/error.hpp"
 #include "fringe/triangulation.hpp"
+#include "surface/bodies.hpp"
 #include "surface/insulators.hpp"
+#include "surface/simplification.hpp"
 
 namespace fringe::detail {
 namespace {
@@ -17,40 +24,48 @@ double seconds_of_formula(const SceneSize& size) {
   return per_triangle * size.triangles * size.sensors;
 }
 
-/// Fitted to 190 random scenes of 2 to 9 bodies (`analysis honesty`): the preparation of boxes, and far more
-/// that of other bodies and of those that touch as one conductor, takes most of it. That of machines was
-/// measured on seven of 28 to 32,548 triangles.
+/// Panels that a surface gets where others are close, in the mean of 318 random scenes.
+constexpr double added_panels = 210;
+
+/// Returns what boundary elements take for their functions. Fitted to 318 random scenes of conductors
+/// (`analysis honesty`, seeds 0 to 415) at 1e-2, of which 85 % took half to twice as long together with the
+/// panels. The functions that would resolve the charge twice tell how many refinements there are.
+double seconds_of_functions(const SceneSize& size) {
+  constexpr double of_some = 0.021, some = 300, by_functions = 1.16, by_features = 2.7;
+  const auto [once, twice] = size.functions.value_or(std::array{0.0, 0.0});
+  return once > 0 ? of_some * std::pow(once / some, by_functions) * std::pow(twice / once, by_features) : 0;
+}
+
+/// That of panels was fitted to the same scenes. 44 with insulators took 2 to 20 s, the most that they were
+/// given, whatever their size.
+double seconds_of_boundary_elements(const SceneSize& size, const Effort& effort) {
+  constexpr double of_panels = 0.125, many = 1000, by_panels = 1.2, of_coupling = 0.107, some = 300;
+  constexpr double of_insulators = 10;
+  constexpr double usual_rtol = 1e-2, by_rtol = 0.4;
+  const double panels = size.first_panels / many;
+  const double functions = size.functions.value_or(std::array{0.0, 0.0})[0] / some;
+  double seconds =
+      seconds_of_functions(size) + of_panels * std::pow(panels, by_panels) + of_coupling * functions * panels;
+  if (size.has_insulators)
+    seconds += of_insulators;
+  return seconds * std::pow(usual_rtol / effort.rtol, by_rtol);
+}
+
+/// Fitted to 190 random scenes of 2 to 9 bodies (`analysis honesty`): the preparation of plates and boxes
+/// takes twice what boundary elements take, that of other bodies and of those that touch as one conductor
+/// most of it. That of machines was measured on seven of 28 to 32,548 triangles.
 double seconds_of_reduction(const SceneSize& size, const Effort& effort) {
-  constexpr double per_pair = 2e-6, per_plate = 4e-4, per_pair_of_boxes = 0.015;
-  constexpr double per_curved_body = 2, per_joined_conductor = 6;
+  constexpr double per_pair = 2e-6, per_solution = 2.2, per_curved_body = 2, per_joined_conductor = 6;
   constexpr double per_pose = 1e-3, machine = 2, per_triangle = 1e-3;
   constexpr double rough_machine = 0.6, rough_triangle = 9e-5;
   if (effort.is_rough)
     return rough_machine + rough_triangle * size.prepared_triangles;
   if (effort.is_by_matrix)
     return per_pair * size.bodies() * size.bodies() +
-           (effort.is_prepared
-                ? 0
-                : per_plate * size.plates + per_pair_of_boxes * size.boxes * size.boxes +
-                      per_curved_body * size.curved + per_joined_conductor * size.joined_conductors);
+           (effort.is_prepared ? 0
+                               : per_solution * seconds_of_functions(size) + per_curved_body * size.curved +
+                                     per_joined_conductor * size.joined_conductors);
   return effort.is_prepared ? per_pose : machine + per_triangle * size.prepared_triangles;
-}
-
-/// Fitted to 270 such scenes at 1e-2: 62 % of those without insulators took half to twice as long. Guards
-/// near a sensor take five times as long, isolated bodies a third. Of the bodies of a machine most are far
-/// from what is asked for: more of them take little more.
-double seconds_of_boundary_elements(const SceneSize& size, const Effort& effort) {
-  constexpr double of_plate = 0.07, of_box = 0.15, of_curved = 0.38, by_curved = 0.38, power = 3.8;
-  constexpr double most_bodies = 12, of_insulators = 6, of_covers = 15;
-  constexpr double usual_rtol = 1e-2, by_rtol = 0.4;
-  const double of_conductors =
-      std::pow(of_plate * std::min(size.plates, most_bodies) + of_box * std::min(size.boxes, most_bodies) +
-                   of_curved * std::pow(size.curved, by_curved),
-               power);
-  double of_dielectrics = 0;
-  if (size.has_insulators)
-    of_dielectrics = size.has_covers ? of_covers : of_insulators;
-  return (of_conductors + of_dielectrics) * std::pow(usual_rtol / effort.rtol, by_rtol);
 }
 
 }  // namespace
@@ -60,20 +75,55 @@ SceneSize::SceneSize(const Scene& scene)
   for (const Sensor& sensor : scene.sensors)
     plates += static_cast<double>(sensor.plates.size());
   std::map<std::string, std::size_t> members;
-  for (const Object& object : scene.objects) {
+  for (const Object& object : scene.objects)
     if (object.conductor && ++members[*object.conductor] == 2)
       ++joined_conductors;
+  double many_triangles = 0;
+  for (const Object& object : scene.objects) {
     const auto count = static_cast<double>(triangulate(object.shape).size());
     triangles += count;
-    has_covers = has_covers || is_cover(object);
-    if (std::holds_alternative<Plate>(object.shape)) {
+    const bool is_plate = std::holds_alternative<Plate>(object.shape);
+    const bool is_box = std::holds_alternative<Cuboid>(object.shape);
+    if (is_plate)
       ++plates;
-    } else if (std::holds_alternative<Cuboid>(object.shape)) {
+    else if (is_box)
       ++boxes;
-    } else {
+    else {
       prepared_triangles += count;
       ++curved;
     }
+    // Plates and boxes that touch others of their conductor have triangles, too.
+    if ((!is_plate && !is_box) || (object.conductor && members[*object.conductor] > 1)) {
+      const bool is_undivided = count > static_cast<double>(PanelMesh::few_triangles);
+      (is_undivided ? many_triangles : first_panels) += is_undivided ? count : 4 * count;
+      first_panels += added_panels;
+    }
+  }
+  first_panels += std::min(many_triangles, static_cast<double>(Simplification::few_triangles));
+}
+
+void SceneSize::count_functions(const Scene& scene) {
+  /// Number of faces above which counting would take as long as the first solution.
+  constexpr double most_faces = 200, faces_of_box = 6;
+  constexpr int least = 5;
+  if (functions)
+    return;
+  if (const double faces = plates + faces_of_box * boxes; faces > most_faces || has_insulators) {
+    functions = {least * least * faces, least * least * faces};
+    return;
+  }
+  Scene flat = scene;
+  flat.readings.clear();
+  std::erase_if(flat.objects, [](const Object& object) {
+    return !std::holds_alternative<Plate>(object.shape) && !std::holds_alternative<Cuboid>(object.shape);
+  });
+  functions.emplace();
+  try {
+    const std::vector<double> numbers =
+        numbers_of_functions(charged_bodies(flat), std::array{1.0, 2.0}, least);
+    functions = {numbers[0], numbers[1]};
+  } catch (const InputError&) {
+    // Boundary elements refuse the scene at once.
   }
 }
 

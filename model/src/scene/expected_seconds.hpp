@@ -1,6 +1,7 @@
 #pragma once
 
-#include <cstddef>
+#include <array>
+#include <optional>
 
 #include "fringe/method.hpp"
 #include "fringe/scene.hpp"
@@ -11,15 +12,22 @@ namespace fringe::detail {
 struct SceneSize {
   explicit SceneSize(const Scene& scene);
 
+  /// Counts the functions, which takes longer than the rest, if that has not been done.
+  void count_functions(const Scene& scene);
+
   double triangles = 0;           ///< of all objects
   double prepared_triangles = 0;  ///< of those that are neither plates nor boxes
   double curved = 0;              ///< how many these are
+  double first_panels = 0;  ///< with which boundary elements begin on the surfaces that have triangles there
   double boxes = 0;
   double plates = 0;             ///< those of sensors, too
   double joined_conductors = 0;  ///< those of more than one object
   double sensors = 0;
   bool has_insulators = false;
-  bool has_covers = false;  ///< on sensors
+
+  /// How many functions boundary elements begin with on plates and boxes, with one function for each length
+  /// over which the charge changes and with two; none before they are counted.
+  std::optional<std::array<double, 2>> functions;
 
   double bodies() const { return curved + boxes + plates; }
 };

@@ -172,7 +172,9 @@ TEST(Auto, AnswersForADielectricBall) {
 TEST(ExpectedSeconds, OfManyBoxesAreThoseOfTheNearestFew) {
   Scene scene = plates();
   const auto seconds = [&] {
-    return detail::expected_seconds(BoundaryElements{}, detail::SceneSize(scene), {.rtol = 1e-2});
+    detail::SceneSize size(scene);
+    size.count_functions(scene);
+    return detail::expected_seconds(BoundaryElements{}, size, {.rtol = 1e-2});
   };
   const double few = seconds();
   for (int k = 0; k < 200; ++k)
