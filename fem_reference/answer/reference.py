@@ -144,7 +144,7 @@ class Reference:
         changes of readings, which are differences of two solutions.
         """
         if self.only_readings:
-            own = max(reading.relative_error_of_value for reading in self.readings)
+            own = float(max(reading.relative_error_of_value for reading in self.readings))
         elif self.enclosure is not None:
             own = float(np.max(self.enclosure.half_width / np.abs(self.maxwell.value)))
         else:

@@ -3,6 +3,7 @@ whole matrix with its bounds."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -97,6 +98,13 @@ def test_a_dielectric_target_is_the_medium_in_the_background() -> None:
 def test_only_readings_whose_conductors_were_asked_for_are_answered() -> None:
     readings = conductors(loads(GUARDED_SENSOR + READINGS + TARGET), columns=["guard"]).readings
     assert readings == () and conductors(loads(GUARDED_SENSOR), columns=["front"]).readings[0].sense == 0
+
+
+def test_whether_the_readings_are_accurate_enough_is_a_boolean_that_json_knows() -> None:
+    """It was one of NumPy where their error was a number of NumPy that is too large."""
+    found = replace(solved(GUARDED_SENSOR + READINGS + TARGET), only_readings=True)
+    tight = replace(found, rtol=found.worst / 2)
+    assert type(found.worst) is float and type(tight.reached) is bool and not tight.reached
 
 
 def test_people_get_a_table_with_proven_bounds() -> None:

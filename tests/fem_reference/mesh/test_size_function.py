@@ -108,9 +108,12 @@ def test_cells_follow_the_accuracy_that_is_asked_for() -> None:
     asked = [sizing_for(rtol, 1.0) for rtol in (1e-1, 2e-2, 1e-2, 1e-3, 9e-4, 1e-4)]
     growths = [each.growth for each in asked]
     assert growths == sorted(growths, reverse=True) and growths[0] == growths[3] > growths[4] > growths[5]
-    coarse, fine = asked[1:3]
-    assert coarse.curvature > fine.curvature and coarse.far > fine.far
-    assert coarse.edge == fine.edge and coarse.edge_in_gap == fine.edge_in_gap
+    coarse, middle, fine = asked[1:4]
+    assert coarse.curvature > middle.curvature == fine.curvature and coarse.far > middle.far == fine.far
+    assert (
+        coarse.edge == middle.edge > fine.edge
+        and coarse.edge_in_gap == middle.edge_in_gap == fine.edge_in_gap
+    )
 
 
 def chain(errors: list[float], away: list[float] | None = None) -> Marks:
