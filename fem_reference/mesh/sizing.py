@@ -84,11 +84,8 @@ class Sizing:
     """Sizes that take the place of those at edges."""
 
 
-COARSE_EDGES_RTOL = 5e-3
-"""Relative accuracy from which on the first mesh is coarser at edges. Sensors before plates, housings and guards reached 1e-2 on either mesh,
-on the coarser one in 0.6 to 0.9 of the time."""
-COARSE_RTOL = 2e-2
-"""Relative accuracy from which on the first mesh is coarser on round surfaces and at the edges of grounded bodies, too."""
+COARSE_EDGES_RTOL, COARSE_RTOL = 5e-3, 2e-2
+"""Relative accuracies from which on the first mesh is coarser: at edges; and on round surfaces and at the edges of grounded bodies."""
 
 
 def sizing_for(rtol: float, refinement: float) -> Sizing:
@@ -100,9 +97,8 @@ def sizing_for(rtol: float, refinement: float) -> Sizing:
     growth = float(0.6 * min(1.0, rtol / 1e-3) ** 0.25)
     if rtol >= COARSE_RTOL:
         return Sizing(edge=0.2, far=0.2, curvature=0.6, growth=growth, refinement=refinement)
-    if rtol >= COARSE_EDGES_RTOL:
-        return Sizing(edge=0.2, growth=growth, refinement=refinement)
-    return Sizing(growth=growth, refinement=refinement)
+    edge = 0.2 if rtol >= COARSE_EDGES_RTOL else Sizing.edge
+    return Sizing(edge=edge, growth=growth, refinement=refinement)
 
 
 def size_function(problem: Conductors, sizing: Sizing) -> SizeFunction:
@@ -123,14 +119,13 @@ def size_function(problem: Conductors, sizing: Sizing) -> SizeFunction:
     known = [distance_on_tape(body, tape) for body in bodies]
     widths = {(i, j): distance(bodies[i], bodies[j]) for i, j in gaps}
     # Where a gap is wide, the growth from edges sets smaller sizes everywhere. Without such gaps the size is the same, and found sooner.
-    driven_bodies = [k for k in range(len(bodies)) if k not in grounded]
     sizes: list[Quantity] = [
         _in_gap(bodies[i], bodies[j], sizing) * (known[i] + known[j])
         for i, j in gaps
         if not any(
             _is_wide(bodies[k], widths[i, j], _in_gap(bodies[i], bodies[j], sizing), sizing)
             for k in (i, j)
-            if k in driven_bodies
+            if k not in grounded
         )
     ]
     for i, body in enumerate(bodies):
