@@ -101,7 +101,7 @@ def test_only_readings_whose_conductors_were_asked_for_are_answered() -> None:
 
 
 def test_whether_the_readings_are_accurate_enough_is_a_boolean_that_json_knows() -> None:
-    """It was one of NumPy where their error was a number of NumPy that is too large."""
+    """JSON does not know the Booleans that comparing numbers of NumPy gives."""
     found = replace(solved(GUARDED_SENSOR + READINGS + TARGET), only_readings=True)
     tight = replace(found, rtol=found.worst / 2)
     assert type(found.worst) is float and type(tight.reached) is bool and not tight.reached

@@ -27,9 +27,10 @@ double seconds_of_formula(const SceneSize& size) {
 /// Panels that a surface gets where others are close, in the mean of 318 random scenes.
 constexpr double added_panels = 210;
 
-/// Returns what boundary elements take for their functions. Fitted to 318 random scenes of conductors
-/// (`analysis honesty`, seeds 0 to 415) at 1e-2, of which 85 % took half to twice as long together with the
-/// panels. The functions that would resolve the charge twice tell how many refinements there are.
+/// Returns what boundary elements take for their functions. Fitted, with the panels, to 318 random scenes of
+/// conductors (`analysis honesty`, seeds 0 to 415) at 1e-2; of the next 208 scenes, some with insulators, 71
+/// % took half to twice as long. The functions that would resolve the charge twice tell how many refinements
+/// there are.
 double seconds_of_functions(const SceneSize& size) {
   constexpr double of_some = 0.021, some = 300, by_functions = 1.16, by_features = 2.7;
   const auto [once, twice] = size.functions.value_or(std::array{0.0, 0.0});
