@@ -19,6 +19,9 @@ using Eigen::Vector3d;
 /// Distance of a copy from its panel, relative to its size.
 constexpr double steps_per_size = 0.7;
 
+/// Error per added effect of the facets of an interface, whose fields are those of a sample of panels.
+constexpr double error_per_added_interface = 0.6;
+
 Panel shifted(const Panel& panel, const Vector3d& by) {
   Panel result = panel;
   for (Vector3d& corner : result.corners)
@@ -29,17 +32,6 @@ Panel shifted(const Panel& panel, const Vector3d& by) {
 
 double step_beside(const Panel& panel) {
   return steps_per_size * std::sqrt(panel.area);
-}
-
-/// Returns the roots of what a panel of a round conductor lacks, three rows.
-MatrixXd root_of_conductor(const RoundShape& shape, const Panel& panel, const Ratios& ratios,
-                           const RowVectorXd& charges) {
-  const double outside = shape.is_thin() ? (ratios.behind + ratios.before) / 2 : ratios.before;
-  const double lack = shape.lack_per_squared_charge(panel) +
-                      shape.lack_along_rim(panel, charges.cwiseAbs().maxCoeff() / outside);
-  MatrixXd result = MatrixXd::Zero(BesideFacets::rows, charges.cols());
-  result.row(0) = std::sqrt(lack / outside) * charges;
-  return result;
 }
 
 /// Returns how much the potential falls over a step along two directions of a panel's plane, by the
@@ -75,6 +67,7 @@ BesideFacets beside_facets(const PanelMesh& mesh, const InsulatedBodies& bodies)
   const std::size_t conductors = bodies.conductors.bodies.size();
   std::vector<std::size_t> panels, groups;
   std::vector<double> depths;
+  std::vector<bool> are_added;
   for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
     const PanelGroup& group = mesh.groups()[g];
     if (group.body < conductors || group.body >= conductors + bodies.insulators.size())
@@ -85,6 +78,7 @@ BesideFacets beside_facets(const PanelMesh& mesh, const InsulatedBodies& bodies)
         panels.push_back(k);
         groups.push_back(g);
         depths.push_back(depth);
+        are_added.push_back(round->is_lack_added());
       }
   }
   BesideFacets result;
@@ -95,29 +89,47 @@ BesideFacets beside_facets(const PanelMesh& mesh, const InsulatedBodies& bodies)
     result.panels.push_back(panels[at]);
     result.groups.push_back(groups[at]);
     result.depths.push_back(depths[at] * static_cast<double>(panels.size()) / static_cast<double>(count));
+    result.are_added.push_back(are_added[at]);
     result.beside.push_back(shifted(panel, step_beside(panel) * unit_normal(panel.corners)));
   }
   return result;
 }
 
-MatrixXd facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
-                       const InsulatedEquations& equations, const BesideFacets& facets,
-                       const MatrixXd& values, double tolerance) {
+FacetEffects facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
+                           const InsulatedEquations& equations, const BesideFacets& facets,
+                           const MatrixXd& values, double tolerance) {
   const InsulatedUnknowns& unknowns = equations.unknowns;
   const std::vector<Index> place = places_of_panels(mesh, unknowns);
+  FacetEffects result{MatrixXd::Zero(values.cols(), values.cols()),
+                      {},
+                      {},
+                      MatrixXd::Zero(index_of(mesh.groups().size()), values.cols())};
   std::vector<MatrixXd> roots;
-  // Every panel has rows whether it is there or not: roots with and without some bodies are compared.
-  for (const PanelGroup& group : mesh.groups()) {
+  std::vector<std::size_t> groups;
+  // Every panel has rows whether it is there or not: errors with and without some bodies are compared.
+  const auto new_root = [&](std::size_t group) -> MatrixXd& {
+    groups.push_back(group);
+    return roots.emplace_back(MatrixXd::Zero(BesideFacets::rows, values.cols()));
+  };
+  for (std::size_t g = 0; g < mesh.groups().size(); ++g) {
+    const PanelGroup& group = mesh.groups()[g];
     if (group.body >= bodies.conductors.bodies.size())
       continue;
     const RoundShape* const round = round_shape_of(bodies.conductors.bodies[group.body].surface);
     for (std::size_t panel = group.first; round != nullptr && panel < group.first + group.count; ++panel) {
+      MatrixXd& root = new_root(g);
       const Index own = place[panel];
-      const bool is_conductor = own >= 0 && unknowns.kind(own) == PartKind::conductor;
-      roots.push_back(is_conductor ? root_of_conductor(*round, mesh.panels()[panel],
-                                                       unknowns.states[static_cast<std::size_t>(own)].ratios,
-                                                       values.row(own))
-                                   : MatrixXd(MatrixXd::Zero(BesideFacets::rows, values.cols())));
+      if (own < 0 || unknowns.kind(own) != PartKind::conductor)
+        continue;
+      const Ratios& ratios = unknowns.states[static_cast<std::size_t>(own)].ratios;
+      const double outside = round->is_thin() ? (ratios.behind + ratios.before) / 2 : ratios.before;
+      const RowVectorXd charges = values.row(own);
+      const double lack = round->lack_per_squared_charge(mesh.panels()[panel]) / outside;
+      const double along_rim =
+          round->lack_along_rim(mesh.panels()[panel], charges.cwiseAbs().maxCoeff() / outside) / outside;
+      root.row(0) = std::sqrt(round->error_per_lack() * (lack + along_rim)) * charges;
+      if (round->is_lack_added())
+        result.added += lack * charges.transpose() * charges;
     }
   }
   std::vector<AngleTarget> targets;
@@ -131,7 +143,7 @@ MatrixXd facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
   for (std::size_t k = 0; k < facets.panels.size(); ++k) {
     // Parts that lie on conductors, or are not there, are no unknowns.
     const Index own = place[facets.panels[k]];
-    MatrixXd& root = roots.emplace_back(MatrixXd::Zero(BesideFacets::rows, values.cols()));
+    MatrixXd& root = new_root(facets.groups[k]);
     if (own < 0)
       continue;
     const Panel& panel = mesh.panels()[facets.panels[k]];
@@ -141,10 +153,20 @@ MatrixXd facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
     root *= std::sqrt(std::abs(ratios.behind - ratios.before) / (4 * std::numbers::pi) * facets.depths[k] *
                       panel.area) /
             step_beside(panel);
+    if (facets.are_added[k])
+      result.added += (ratios.behind > ratios.before ? 1 : -1) * root.transpose() * root;
+    root *= std::sqrt(facets.are_added[k] ? error_per_added_interface : error_per_facet_effect);
   }
-  MatrixXd result(BesideFacets::rows * index_of(roots.size()), values.cols());
-  for (std::size_t k = 0; k < roots.size(); ++k)
-    result.middleRows(BesideFacets::rows * index_of(k), BesideFacets::rows) = roots[k];
+  result.errors.resize(BesideFacets::rows * index_of(roots.size()), values.cols());
+  result.lasting = MatrixXd::Zero(result.errors.rows(), values.cols());
+  for (std::size_t k = 0; k < roots.size(); ++k) {
+    const Index first = BesideFacets::rows * index_of(k);
+    result.errors.middleRows(first, BesideFacets::rows) = roots[k];
+    if (mesh.follows_shape(mesh.groups()[groups[k]].body))
+      result.groups.row(index_of(groups[k])) += roots[k].colwise().squaredNorm();
+    else
+      result.lasting.middleRows(first, BesideFacets::rows) = roots[k];
+  }
   return result;
 }
 

@@ -97,11 +97,12 @@ struct Solved {
   MatrixXd coarse;
   MatrixXd half_refined;  ///< InsulatedSolution::half_refined
   MatrixXd asymmetry;
-  MatrixXd films;       ///< effects of the thickness of thin films
-  VectorXd missed;      ///< energy that varies within groups, for each conductor at unit potential
-  MatrixXd undivided;   ///< of undivided triangles, UndividedGain::roots
-  MatrixXd facets;      ///< of round shapes, as from facet_effects()
-  MatrixXd simplified;  ///< roots of the errors by simplified surfaces, for every panel
+  MatrixXd films;           ///< effects of the thickness of thin films
+  VectorXd missed;          ///< energy that varies within groups, for each conductor at unit potential
+  MatrixXd undivided;       ///< of undivided triangles, UndividedGain::roots
+  MatrixXd facets;          ///< roots of the errors by those of round shapes
+  MatrixXd lasting_facets;  ///< those that no refinement makes less
+  MatrixXd simplified;      ///< roots of the errors by simplified surfaces, for every panel
 };
 
 /// `deviations` are deviation_effects().
@@ -117,7 +118,8 @@ Solved solved(const InsulatedSolution& solution, const VectorXd& deviations, con
           without_floating(symmetric(solution.extrapolated + solution.film_effects), bodies) - values,
           solution.missed_energies.head(values.rows()),
           std::sqrt(error_per_undivided_gain) * solution.undivided * at,
-          std::sqrt(error_per_facet_effect) * solution.facets * at,
+          solution.facets * at,
+          solution.lasting_facets * at,
           deviations.cwiseSqrt().asDiagonal() * solution.panels * at};
 }
 
@@ -348,27 +350,22 @@ class InsulatedProblem : public AdaptiveProblem {
         throw;
       return {true, {}, 0, 0};
     }
-    GeometryErrors geometry{film_errors_of(all) + errors_of_roots(all.facets) +
-                                errors_of_roots(all.simplified),
-                            {},
-                            !films_ && !simplification_.is_changed()};
+    GeometryErrors geometry =
+        errors_by_surfaces(all, background, all.lasting_facets, background.lasting_facets);
     // The error of undivided triangles ends when they are divided; it does not fall with the number of
     // panels.
-    GeometryErrors lasting{geometry.entries + errors_of_roots(all.undivided), {}, true};
-    if (has_readings()) {
-      geometry.readings = film_errors_of_readings(all, background, conductors_);
-      geometry.readings += errors_of_readings(all.facets, background.facets, BesideFacets::rows, conductors_);
-      geometry.readings += errors_of_readings(all.simplified, background.simplified, 1, conductors_);
-      lasting.readings = geometry.readings;
-      lasting.readings +=
-          errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors_);
-    }
-    write(all, alone, background, lasting.readings, 1, 1);
-    const double believed = believed_.next(answer_, lasting.entries, lasting.readings, conductors_);
+    GeometryErrors lasting = geometry;
+    geometry.are_of_facets = !films_ && !simplification_.is_changed();
+    lasting.are_of_facets = true;
+    GeometryErrors stated = errors_by_surfaces(all, background, all.facets, background.facets);
+    for (GeometryErrors* const each : {&lasting, &stated})
+      add_undivided(all, background, *each);
+    write(all, alone, background, stated.readings, 1, 1);
+    const double believed = believed_.next(answer_, stated.entries, stated.readings, conductors_);
     const double caution =
         refinements_ < factors_of_first_solutions.size() ? factors_of_first_solutions[refinements_] : 1;
     if (believed < 1 || caution > 1)
-      write(all, alone, background, lasting.readings, believed, caution * believed);
+      write(all, alone, background, stated.readings, believed, caution * believed);
     return assessed(geometry, lasting, caution);
   }
 
@@ -391,6 +388,27 @@ class InsulatedProblem : public AdaptiveProblem {
   }
 
   bool has_readings() const { return !conductors_.readings.empty(); }
+
+  /// Returns the errors by thin films, by facets, of which the roots are given with the targets and without
+  /// them, and by simplified surfaces.
+  GeometryErrors errors_by_surfaces(const Solved& all, const Solved& background, const MatrixXd& facets,
+                                    const MatrixXd& facets_of_background) const {
+    GeometryErrors result{
+        film_errors_of(all) + errors_of_roots(facets) + errors_of_roots(all.simplified), {}, false};
+    if (!has_readings())
+      return result;
+    result.readings = film_errors_of_readings(all, background, conductors_);
+    result.readings += errors_of_readings(facets, facets_of_background, BesideFacets::rows, conductors_);
+    result.readings += errors_of_readings(all.simplified, background.simplified, 1, conductors_);
+    return result;
+  }
+
+  void add_undivided(const Solved& all, const Solved& background, GeometryErrors& errors) const {
+    errors.entries += errors_of_roots(all.undivided);
+    if (has_readings())
+      errors.readings +=
+          errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors_);
+  }
 
   /// Writes the answer. `believed` is the part of the estimated errors that is stated, of those of changes
   /// `believed_of_changes`; `others` are errors of readings beside them.

@@ -185,6 +185,19 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
   std::vector<std::vector<Triangle>> surfaces = divided_surfaces(bodies);
   PanelGrading of_body = grading;
   of_body.most_panels /= std::max<std::size_t>(surfaces.size(), 1);
+  const std::vector<bool> are_apart = standing_apart(bodies);
+  // Between panels that follow a shape and neighbours that do not yet, the surface is not closed, which
+  // charges a body the more the higher its permittivity is.
+  const auto followed_by = [&](std::size_t body) -> const RoundShape* {
+    if (!are_apart[body])
+      return nullptr;
+    if (body < conductors)
+      return round_shape_of(bodies.conductors.bodies[body].surface);
+    if (body >= conductors + bodies.insulators.size())
+      return nullptr;
+    const Insulator& insulator = bodies.insulators[body - conductors];
+    return insulator.round && insulator.ratio < almost_conductor ? &*insulator.round : nullptr;
+  };
   for (std::size_t body = 0; body < surfaces.size(); ++body) {
     std::erase_if(surfaces[body], [&](const Triangle& part) {
       return (body < conductors && hidden.contains(part, body)) ||
@@ -197,7 +210,7 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
       throw InputError(fmt::format("{} is dielectric and wholly inside a conductor, where there is no field",
                                    bodies.insulators[body - conductors].name));
     if (!surfaces[body].empty())
-      mesh_.add(body, surfaces[body], of_body);
+      mesh_.add(body, surfaces[body], of_body, followed_by(body));
   }
   ChargedBodies all = bodies.conductors;
   for (const Insulator& insulator : bodies.insulators)
@@ -301,8 +314,12 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   result.missed_energies = energies.colwise().sum();
   UndividedGain undivided = undivided_gain(mesh_, bodies_, equations, quarters_, found.fine, tolerance_);
   result.undivided = std::move(undivided.roots);
-  result.facets = facet_effects(mesh_, bodies_, equations, facets_, found.fine, tolerance_);
-  result.error_indicators = largest_parts(energies + undivided.groups, result.matrix.fine.diagonal());
+  FacetEffects facets = facet_effects(mesh_, bodies_, equations, facets_, found.fine, tolerance_);
+  result.extrapolated += facets.added;
+  result.facets = std::move(facets.errors);
+  result.lasting_facets = std::move(facets.lasting);
+  result.error_indicators =
+      largest_parts(energies + undivided.groups + facets.groups, result.matrix.fine.diagonal());
   result.unknowns = unknowns;
   return result;
 }

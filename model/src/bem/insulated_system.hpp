@@ -27,7 +27,8 @@ struct InsulatedSolution {
   Eigen::MatrixXd body_charges;      ///< on each body of a conductor, in the whole space
   Eigen::VectorXd error_indicators;  ///< of the groups of panels, relative to each conductor's own entry
   Eigen::MatrixXd undivided;         ///< of undivided triangles, UndividedGain::roots
-  Eigen::MatrixXd facets;            ///< of round shapes, as from facet_effects()
+  Eigen::MatrixXd facets;            ///< errors by those of round shapes, FacetEffects::errors
+  Eigen::MatrixXd lasting_facets;    ///< those that no refinement makes less
   Eigen::MatrixXd film_effects;      ///< of the thickness of thin films, each counted as positive
   Eigen::VectorXd missed_energies;   ///< the sums over all groups, for each conductor at unit potential
 };

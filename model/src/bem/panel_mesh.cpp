@@ -185,7 +185,7 @@ std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t
   /// Least area of a part, relative to one of a flat triangle.
   constexpr double least_area = 0.2;
   std::array<Vector3d, 3> straight = middles_of_sides(triangle);
-  if (body >= followed_.size() || !followed_[body])
+  if (!follows_shape(body))
     return straight;
   std::array<Vector3d, 3> result;
   for (std::size_t side = 0; side < 3; ++side)
@@ -208,7 +208,7 @@ std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t
 std::array<double, 3> PanelMesh::bends(const Triangle& triangle, const std::array<Vector3d, 3>& middles,
                                        std::size_t body) const {
   std::array<double, 3> result{};
-  if (body >= followed_.size() || !followed_[body])
+  if (!follows_shape(body))
     return result;
   const std::array<Vector3d, 3> straight = middles_of_sides(triangle);
   const double per_distance =
@@ -279,7 +279,7 @@ void PanelMesh::add(std::size_t body, std::span<const Triangle> surface, const P
   if (triangles.size() <= few_triangles) {
     for (Triangle& triangle :
          graded_triangles(triangles, grading.missing, grading.most_panels / group_size)) {
-      if (body < followed_.size() && followed_[body])
+      if (follows_shape(body))
         for (Vector3d& corner : triangle)
           corner = followed_[body]->on_shape(corner);
       add_quartered(triangle, body);

@@ -63,6 +63,8 @@ class PanelMesh {
 
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }
+  /// Tells whether the panels of a body that are divided follow a round shape.
+  bool follows_shape(std::size_t body) const { return body < followed_.size() && followed_[body]; }
 
   /// Returns the group of every panel.
   std::vector<Eigen::Index> group_of_panels() const;

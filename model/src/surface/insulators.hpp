@@ -85,6 +85,10 @@ Presence everything(const InsulatedBodies& bodies);
 Presence without_targets(const InsulatedBodies& bodies);
 Presence sensors_alone(const InsulatedBodies& bodies);
 
+/// Tells for each body, in the order of Surroundings, whether the box around it meets that of no other. So
+/// its surface may be the round one for which its triangles stand.
+std::vector<bool> standing_apart(const InsulatedBodies& bodies);
+
 /// The relative permittivities behind a panel and before it, where its normal points to.
 struct Ratios {
   double behind;
@@ -146,6 +150,7 @@ class Surroundings {
 
   const InsulatedBodies& bodies_;
   Presence presence_;
+  std::vector<bool> are_apart_;
   std::vector<Closed> closed_;  ///< the conductors' closed surfaces that are there
 };
 
