@@ -24,8 +24,26 @@ double seconds_of_formula(const SceneSize& size) {
   return per_triangle * size.triangles * size.sensors;
 }
 
-/// Panels that a surface gets where others are close, in the mean of 318 random scenes.
-constexpr double added_panels = 210;
+/// Counts what boundary elements begin with on bodies that are joined where they touch.
+FirstUnknowns first_unknowns(ChargedBodies bodies, int least) {
+  /// Panels that a surface gets where others are close, in the mean of 318 random scenes.
+  constexpr double added_panels = 210;
+  double undivided = 0, divided = 0;
+  std::erase_if(bodies.bodies, [&](const ChargedBody& body) {
+    const std::size_t count = triangles_of(body.surface).size();
+    if (count == 0)
+      return false;
+    if (count > PanelMesh::few_triangles)
+      undivided += static_cast<double>(count);
+    else
+      divided += 4 * static_cast<double>(count);
+    divided += added_panels;
+    return true;
+  });
+  const std::vector<double> functions = numbers_of_functions(bodies, std::array{1.0, 2.0}, least);
+  return {functions[0], functions[1],
+          divided + std::min(undivided, static_cast<double>(Simplification::few_triangles))};
+}
 
 /// Returns what boundary elements take for their functions. Fitted, with the panels, to 318 random scenes of
 /// conductors (`analysis honesty`, seeds 0 to 415) at 1e-2; of the next 208 scenes, some with insulators, 71
@@ -33,8 +51,10 @@ constexpr double added_panels = 210;
 /// there are.
 double seconds_of_functions(const SceneSize& size) {
   constexpr double of_some = 0.021, some = 300, by_functions = 1.16, by_features = 2.7;
-  const auto [once, twice] = size.functions.value_or(std::array{0.0, 0.0});
-  return once > 0 ? of_some * std::pow(once / some, by_functions) * std::pow(twice / once, by_features) : 0;
+  const FirstUnknowns first = size.unknowns.value_or(FirstUnknowns{});
+  return first.functions > 0 ? of_some * std::pow(first.functions / some, by_functions) *
+                                   std::pow(first.finer_functions / first.functions, by_features)
+                             : 0;
 }
 
 /// That of panels was fitted to the same scenes. 44 with insulators took 2 to 20 s, the most that they were
@@ -43,8 +63,8 @@ double seconds_of_boundary_elements(const SceneSize& size, const Effort& effort)
   constexpr double of_panels = 0.125, many = 1000, by_panels = 1.2, of_coupling = 0.107, some = 300;
   constexpr double of_insulators = 10;
   constexpr double usual_rtol = 1e-2, by_rtol = 0.4;
-  const double panels = size.first_panels / many;
-  const double functions = size.functions.value_or(std::array{0.0, 0.0})[0] / some;
+  const FirstUnknowns first = size.unknowns.value_or(FirstUnknowns{});
+  const double panels = first.panels / many, functions = first.functions / some;
   double seconds =
       seconds_of_functions(size) + of_panels * std::pow(panels, by_panels) + of_coupling * functions * panels;
   if (size.has_insulators)
@@ -79,50 +99,33 @@ SceneSize::SceneSize(const Scene& scene)
   for (const Object& object : scene.objects)
     if (object.conductor && ++members[*object.conductor] == 2)
       ++joined_conductors;
-  double many_triangles = 0;
   for (const Object& object : scene.objects) {
     const auto count = static_cast<double>(triangulate(object.shape).size());
     triangles += count;
-    const bool is_plate = std::holds_alternative<Plate>(object.shape);
-    const bool is_box = std::holds_alternative<Cuboid>(object.shape);
-    if (is_plate)
+    if (std::holds_alternative<Plate>(object.shape))
       ++plates;
-    else if (is_box)
+    else if (std::holds_alternative<Cuboid>(object.shape))
       ++boxes;
     else {
       prepared_triangles += count;
       ++curved;
     }
-    // Plates and boxes that touch others of their conductor have triangles, too.
-    if ((!is_plate && !is_box) || (object.conductor && members[*object.conductor] > 1)) {
-      const bool is_undivided = count > static_cast<double>(PanelMesh::few_triangles);
-      (is_undivided ? many_triangles : first_panels) += is_undivided ? count : 4 * count;
-      first_panels += added_panels;
-    }
   }
-  first_panels += std::min(many_triangles, static_cast<double>(Simplification::few_triangles));
 }
 
-void SceneSize::count_functions(const Scene& scene) {
+void SceneSize::count_unknowns(const Scene& scene) {
   /// Number of faces above which counting would take as long as the first solution.
   constexpr double most_faces = 200, faces_of_box = 6;
   constexpr int least = 5;
-  if (functions)
+  if (unknowns)
     return;
-  if (const double faces = plates + faces_of_box * boxes; faces > most_faces || has_insulators) {
-    functions = {least * least * faces, least * least * faces};
+  const double faces = plates + faces_of_box * boxes;
+  unknowns = FirstUnknowns{least * least * faces, least * least * faces,
+                           std::min(prepared_triangles, static_cast<double>(Simplification::few_triangles))};
+  if (faces > most_faces || has_insulators || prepared_triangles > Simplification::few_triangles)
     return;
-  }
-  Scene flat = scene;
-  flat.readings.clear();
-  std::erase_if(flat.objects, [](const Object& object) {
-    return !std::holds_alternative<Plate>(object.shape) && !std::holds_alternative<Cuboid>(object.shape);
-  });
-  functions.emplace();
   try {
-    const std::vector<double> numbers =
-        numbers_of_functions(charged_bodies(flat), std::array{1.0, 2.0}, least);
-    functions = {numbers[0], numbers[1]};
+    unknowns = first_unknowns(charged_bodies(scene), least);
   } catch (const InputError&) {
     // Boundary elements refuse the scene at once.
   }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <array>
 #include <optional>
 
 #include "fringe/method.hpp"
@@ -8,26 +7,30 @@
 
 namespace fringe::detail {
 
+/// How many unknowns boundary elements begin with.
+struct FirstUnknowns {
+  double functions = 0;        ///< on plates and boxes, one for each length over which the charge changes
+  double finer_functions = 0;  ///< the same with two
+  double panels = 0;           ///< on surfaces of triangles
+};
+
 /// What of a scene decides how long its methods take.
 struct SceneSize {
   explicit SceneSize(const Scene& scene);
 
-  /// Counts the functions, which takes longer than the rest, if that has not been done.
-  void count_functions(const Scene& scene);
+  /// Counts the unknowns, which takes longer than the rest, if that has not been done.
+  void count_unknowns(const Scene& scene);
 
   double triangles = 0;           ///< of all objects
   double prepared_triangles = 0;  ///< of those that are neither plates nor boxes
   double curved = 0;              ///< how many these are
-  double first_panels = 0;  ///< with which boundary elements begin on the surfaces that have triangles there
   double boxes = 0;
   double plates = 0;             ///< those of sensors, too
   double joined_conductors = 0;  ///< those of more than one object
   double sensors = 0;
   bool has_insulators = false;
 
-  /// How many functions boundary elements begin with on plates and boxes, with one function for each length
-  /// over which the charge changes and with two; none before they are counted.
-  std::optional<std::array<double, 2>> functions;
+  std::optional<FirstUnknowns> unknowns;  ///< none before they are counted
 
   double bodies() const { return curved + boxes + plates; }
 };

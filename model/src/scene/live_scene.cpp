@@ -42,7 +42,7 @@ class LiveScene::Implementation {
     if (options.max_seconds)
       limit.emplace(*options.max_seconds);
     const Method method = method_of(options);
-    count_functions(method);
+    count_unknowns(method);
     if (std::holds_alternative<Auto>(method)) {
       answer_ =
           automatic_.evaluate(methods_, scene_, size_, options, with_sensors, limit ? &*limit : nullptr);
@@ -159,9 +159,9 @@ class LiveScene::Implementation {
   }
 
   /// Counts what decides how long solutions and preparations take, if there may be any.
-  void count_functions(const Method& method) {
+  void count_unknowns(const Method& method) {
     if (states_errors(method))
-      size_.count_functions(scene_);
+      size_.count_unknowns(scene_);
   }
 
   double expected_seconds(const Method& method, const EvaluationOptions& options) const {
@@ -183,7 +183,7 @@ class LiveScene::Implementation {
                                                            std::size_t threads) {
     const Method method = method_of(options);
     const bool is_auto = std::holds_alternative<Auto>(method);
-    count_functions(method);
+    count_unknowns(method);
     const bool refines = std::holds_alternative<Reduced>(method) ||
                          (is_auto && automatic_.prefers_reduction(methods_, size_, options, frames));
     const double rtol = rtol_of(options);

@@ -173,7 +173,7 @@ TEST(ExpectedSeconds, OfManyBoxesAreThoseOfTheNearestFew) {
   Scene scene = plates();
   const auto seconds = [&] {
     detail::SceneSize size(scene);
-    size.count_functions(scene);
+    size.count_unknowns(scene);
     return detail::expected_seconds(BoundaryElements{}, size, {.rtol = 1e-2});
   };
   const double few = seconds();
