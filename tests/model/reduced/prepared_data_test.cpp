@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 using test::at;
 
-constexpr double rtol = 0.2;
+constexpr double rtol = 0.5;
 
 /// A sensor before a housing, a hand, and an arm that may turn against both.
 Scene machine() {
@@ -35,10 +35,10 @@ Scene machine() {
 /// The hand comes nearer; the arm turns, too, if that is asked for.
 std::vector<Frame> motion(bool turns) {
   std::vector<Frame> frames;
-  for (int k = 0; k < 3; ++k)
+  for (int k = 0; k < 2; ++k)
     frames.push_back(
         {std::to_string(k),
-         {at(0, 0, 0.1 - 0.02 * k), pose_from_axis({0, 1, 0}, turns ? 20.0 * k : 0, {0.2, 0, 0})}});
+         {at(0, 0, 0.1 - 0.04 * k), pose_from_axis({0, 1, 0}, turns ? 5.0 * k : 0, {0.2, 0, 0})}});
   return frames;
 }
 
@@ -76,34 +76,25 @@ void expect_same_bits(const std::vector<std::vector<ReadingAnswer>>& found,
   }
 }
 
-TEST_P(PreparedDataTest, ASecondRunReadsThemAndAnswersWithTheSameBits) {
+TEST_P(PreparedDataTest, AreReadByASecondRunWithTheSameBitsUnlessAFileIsDamagedOrTheSceneAnother) {
   const auto known = answers(machine(), std::nullopt);
   EXPECT_GT(solutions, 0);
-  expect_same_bits(answers(machine(), kept_in), known);
-  EXPECT_GT(solutions, 0);
+  const auto expect_known = [&](bool prepared_again) {
+    expect_same_bits(answers(machine(), kept_in), known);
+    EXPECT_EQ(solutions > 0, prepared_again);
+  };
+  expect_known(true);
   const auto kept = files();
   EXPECT_EQ(kept.size(), 3U);  // machine, targets and tables, or two links and targets
-  expect_same_bits(answers(machine(), kept_in), known);
-  EXPECT_EQ(solutions, 0);
+  expect_known(false);
   EXPECT_EQ(files(), kept);
-}
-
-TEST_P(PreparedDataTest, ADamagedFileIsPreparedAgain) {
-  const auto known = answers(machine(), kept_in);
-  const auto kept = files();
   for (const auto& [name, time] : kept) {
     fs::resize_file(kept_in / name, fs::file_size(kept_in / name) / 2);
     fs::last_write_time(kept_in / name, time);
   }
-  expect_same_bits(answers(machine(), kept_in), known);
-  EXPECT_GT(solutions, 0);
-  expect_same_bits(answers(machine(), kept_in), known);
-  EXPECT_EQ(solutions, 0);
+  expect_known(true);
+  expect_known(false);
   EXPECT_EQ(files().size(), kept.size());
-}
-
-TEST_P(PreparedDataTest, AChangedSceneIsNotTakenForAnother) {
-  answers(machine(), kept_in);
   // Machine and target have changed: what is kept of either would give other answers.
   Scene changed = machine();
   changed.objects[0].shape = Cuboid{0.2, 0.12, 0.04};
