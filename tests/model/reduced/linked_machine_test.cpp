@@ -167,6 +167,8 @@ TEST(LinkedMachine, KnowsDerivativesByThePosesOfAllLinks) {
 
 TEST(LinkedMachine, KnowsConductorsThatFloat) {
   Scene scene = arm();
+  scene.sensors.pop_back();
+  scene.readings.resize(1);
   scene.objects.push_back(part_of("shield", 2, Cuboid{0.002, 0.05, 0.05}, at(0.07, 0.04, 0.12)));
   scene.objects.back().role = Floating{};
   scene.objects[3].role = Floating{1e-12};
