@@ -239,10 +239,10 @@ TEST(Auto, DoesNotAnswerByTheFormulaWhereThatKnowsNoError) {
   Scene scene = hand_before_housing(0.05);
   scene.objects[1].shape = Plate{10, 10};
   EXPECT_FALSE(evaluate(scene, {.method = Formula{}}).readings.at(0).change.error);
-  const Evaluation answer = evaluate(scene, {.rtol = 1e-2});
+  const Evaluation answer = evaluate(scene, {.rtol = 5e-2});
   EXPECT_TRUE(answer.reached);
   const Estimate change = answer.readings.at(0).change;
-  EXPECT_LE(change.error.value(), 1e-2 * change.value.value());
+  EXPECT_LE(change.error.value(), 5e-2 * change.value.value());
 }
 
 TEST(Auto, AnswersAMotionAsItsFrames) {
