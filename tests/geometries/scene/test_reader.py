@@ -108,7 +108,7 @@ def test_an_error_reads_file_key_reason(tmp_path: Path) -> None:
     )
 
 
-# Has every kind of length. L stands behind a number of millimetres, P behind one per millimetre.
+# Has every kind of length; shapes in millimetres are tried by tests/end_to_end/test_scene_readers_agree.py. L stands behind a number of millimetres, P behind one per millimetre.
 LENGTHS = """
 [room]
 size = [4000L, 3000L, 2500L]
@@ -136,15 +136,6 @@ range = 800L
 name = "ball"
 shape = { type = "sphere", radius = 50L }
 translation = [0, 0, 20L]
-[[object]]
-name = "ring"
-shape = { type = "arc", inner_radius = 30L, outer_radius = 40L, height = 100L, degrees = 100 }
-[[object]]
-name = "sheet"
-shape = { type = "plate", size = [100L, 200L] }
-[[object]]
-name = "die"
-shape = { type = "cube", size = 70L }
 """
 IN_MILLIMETRES = 'units = "mm"\n' + re.sub("[LP]", "", LENGTHS)
 IN_METRES = re.sub(
@@ -152,13 +143,10 @@ IN_METRES = re.sub(
 )
 
 
-def test_lengths_may_be_in_millimetres() -> None:
+def test_lengths_may_be_in_millimetres_and_are_written_in_metres() -> None:
     assert reader.loads(IN_MILLIMETRES) == reader.loads(IN_METRES)
-    assert reader.loads('units = "m"\n' + IN_METRES) == reader.loads(IN_METRES)
-
-
-def test_a_scene_in_millimetres_is_written_in_metres() -> None:
     assert canonical(reader.loads(IN_MILLIMETRES)) == canonical(reader.loads(IN_METRES))
+    assert reader.loads('units = "m"\n' + IN_METRES) == reader.loads(IN_METRES)
 
 
 def test_a_plate_that_is_nearly_a_rectangle_is_squared_and_one_that_is_not_is_refused() -> None:
@@ -175,14 +163,6 @@ def test_a_plate_that_is_nearly_a_rectangle_is_squared_and_one_that_is_not_is_re
     assert reader.loads(plate("[9e-11, 0.1, 0]")).sensors[0].plates[0].edge_v == (9e-11, 0.1, 0.0)
     with pytest.raises(InputError, match="89.9885 degrees, its cosine 0.0002, and at most 0.0001 is squared"):
         reader.loads(plate("[2e-5, 0.1, 0]"))
-
-
-def test_objects_may_ask_for_collisions_with_the_parent_of_their_link() -> None:
-    body = '[[object]]\nname = "o"\nshape = { type = "cube", size = 1 }\n'
-    assert not reader.loads(body).objects[0].collides_with_parent
-    asked = reader.loads(body + "collides_with_parent = true\n")
-    assert asked.objects[0].collides_with_parent
-    assert reader.loads(canonical(asked)) == asked
 
 
 def scenes() -> list[Scene]:
