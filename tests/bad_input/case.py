@@ -25,13 +25,15 @@ def mesh_body(file: str, more: str = "translation = [0, 0, 0.1]") -> str:
 class Case:
     """`make` fills a folder and returns the path to ask for. `place`: what every refusal must hold beside that path, such as
     the key; None: the input is legal. `unsolvable`: what the field reference says of a scene that is legal and has no
-    capacitance. `long`: of a size for the long run only. `commands`: of `fringe`, to be asked."""
+    capacitance. `long`: of a size for the long run only. `by_night`: like others of the same key.
+    `commands`: of `fringe`, to be asked."""
 
     name: str
     make: Callable[[Path], Path]
     place: str | None
     unsolvable: str | None = None
     long: bool = False
+    by_night: bool = False
     commands: tuple[str, ...] = ("capacitance", "collide", "sense")
 
 

@@ -105,14 +105,18 @@ def _unknown() -> list[Case]:
 
 
 def _wrong() -> Iterator[Case]:
-    for path, value in _places(WHOLE):
-        for name, wrong in _wrong_values(str(path[-1]), value):
+    for at, (path, value) in enumerate(_places(WHOLE)):
+        types = _wrong_types(str(path[-1]), value)
+        for name, wrong in [*types.items(), *_wrong_values(str(path[-1]), value)]:
             # The parser of C++ knows no such integer, and so no key either.
             place = "" if "64" in name else str(path[-1])
-            yield _changed(f"{_told(path)}: {name}", path, wrong, place)
+            made = _changed(f"{_told(path)}: {name}", path, wrong, place)
+            # What asks for a type refuses all others: two of them, which are not the same for every key, tell by day that it does.
+            by_day = [list(types)[(at + shift) % len(types)] for shift in (0, 1)]
+            yield replace(made, by_night=name in types and name not in by_day)
 
 
-def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
+def _wrong_types(key: str, value: Any) -> dict[str, Any]:
     other_types = {
         "text": "1",
         "number": 1.5,
@@ -124,7 +128,10 @@ def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
     own = {str: "text", float: "number", bool: "boolean"}.get(type(value))
     if key in ("link", "sensor", "distance_sensor", "object", "reading") and isinstance(value, list):
         del other_types["no list"]
-    yield from ((name, wrong) for name, wrong in other_types.items() if name != own)
+    return {name: wrong for name, wrong in other_types.items() if name != own}
+
+
+def _wrong_values(key: str, value: Any) -> Iterator[tuple[str, Any]]:
     if isinstance(value, str) and key not in ("name", "conductor"):
         yield "a name that nothing bears", "nobody"
     if isinstance(value, str):

@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -60,8 +61,9 @@ def _assert_told(message: str, scene: Path, place: str) -> None:
     assert place in message.split(scene.name)[-1]
 
 
-def _selected() -> list[Case]:
-    return [case for case in cases() if LONG or not case.long]
+def _selected() -> list[Any]:
+    made = [case for case in cases() if LONG or not case.long]
+    return [pytest.param(case, marks=pytest.mark.night) if case.by_night else case for case in made]
 
 
 @pytest.fixture
