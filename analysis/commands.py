@@ -10,29 +10,64 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from analysis import measure
-from analysis.documentation import make as documentation
-from analysis.live import make as live
-from analysis.nightly import chunks, cluster, night
+from analysis import live, show
+from analysis.documentation import make as documentation, measurements
+from analysis.nightly import chunks, night
 from analysis.pipeline import reference_stage
 from analysis.report import index_page
 from analysis.results import statistics, store
 from analysis.results.refusals import named
 from analysis.results.store import InUse, exclusive
 from analysis.results.study_results import Failure
-from analysis.show import data as show_data, make as show
 from analysis.study import report, workflow
 from analysis.sweep import make as sweep
 from analysis.topics.all import TOPICS
+from analysis.topics.corrections import set_ups as corrections
+from analysis.topics.insulators import set_ups as insulators
 from analysis.topics.published.topic import PUBLISHED
 from analysis.topics.topic import Topic
-from analysis.topics.trends import changes, commits, counts, page as trends_page, records
+from analysis.topics.trends import changes, commits, page as trends_page, records
 from analysis.topics.trends.changes import Mark
 from analysis.topics.verification.topic import VERIFICATION
 from geometries.common import installation
 from geometries.common.errors import InputError
 from geometries.studies import study
 from geometries.studies.study import Study
+
+
+_TRUTHS: dict[str, Callable[[], int]] = {"corrections": corrections.make} | {
+    topic.name: lambda stored=topic.truths: stored.complete().solved for topic in TOPICS if topic.truths
+}
+_CHECKS = {topic.name: topic.check for topic in TOPICS if topic.check}
+
+
+def _solve_truths(options: argparse.Namespace) -> int:
+    """Solves what has no record; those of the corrections all anew."""
+    print(f"{options.topic}: {_TRUTHS[options.topic]()} set-ups solved")
+    return 0
+
+
+def _solve_checks(options: argparse.Namespace) -> int:
+    """Solves what has no record; status 1 where some remain without."""
+    own = insulators.STAGES.name
+    if options.boundary and options.topic != own:
+        reason = f"--boundary is an option of {own}: the records of {options.topic} have no boundary elements"
+        raise InputError("", "", reason)
+    if options.boundary:
+        print(f"{own}: {insulators.solve_again()} set-ups solved by boundary elements")
+        return 0
+    solved, left = _CHECKS[options.topic].complete(seconds=options.seconds)
+    print(f"{options.topic}: {solved} set-ups solved, {left} remain without a record")
+    return 1 if left else 0
+
+
+MEASURES: dict[str, Callable[[argparse.Namespace], int]] = {
+    "truths": _solve_truths,
+    "field-check": _solve_checks,
+    "corrections": corrections.measure,
+    "benchmarks": measurements.measure,
+}
+
 
 # Exit statuses, the same for all commands of the project.
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
@@ -57,7 +92,7 @@ def run_command(options: argparse.Namespace) -> int:
     except InputError as error:
         print(f"analysis: {error}", file=sys.stderr)
         return WRONG_INPUT
-    except (InUse, live.NoLibrary, counts.CountingFailed, documentation.DocumentationError) as error:
+    except (InUse, live.NoLibrary, commits.CountingFailed, documentation.DocumentationError) as error:
         print(f"analysis: {error}", file=sys.stderr)
         return FAILED
     except ModuleNotFoundError as error:
@@ -79,7 +114,7 @@ def run_command(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     chosen, target = _study(options.study, options.results)
     with exclusive(target):
-        cluster.end_left_over(target)
+        chunks.end_left_over(target)
         failures = workflow.run(
             chosen, target, options.jobs, options.measure_model, lambda: _tell_of_first_report(target)
         )
@@ -100,7 +135,7 @@ def _nightly(options: argparse.Namespace) -> int:
         failures += _verified(options, target)
         _tell(failures)
         made = _own_report(target)
-        new = records.add(target, [*records.of_night(target), *counts.of_build()])
+        new = records.add(target, [*records.of_night(target), *commits.of_build()])
         tonight = new[0].time if new else None
         marks = _trends(target, lambda mark: mark.after.time == tonight)
         # The report links to the trends, which now include this night.
@@ -122,7 +157,7 @@ def _look_back(options: argparse.Namespace) -> int:
         print(commits.find(target, options.bisect), end="")
         return ANSWERED
     if options.count is not None:
-        for commit, new in commits.count(target, options.count):
+        for commit, new in commits.count_each(target, options.count):
             print(f"{commit}: {len(new)} counts are new", flush=True)
     _trends(target, lambda _: True)
     return ANSWERED
@@ -241,7 +276,7 @@ def _show(options: argparse.Namespace) -> int:
     given = {name: value for name, value in given.items() if value is not None}
     if given and not options.readings:
         raise InputError("", "", f"--{next(iter(given))} is an option of --readings, which is missing")
-    readings = show_data.Options(**given) if options.readings else None
+    readings = show.Readings(**given) if options.readings else None
     print(f"page: {show.make(options.scene, options.motion, options.output, readings)}")
     return ANSWERED
 
@@ -300,7 +335,7 @@ def _honesty(options: argparse.Namespace) -> int:
 
 def _golden(options: argparse.Namespace) -> int:
     # It loads scipy, which few commands of this module need.
-    from analysis.golden import run as golden
+    from analysis import golden
 
     if options.times and options.against is None:
         raise InputError("", "", "--times is an option of --against, which is missing")
@@ -327,5 +362,5 @@ _COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
     "coverage": _coverage,
     "honesty": _honesty,
     "golden": _golden,
-    "measure": lambda options: measure.MEASURES[options.what](options),
+    "measure": lambda options: MEASURES[options.what](options),
 }

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from scipy import linalg
 
-from analysis.coverage.probes import Probe
+from analysis.coverage.places import Probe
 from analysis.results.units import VACUUM_PERMITTIVITY
 from geometries.common.arrays import Array, Flags, Indices
 from geometries.common.errors import InputError

@@ -13,22 +13,13 @@ from markupsafe import Markup
 
 from analysis.coverage import findings
 from analysis.coverage.distances import ANY, distances, write_csv, write_vtu
-from analysis.coverage.probes import DEFAULT, probe
-from analysis.coverage.survey import (
-    BOUNDARY_ELEMENTS,
-    FARTHEST,
-    NEAREST,
-    NEGLIGIBLE,
-    Options,
-    Survey,
-    survey,
-)
+from analysis.coverage.places import DEFAULT, probe
+from analysis.coverage.survey import BOUNDARY_ELEMENTS, FARTHEST, NEAREST, NEGLIGIBLE, Options, Survey, survey
 from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page
 from analysis.results.store import Document, write_text
-from analysis.show.data import mesh
-from analysis.show.make import find_scene
+from analysis.show import find_scene, mesh
 from geometries.common import installation
 from geometries.common.arrays import Array
 from geometries.common.errors import InputError

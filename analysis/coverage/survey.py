@@ -12,10 +12,9 @@ from typing import Any
 import numpy as np
 
 from analysis.coverage.machine import Level, Machine, Reading, Response, respond
-from analysis.coverage.places import Places, spread
-from analysis.coverage.probes import Probe
+from analysis.coverage.places import Places, Probe, spread
 from analysis.results.store import Document
-from analysis.show.data import load
+from analysis.show import load
 from geometries.common.arrays import Array, Flags, Indices
 from geometries.common.errors import InputError
 from geometries.scene.scene import Link, Object, Scene

@@ -8,10 +8,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from analysis.honesty import before_sensors, closed_scenes, other_scenes
+from analysis.honesty import closed_scenes, scenes
 from analysis.honesty.closed_scenes import Known
-from analysis.honesty.drawing import Chance
 from analysis.honesty.methods import has_readings
+from analysis.honesty.scenes import Chance
 from analysis.results.answers import Estimate
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import ROUND_SHAPES
@@ -38,28 +38,20 @@ def _alone(make: Callable[[Chance], Scene]) -> Callable[[Chance, Path], Known]:
     return lambda chance, folder: Known(make(chance), {})
 
 
-def _unknown(make: Callable[[Chance, Path], Scene]) -> Callable[[Chance, Path], Known]:
-    return lambda chance, folder: Known(make(chance, folder), {})
-
-
-def _closed(chance: Chance, folder: Path) -> Known:
-    return chance.choice(closed_scenes.FORMS)(chance, folder)
-
-
 KINDS: dict[str, Callable[[Chance, Path], Known]] = {
-    "plates": _alone(before_sensors.plates),
-    "sizes": _alone(before_sensors.sizes),
-    "round": _alone(before_sensors.round_targets),
-    "flat-boxes": _alone(before_sensors.flat_boxes),
-    "covers": _alone(before_sensors.covered),
-    "insulators": _alone(before_sensors.insulators),
-    "floating": _alone(before_sensors.floating),
-    "guards": _alone(before_sensors.guarded),
-    "transmit": _alone(before_sensors.transmitted),
-    "hollow": _unknown(other_scenes.hollow),
-    "no-sensors": _unknown(other_scenes.unsensed),
-    "robots": _unknown(other_scenes.robot),
-    "closed-forms": _closed,
+    "plates": _alone(scenes.plates),
+    "sizes": _alone(scenes.sizes),
+    "round": _alone(scenes.round_targets),
+    "flat-boxes": _alone(scenes.flat_boxes),
+    "covers": _alone(scenes.covered),
+    "insulators": _alone(scenes.insulators),
+    "floating": _alone(scenes.floating),
+    "guards": _alone(scenes.guarded),
+    "transmit": _alone(scenes.transmitted),
+    "hollow": lambda chance, folder: Known(scenes.hollow(chance, folder), {}),
+    "no-sensors": _alone(scenes.unsensed),
+    "robots": _alone(scenes.robot),
+    "closed-forms": lambda chance, folder: chance.choice(closed_scenes.FORMS)(chance, folder),
 }
 """What is drawn, by the kinds' names: a seed's kind is its remainder by their number."""
 

@@ -13,7 +13,7 @@ import threading
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.nightly import chunks, cluster
+from analysis.nightly import chunks
 from analysis.pipeline.processes import Processes, environment_of_modules, forget_unfinished_forms
 from analysis.pipeline.scheduler import Progress, parallel_jobs
 from analysis.results.store import write_text
@@ -51,7 +51,7 @@ def run(study: Study, folder: Path, options: Options) -> list[Failure]:
     workers = options.workers or parallel_jobs()
     seconds = options.job_seconds or (_SECONDS_ON_A_CLUSTER if options.profile else _SECONDS_HERE)
     profile = find_profile(options.profile) if options.profile else None
-    cluster.begin(folder, profile)
+    chunks.begin(folder, profile)
     cases = study.cases()
     works = workflow.missing(study, cases, folder)
     prepared = prepare(works, study, folder, seconds, workers)
@@ -65,7 +65,7 @@ def run(study: Study, folder: Path, options: Options) -> list[Failure]:
             # A job that never started has written no scenes, but the report shows every case.
             workflow.write_scenes(works, folder)
     finally:
-        cluster.end(folder)
+        chunks.end(folder)
     write_manifest(folder, study, failures)
     return failures
 
@@ -115,7 +115,7 @@ def _carry(jobs: list[chunks.Chunk], folder: Path, command: list[str], workers: 
     """Runs Snakemake to its end, with a progress bar; its output goes to a file."""
     processes, ended = Processes(), threading.Event()
     printed: list[str] = []
-    environment = environment_of_modules() | {cluster.NAME_VARIABLE: cluster.name(folder)}
+    environment = environment_of_modules() | {chunks.NAME_VARIABLE: chunks.name(folder)}
 
     def snakemake() -> None:
         try:

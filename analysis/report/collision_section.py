@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
 
-from analysis.report import measured, page
+from analysis.report import page
 from analysis.results.store import Document
 from analysis.results.units import percent
 
@@ -29,7 +29,7 @@ _SCENES = "Milliseconds per frame in which every object moves, and small how man
 
 def section(answers: Document | None, queries: Document | None, scenes: Document | None) -> Markup:
     """Returns three tables, each below its finding; those that were not measured are left out."""
-    return measured.section(TITLE, (answers, queries, scenes), _parts)
+    return page.measured_section(TITLE, (answers, queries, scenes), _parts)
 
 
 def _parts(answers: Document | None, queries: Document | None, scenes: Document | None) -> Iterator[Markup]:

@@ -19,7 +19,8 @@ from plotly.offline import get_plotlyjs
 from plotly.utils import PlotlyJSONEncoder
 
 from analysis.report.plot import Panel, Plot
-from analysis.results.store import write_text
+from analysis.results.store import Document, write_text
+
 
 Trace = dict[str, Any]
 _COLUMNS = ("value", "error", "error below", "note", "set-up")
@@ -307,3 +308,25 @@ def _figure(panel: Panel, with_data: bool) -> dict[str, object]:
         words = "_".join(re.findall(r"[a-z0-9]+", panel.caption.lower())[:_WORDS])
         file = f"{DATA}/{words or 'figure'}.csv"
     return {"height": layout.get("height", _HEIGHT), "data": Markup(", ").join(parts), "file": file}
+
+
+_ABSENT = (
+    "These results have no measurement by this version of the model on this machine: ./run does it with the default study, and "
+    "python3 -m analysis run STUDY --measure-model with any."
+)
+
+
+def measured_section(
+    title: str, documents: Iterable[Document | None], parts: Callable[..., Iterable[Markup]], before: str = ""
+) -> Markup:
+    """Returns the section on stored answers: its parts, which are made of these documents, then where the answers were measured, and how to
+    measure them again; or that there are none."""
+    asked = tuple(documents)
+    known = [document for document in asked if document is not None]
+    if not known:
+        return section(title, paragraph(_ABSENT))
+    first, commands = known[0], "; ".join(document["command"] for document in known)
+    again = (
+        f"{first['processor']} with {first['instruction_sets']}. Again, from the project's folder: {commands}"
+    )
+    return section(title, *parts(*asked), soft(before + again))

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
 
-from analysis.report import measured, page
+from analysis.report import page
 from analysis.results.statistics import front
 from analysis.results.store import Document
 
@@ -51,7 +51,7 @@ def best(times: dict[str, Document]) -> list[str]:
 def section(document: Document | None) -> Markup:
     """Returns the finding, the table, and how to measure again."""
     compiler = "" if document is None else f"Compiler {document['answer']['context']['compiler']}; "
-    return measured.section(TITLE, [document], _parts, compiler)
+    return page.measured_section(TITLE, [document], _parts, compiler)
 
 
 def _parts(document: Document) -> Iterator[Markup]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from markupsafe import Markup
 
-from analysis.report import measured, page
+from analysis.report import page
 from analysis.results.store import Document
 
 TITLE = "Stability of the integral"
@@ -23,7 +23,7 @@ _WHAT = (
 
 def section(document: Document | None) -> Markup:
     """Returns the finding, and for every class the error over the conditioning and the counts of wrong values."""
-    return measured.section(TITLE, [document], _parts)
+    return page.measured_section(TITLE, [document], _parts)
 
 
 def _parts(document: Document) -> Iterator[Markup]:

@@ -9,16 +9,15 @@ from pathlib import Path
 from typing import Any
 
 from analysis.results import machine, units
-from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer
+from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer, Truth
 from analysis.results.set_up import SetUp, describe
 from analysis.results.store import Document, read_json, write_json
-from analysis.results.truth import Truth
 from geometries.common import installation
 from geometries.common.errors import InputError
 from geometries.common.installation import from_repository
 from geometries.scene import reader
 from geometries.scene.scene import Scene
-from geometries.studies.study import BOTH, BOUNDARY_ELEMENTS, Case, EMPTY, FIELD, Parameter, Study, empty_case
+from geometries.studies.study import BOTH, BOUNDARY_ELEMENTS, EMPTY, FIELD, Case, Parameter, Study, empty_case
 
 
 MANIFEST = "study.json"

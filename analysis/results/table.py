@@ -40,7 +40,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from analysis.results.answers import Estimate, ModelChange
+from analysis.results.answers import BOUNDARY, ESTIMATED, FIELD, PROVEN, Estimate, Known, ModelChange, Truth
+from analysis.results.set_up import SetUp, is_delta_self
 from analysis.results.study_results import (
     COMPARED_METHOD,
     CaseResult,
@@ -48,8 +49,6 @@ from analysis.results.study_results import (
     boundary_command,
     reference_command,
 )
-from analysis.results.set_up import SetUp, is_delta_self
-from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known, Truth
 from geometries.scene.readings import readings, targets
 from geometries.scene.scene import Scene
 from geometries.studies.machines import NONE

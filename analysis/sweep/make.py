@@ -15,7 +15,7 @@ from analysis.pipeline import keys
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, guide, joined, power_axis, series_colour
 from analysis.results.answers import Estimate
-from analysis.show.make import find_scene, motion_beside
+from analysis.show import find_scene, motion_beside
 from analysis.sweep import series
 from analysis.sweep.series import Crossing, Series, Sweep, crossings, place_words
 from geometries.common import installation

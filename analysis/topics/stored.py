@@ -1,18 +1,33 @@
-"""Records of set-ups that are kept beside the code of their topic, by the hash of the scene, so that nobody has to solve them again."""
+"""Records of set-ups that are kept beside the code of their topic, by the hash of the scene, so that nobody has to solve them again: what is solved by
+boundary elements, and readings by the field solver with their comparison and what a page says of it."""
 
 from __future__ import annotations
 
 import math
 import sys
 import time
+from collections import Counter
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Generic, NamedTuple
 
-from analysis.pipeline.set_up_stages import SomeSetUp
+import numpy as np
+from markupsafe import Markup
+
+from analysis.pipeline import reference_stage
+from analysis.pipeline.processes import Processes
+from analysis.pipeline.set_up_stages import OfScene, SomeSetUp
 from analysis.pipeline.stage import NoAnswer
-from analysis.results.store import Document, read_json, write_json
+from analysis.report import page
+from analysis.report.plot import Panel, axis, figure, log_axis, marks, series_colour
+from analysis.results.answers import Estimate
+from analysis.results.store import Document, read_json, write_json, write_text
+from analysis.results.study_results import SCENE
+from analysis.results.units import percent, signed_percent
+from geometries.common.children import temporary_folder
+from geometries.common.measured import PICOFARAD, picofarads
+
 
 _DIGITS = 7
 """Significant digits of a rounded value: far more than are true."""
@@ -86,3 +101,214 @@ def _rounded(value: Any) -> Any:
     if isinstance(value, list):
         return [_rounded(each) for each in value]
     return float(f"{value:.{_DIGITS}g}") if isinstance(value, float) else value
+
+
+QUANTITIES = ("value", "background", "change")
+
+
+@dataclass(frozen=True)
+class Comparison(Generic[SomeSetUp]):
+    """One quantity of a set-up's reading by both methods (F), and the ends of the interval that the field solver proves, if it does."""
+
+    set_up: SomeSetUp
+    quantity: str
+    field: Estimate
+    boundary: Estimate
+    proven: tuple[float, float] = (float("-inf"), float("inf"))
+
+    @property
+    def difference(self) -> float:
+        """Boundary elements less the field solver, relative to the field solver's value."""
+        return self.boundary.value / self.field.value - 1
+
+    @property
+    def allowed(self) -> float:
+        """The sum of both errors, relative to the field solver's value."""
+        return (self.boundary.error + self.field.error) / abs(self.field.value)
+
+    @property
+    def over_errors(self) -> float:
+        """The difference over what both errors allow: above 1 one of the values, or its error, is wrong."""
+        return abs(self.difference) / self.allowed
+
+    @property
+    def is_proven(self) -> bool:
+        """Whether the field solver proves an interval."""
+        return self.proven[1] < float("inf")
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the proven interval, relative to the field solver's value."""
+        lower, upper = self.proven
+        return (upper - lower) / 2 / abs(self.field.value)
+
+    @property
+    def is_enclosed(self) -> bool:
+        """Whether the value by boundary elements lies within the proven interval."""
+        lower, upper = self.proven
+        return lower <= self.boundary.value <= upper
+
+
+@dataclass(frozen=True, kw_only=True)
+class FieldCheck(Stored[SomeSetUp]):
+    """Records of the field solver's `quantities` of readings. A record has them by itself, or, with `both`, under "field" beside those by boundary elements
+    under "boundary"; it may have "lower" and "upper", the ends of the interval proven for the change. A page counts the set-ups of each `kind`,
+    has the columns `described` of them in its table, and an `explanation`."""
+
+    kind: Callable[[SomeSetUp], str]
+    described: tuple[tuple[str, Callable[[SomeSetUp], str]], ...]
+    explanation: str = ""
+    quantities: tuple[str, ...] = QUANTITIES
+    both: bool = False
+
+    def comparisons(self, found: Iterable[Any] = ()) -> list[Comparison[SomeSetUp]]:
+        """Pairs the quantities that are recorded with those of the entries, which have a `set_up` and the quantities, in their order, or with those
+        in the records."""
+        records = self.records()
+        pairs = (
+            [(each, None) for each in self.chosen()] if self.both else [(each.set_up, each) for each in found]
+        )
+        return [
+            _comparison(set_up, quantity, records[set_up.identity], entry)
+            for set_up, entry in pairs
+            if set_up.identity in records
+            for quantity in self.quantities
+        ]
+
+
+def _comparison(set_up: SomeSetUp, quantity: str, record: Document, entry: Any) -> Comparison[SomeSetUp]:
+    """Returns a quantity of the entry, or of the record without one, beside the field solver's."""
+    if entry is None:
+        field, boundary = (Estimate(**record[method][quantity]) for method in ("field", "boundary"))
+        return Comparison(set_up, quantity, field, boundary)
+    field, boundary = Estimate(**record[quantity]), getattr(entry, quantity)
+    if "lower" not in record:
+        return Comparison(set_up, quantity, field, boundary)
+    return Comparison(set_up, quantity, field, boundary, (record["lower"], record["upper"]))
+
+
+def solved(set_up: OfScene, *options: str) -> Document:
+    """Solves a set-up by the field solver with these options of its command; NoAnswer if it has none."""
+    with temporary_folder() as folder:
+        scene = folder / SCENE
+        write_text(scene, set_up.text)
+        return reference_stage.solve(scene, Processes(), *options)
+
+
+def quantities_of(reading: Document, names: Iterable[str] = QUANTITIES) -> Document:
+    """Returns quantities of a reading as a record has them."""
+    return {name: {"value": reading[name], "error": reading["error"][name]} for name in names}
+
+
+TITLE = "Checked by the field solver"
+ABSENT = "None of these set-ups has a reading by the field solver."
+GOAL = 5e-3
+"""Largest difference of the methods, relative to the field solver's value, that there should be."""
+Column = tuple[str, Callable[[Comparison[Any]], str]]
+_PERCENT = 100.0
+_BARS = (
+    "Bars: the sum of the errors that both methods state; where they contain zero, the methods agree. The field solver's readings are kept with "
+    "the project."
+)
+
+
+def parts(check: FieldCheck[Any], found: list[Comparison[Any]]) -> list[Markup]:
+    """Returns the title, the finding, the figure and the numbers."""
+    if not found:
+        return [page.heading(TITLE), page.paragraph(ABSENT)]
+    return [
+        page.heading(TITLE),
+        page.finding(finding(check, found)),
+        page.figures([_differences(check, found)]),
+        page.soft(f"{_BARS} {check.explanation}".strip()),
+        page.folded("Show the comparison", _table(check, found)),
+    ]
+
+
+def finding(check: FieldCheck[Any], found: list[Comparison[Any]]) -> str:
+    """Tells how many values agree, and the largest difference of each quantity; how many lie in the intervals that are proven; and which do not."""
+    kinds = Counter({each.set_up.identity: check.kind(each.set_up) for each in found}.values())
+    agreeing = sum(each.over_errors <= 1 for each in found)
+    told = [
+        f"In {kinds.total()} set-ups that the field solver computes, too ({', '.join(f'{kind} {count}' for kind, count in kinds.items())}), "
+        f"{agreeing} of {len(found)} values agree within the errors that both methods state. Boundary elements less field solver: "
+        f"{'; '.join(_of_quantity(quantity, found) for quantity in check.quantities)}."
+    ]
+    proven = [each for each in found if each.is_proven]
+    if proven:
+        half_width = float(np.median([each.half_width for each in proven]))
+        told.append(
+            f"{sum(each.is_enclosed for each in proven)} of {len(proven)} values by boundary elements lie in the interval that the field solver proves, whose "
+            f"half-width is {percent(half_width)} of the value in the median."
+        )
+    apart = [each for each in found if each.over_errors > 1 or not each.is_enclosed]
+    if apart:
+        named = (f"{each.quantity} of {each.set_up.name} ({each.over_errors:.2f})" for each in apart)
+        told.append(f"Beyond their errors: {', '.join(named)}.")
+    return " ".join(told)
+
+
+def _of_quantity(quantity: str, found: list[Comparison[Any]]) -> str:
+    own = [each for each in found if each.quantity == quantity]
+    worst = max(each.over_errors for each in own)
+    farthest = max((each.difference for each in own), key=abs)
+    near, stated = (
+        sum(abs(each.difference) <= GOAL for each in own),
+        sum(each.over_errors <= 1 for each in own),
+    )
+    return (
+        f"{quantity} {stated} of {len(own)} within the errors and {near} within {percent(GOAL)}, at most {worst:.2f} of the errors and "
+        f"{signed_percent(farthest)} of the value"
+    )
+
+
+def _differences(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Panel:
+    """Plots the differences over the size of the value: a colour for each quantity, or of a single one for each kind of set-up."""
+    is_one = len(check.quantities) == 1
+    groups: dict[str, list[Comparison[Any]]] = {}
+    for each in found:
+        groups.setdefault(check.kind(each.set_up) if is_one else each.quantity, []).append(each)
+    traces = [
+        marks(
+            name,
+            [abs(each.field.value) / PICOFARAD for each in members],
+            [_PERCENT * each.difference for each in members],
+            {"color": series_colour(index), "size": 7},
+            "%{y:+.3f} %<br>%{text}",
+            [_PERCENT * each.allowed for each in members],
+            text=[each.set_up.name for each in members],
+        )
+        for index, (name, members) in enumerate(groups.items())
+    ]
+    y = axis("boundary elements less field solver (%)", zeroline=True, zerolinewidth=2)
+    what = check.quantities[0] if is_one else "value"
+    return Panel("both methods, set-up by set-up", figure(traces, log_axis(f"size of the {what} (pF)"), y))
+
+
+def _table(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Markup:
+    proven: list[Column] = [
+        (
+            "proven to lie between (pF)",
+            lambda each: " and ".join(f"{end / PICOFARAD:.4g}" for end in each.proven),
+        ),
+        ("within", lambda each: page.yes_or_no(each.is_enclosed)),
+    ]
+    columns: list[Column] = [
+        *((title, _of_set_up(shown)) for title, shown in check.described),
+        ("quantity", lambda each: each.quantity),
+        ("field solver (pF)", lambda each: _picofarad(each.field)),
+        ("boundary elements (pF)", lambda each: _picofarad(each.boundary)),
+        ("difference", lambda each: signed_percent(each.difference)),
+        ("errors", lambda each: percent(each.allowed)),
+        ("difference/errors", lambda each: f"{each.over_errors:.2f}"),
+        *(proven if found[0].is_proven else []),
+    ]
+    return page.table_of(found, *columns, text_columns=len(check.described) + 1)
+
+
+def _of_set_up(shown: Callable[[Any], str]) -> Callable[[Comparison[Any]], str]:
+    return lambda each: shown(each.set_up)
+
+
+def _picofarad(estimate: Estimate) -> str:
+    return picofarads(estimate.value, estimate.error)

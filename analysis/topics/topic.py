@@ -13,9 +13,8 @@ from analysis.pipeline import keys
 from analysis.pipeline.set_up_stages import SetUpStages, SomeItem, Stages
 from analysis.report import page
 from analysis.results.store import Document, write_text
-from analysis.topics import field_solver
-from analysis.topics.field_solver import FieldCheck
-from analysis.topics.stored import Stored
+from analysis.topics import stored
+from analysis.topics.stored import FieldCheck, Stored
 from geometries.common import installation
 
 SomeEntry = TypeVar("SomeEntry")
@@ -89,7 +88,7 @@ class Topic(Generic[SomeItem, SomeEntry]):
         """Returns the sections of a page; `opened` is what the points of figures open, as seen from it. Without entries it says so."""
         if not found:
             return [page.section(self.title, page.paragraph(self.absent))]
-        checked = field_solver.parts(self.check, self.check.comparisons(found)) if self.check else []
+        checked = stored.parts(self.check, self.check.comparisons(found)) if self.check else []
         return self.sections(found, checked, opened)
 
     def make(self, folder: Path) -> page.Made:

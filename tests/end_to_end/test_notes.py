@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from analysis.measure import MEASURES
+from analysis.commands import MEASURES
 from analysis.pipeline.model_stage import model_module
 from analysis.topics.corrections import set_ups as corrections_set_ups
 from tests.bad_input import corpus

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from scipy.special import elliprf
 
-from analysis.topics.verification import rows
+from analysis.topics.verification import set_ups
 from analysis.topics.verification.set_ups import UNIT, true_cases
 from analysis.topics.verification.truths import (
     LEKNER,
@@ -78,7 +78,7 @@ def test_a_known_capacitance(name: str, widest: float) -> None:
     found = solve_conductors(case.set_up.conductors(), rtol=min(1e-3, widest), error="estimate")
     assert found.reached and found.maxwell.value.shape == 2 * (len(case.set_up.names),)
     for quantity in case.quantities:
-        row = rows.compared(quantity, found)
+        row = set_ups.compared(quantity, found)
         allowed = widest if quantity.of else 5 / 3 * widest
         words = f"{name}, {quantity.name}"
         check(words, row["value"], row["error"], quantity.truth, quantity.truth_error, allowed)

@@ -1,4 +1,4 @@
-"""How many instructions fixed workloads of the model take, as `analysis.topics.trends.counts` counts them.
+"""How many instructions fixed workloads of the model take, as `analysis.topics.trends.commits` counts them.
 
 `python3 -m tests.model.instruction_counts` records the counts of the build in instruction_counts.json and prints what has
 changed; test_instruction_counts.py compares the build with them.
@@ -11,7 +11,7 @@ import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.topics.trends.counts import PROGRAM, CountingFailed, count, workloads
+from analysis.topics.trends.commits import PROGRAM, CountingFailed, count, workloads
 
 ROOT = Path(__file__).resolve().parents[2]
 RECORDED = Path(__file__).with_suffix(".json")

@@ -18,11 +18,11 @@ from analysis.pipeline import model_stage
 from analysis.pipeline.set_up_stages import OfScene, SetUpStages
 from analysis.pipeline.stage import NoAnswer
 from analysis.report import page
-from analysis.results.study_results import COMPARED_METHOD
 from analysis.results.store import Document
-from analysis.topics import field_solver
+from analysis.results.study_results import COMPARED_METHOD
+from analysis.topics import stored
 from analysis.topics.draw import DIGITS, length
-from analysis.topics.field_solver import QUANTITIES, FieldCheck
+from analysis.topics.stored import QUANTITIES, FieldCheck
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Scene, Sensor
 from geometries.scene.shapes import Cuboid
@@ -159,10 +159,10 @@ def solved(set_up: SetUp) -> Document:
     (asked_for,) = set_up.scene.readings
     asked = ("--error", "estimate", "--columns", ",".join(asked_for.drive))
     for most in MOST_UNKNOWNS[1:] if _is_large(set_up) else MOST_UNKNOWNS:
-        document = field_solver.solved(set_up, *asked, "--max-unknowns", str(most))
+        document = stored.solved(set_up, *asked, "--max-unknowns", str(most))
         if len(document["levels"]) > 1:
             (reading,) = document["readings"]
-            return {**field_solver.quantities_of(reading), "seconds": document["seconds"]}
+            return {**stored.quantities_of(reading), "seconds": document["seconds"]}
     raise NoAnswer("one mesh has no estimated error")
 
 

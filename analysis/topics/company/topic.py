@@ -12,6 +12,7 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import INK, Panel, figure, log_axis, marks, rows_axis, series_colour
 from analysis.results.answers import Estimate
+from analysis.results.statistics import Spread, ratio, spread
 from analysis.results.store import Document
 from analysis.results.units import percent
 from analysis.topics.company import set_ups
@@ -28,8 +29,7 @@ from analysis.topics.company.set_ups import (
     TO_GROUND,
     SetUp,
 )
-from analysis.topics.field_solver import QUANTITIES
-from analysis.topics.spread import Spread, ratio, spread
+from analysis.topics.stored import QUANTITIES
 from analysis.topics.topic import Topic
 from geometries.common.measured import PICOFARAD, picofarads
 from geometries.studies.families import FLOATING, GROUNDED

@@ -26,9 +26,8 @@ from analysis.results import machine
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from analysis.results.units import CENTIMETRE, percent, signed_percent, too
-from analysis.topics.corrections import estimates
-from analysis.topics.corrections.estimates import FORMULA, PLAIN, REDUCED, off
-from analysis.topics.corrections.set_ups import FILE, RTOL
+from analysis.topics.corrections import set_ups
+from analysis.topics.corrections.set_ups import FILE, FORMULA, PLAIN, REDUCED, RTOL, off
 from analysis.topics.topic import Topic
 from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.installation import ROOT, no_benchmark
@@ -160,7 +159,7 @@ def section(document: Document, set_ups: str) -> Markup:
 def finding(document: Document) -> str:
     """Tells the error that the best closed formula leaves on unseen set-ups, and its cost."""
     known = {entry["name"]: entry for entry in document["corrections"]}
-    plain, best, reduced = (known[name] for name in estimates.METHODS)
+    plain, best, reduced = (known[name] for name in set_ups.METHODS)
     ratios = {shape: times[FORMULA] / times[PLAIN] for shape, times in document["nanoseconds"].items()}
     return (
         f"In the {best['sealed']['count']} set-ups never used to find it, the formula is {percent(best['sealed']['rms'])} off (rms) and "
@@ -183,7 +182,7 @@ def _table(document: Document) -> Markup:
         ("sealed: rms", _error("sealed", "rms")),
         ("worst", _error("sealed", "worst")),
         *((f"ns, {shape}", _time(known)) for shape, known in document["nanoseconds"].items()),
-        strong=frozenset({estimates.METHODS.index(REDUCED)}),
+        strong=frozenset({set_ups.METHODS.index(REDUCED)}),
     )
 
 
@@ -224,7 +223,7 @@ class Evaluated:
         methods."""
         document = read_json(folder / DOCUMENT) or {}
         evaluated_ = [entry["name"] for entry in document.get("corrections", ())]
-        return {Whole().id: document} if evaluated_ == list(estimates.METHODS) else {}
+        return {Whole().id: document} if evaluated_ == list(set_ups.METHODS) else {}
 
 
 def stage(folder: Path) -> Stage:
@@ -252,12 +251,12 @@ def _answer(_: Processes) -> Document:
 
 def evaluated(module: Any) -> Document:
     """Returns the errors of every method as a document; half a minute."""
-    cases = estimates.estimate(module)
+    cases = set_ups.estimate(module)
     return {
         "truths": FILE.relative_to(ROOT).as_posix(),
         "set_ups": len(cases),
         "sealed": sum(case["sealed"] for case in cases),
-        "corrections": estimates.evaluations(cases),
+        "corrections": set_ups.evaluations(cases),
         "cases": cases,
     }
 

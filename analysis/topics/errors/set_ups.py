@@ -16,6 +16,7 @@ from analysis.pipeline import model_stage
 from analysis.pipeline.set_up_stages import OfScene, SetUpStages
 from analysis.results.answers import Estimate, ReferenceAnswer
 from analysis.results.set_up import describe, rectangles
+from analysis.results.statistics import Spread, spread
 from analysis.results.store import Document
 from analysis.results.study_results import Results
 from analysis.results.table import MUTUAL
@@ -23,7 +24,6 @@ from analysis.results.units import in_words
 from analysis.topics.draw import logarithmic, rotation
 from analysis.topics.errors import parts
 from analysis.topics.errors.parts import Split, Truth
-from analysis.topics.spread import Spread, spread
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import PlateShape

@@ -124,7 +124,7 @@ def finding(found: list[Series]) -> str:
     """Tells how strongly an object affects the sensor that it is not in front of, by reference and model."""
     phrases = []
     for series in found:
-        shares = [_share(point) for point in series.points]
+        shares = [point.neighbour.delta_self.value / point.near.delta_self.value for point in series.points]
         model = [point.neighbour.model / point.near.model for point in series.points]
         phrases.append(
             f"{_far(series.separation)} away it feels {percent(shares[0])} of what the near sensor does with the object at "
@@ -157,10 +157,6 @@ def coupling_finding(found: list[Series]) -> str:
             )
         phrases.append(sentence)
     return ". ".join(phrases) + "."
-
-
-def _share(point: Point) -> float:
-    return point.neighbour.delta_self.value / point.near.delta_self.value
 
 
 def _felt(series: Series) -> Panel:

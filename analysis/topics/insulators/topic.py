@@ -10,12 +10,25 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, axis, boxes, figure, log_axis, marks, rows_axis, series_colour
 from analysis.results.answers import Estimate
+from analysis.results.statistics import Spread, range_of, spread
 from analysis.results.store import Document
 from analysis.results.units import percent, signed_percent
-from analysis.topics.insulators import set_ups, truths
-from analysis.topics.insulators.set_ups import BLANKET, COUNTS, COVER, FILM, TARGET, SetUp
-from analysis.topics.insulators.truths import CHECK, IGNORING, REDUCED, RTOL, STAGES, Truths, read
-from analysis.topics.spread import Spread, range_of, spread
+from analysis.topics.insulators import set_ups
+from analysis.topics.insulators.set_ups import (
+    BLANKET,
+    CHECK,
+    COUNTS,
+    COVER,
+    FILM,
+    IGNORING,
+    REDUCED,
+    RTOL,
+    STAGES,
+    TARGET,
+    SetUp,
+    Truths,
+    read,
+)
 from analysis.topics.topic import Topic
 from geometries.common.measured import picofarads
 
@@ -284,7 +297,7 @@ INSULATORS = Topic[SetUp, Entry](
         "From the project's folder: the reading of a set-up, which is named as in the numbers; the comparison of all; and the true changes and the field "
         "solver's readings that are not stored."
     ),
-    truths=truths.STORED,
+    truths=set_ups.STORED,
     check=CHECK,
     is_quick=True,
 )

@@ -1,24 +1,187 @@
-"""The set-ups on machines: sensors on a housing, a table, an arm, a robot, and hands or persons before them. Metres, farads.
+"""The set-ups on machines: sensors on a housing, a table, an arm, a robot, and hands or persons before them, with the bodies that these are made of, drawn at
+random. Metres, farads, in the world's frame.
 
-Definitions of the families: MACHINES.md. The last third of each family is sealed: no rule of the model is chosen by looking at it.
-"""
+Definitions of the families: MACHINES.md. The last third of each family is sealed: no rule of the model is chosen by looking at it. The sensors lie in the plane
+z = 0 and look in the direction of +z. Machines lie below that plane or beside the target, targets above it: so none of them touches another by chance."""
 
 from __future__ import annotations
 
+import hashlib
 import math
 import random
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import cache
+from pathlib import Path
+
+import numpy as np
 
 from analysis.pipeline.set_up_stages import OfScene
-from analysis.topics.draw import DIGITS, length
-from analysis.topics.machines import bodies
-from geometries.scene.poses import Pose
+from analysis.topics.draw import DIGITS, between, length, rotation
+from geometries.common.arrays import Array
+from geometries.scene.meshes import read_triangles
+from geometries.scene.poses import AxisRotation, Pose, Rotation, Vector3
 from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
-from geometries.scene.shapes import Cuboid
+from geometries.scene.shapes import Capsule, Cuboid, Cylinder, Ellipsoid, MeshShape, PlateShape, Shape, Sphere
 from geometries.studies import machines
 from geometries.studies.families import FLOATING
+
+
+# Sides of a round shape: its triangles are the truth here, and more of them cost time only.
+_SEGMENTS = 12
+_LINKS = tuple(Path(__file__).parent / "links" / f"{name}.obj" for name in ("shell", "bracket"))
+_UPRIGHT = AxisRotation((1.0, 0.0, 0.0), 90.0)
+"""Turns the axis of a capsule or cylinder from z to y."""
+
+
+def hand(chance: random.Random, name: str, gap: float, shift: tuple[float, float]) -> Object:
+    """Draws a body of a hand's size, turned at random, whose lowest point is `gap` above z = 0 and whose centre is shifted along x and y."""
+    shape = chance.choice(_OF_HANDS)(chance)
+    return _above(Object(name, shape, pose=Pose((*shift, 0.0), rotation(chance))), gap)
+
+
+def person(
+    chance: random.Random, conductor: str, gap: float, shift: tuple[float, float]
+) -> tuple[Object, ...]:
+    """Draws a person who stretches an arm towards the sensor: capsules and balls that overlap, one conductor. The hand's lowest point is `gap`
+    above z = 0, the body stands upright along y behind it."""
+    tall = between(chance, (1.5, 1.9)) / 1.75
+    x, y = shift
+    reach = gap + 0.68 * tall
+    # Radius, length of the segment and centre of each part of a person of 1.75 m, scaled with the height.
+    forearm = (0.04 * tall, 0.28 * tall, (x, y, gap + 0.18 * tall), AxisRotation())
+    upper_arm = (0.05 * tall, 0.3 * tall, (x, y, gap + 0.48 * tall), AxisRotation())
+    trunk = (0.15 * tall, 0.42 * tall, (x + 0.12 * tall, y - 0.18 * tall, reach + 0.1 * tall), _UPRIGHT)
+    legs = (0.11 * tall, 0.62 * tall, (x + 0.12 * tall, y - 0.78 * tall, reach + 0.1 * tall), _UPRIGHT)
+    parts = {"forearm": forearm, "upper arm": upper_arm, "trunk": trunk, "legs": legs}
+    centre = (x + 0.12 * tall, y + 0.27 * tall, reach + 0.1 * tall)
+    bodies = [
+        Object(
+            name,
+            Capsule(round(radius, DIGITS), round(segment, DIGITS), _SEGMENTS),
+            pose=Pose(_rounded(middle), turn),
+            conductor=conductor,
+        )
+        for name, (radius, segment, middle, turn) in parts.items()
+    ]
+    head = Sphere(round(0.11 * tall, DIGITS), _SEGMENTS)
+    return (*bodies, Object("head", head, pose=Pose(_rounded(centre)), conductor=conductor))
+
+
+def chain(chance: random.Random, joints: int, size: float, top: float) -> tuple[Object, ...]:
+    """Draws the links of an arm that overlap at the joints, from the one below the sensor, whose face is at z = `top` < 0, downwards and aside.
+
+    A link is a box, a cylinder, a capsule or a mesh of about `size`; the first one is a box, on which the sensor is mounted.
+    """
+    depth = between(chance, (0.4 * size, size))
+    first = Cuboid(
+        (length(chance, (1.2 * size, 2.5 * size)), between(chance, (1.1 * size, 1.6 * size)), depth)
+    )
+    found = [Object("link 1", first, pose=Pose((0.0, 0.0, round(top - depth / 2, DIGITS))))]
+    # Each joint is deeper than half of the next link is thick, so that no link reaches the plane of the sensor.
+    place = np.array([first.size[0] / 2, 0.0, top - depth])
+    for number in range(2, joints + 1):
+        shape = chance.choice(_OF_LINKS)(chance, size)
+        points = shape.triangles().reshape(-1, 3)
+        along = float(np.ptp(points[:, 2]))
+        direction = _downwards(chance)
+        pose = Pose(_rounded(tuple(place + direction * 0.4 * along)), _turning_z_to(direction))
+        body = _below(Object(f"link {number}", shape, pose=pose), top)
+        found.append(body)
+        place = np.asarray(body.pose.translation) + direction * 0.4 * along
+    return tuple(found)
+
+
+def lowest(body: Object) -> float:
+    """Returns the height (m) of the lowest point of a body that is fixed to the world."""
+    return float(_points(body)[:, 2].min())
+
+
+def farthest(body: Object, axis: int) -> float:
+    """Returns the largest coordinate (m) of a body that is fixed to the world."""
+    return float(_points(body)[:, axis].max())
+
+
+def _points(body: Object) -> Array:
+    transform = body.pose.transform()
+    return np.asarray(transform.points(body.shape.triangles()).reshape(-1, 3))
+
+
+def _above(body: Object, gap: float) -> Object:
+    return _raised(body, gap - lowest(body))
+
+
+def _below(body: Object, top: float) -> Object:
+    """Lowers a body whose highest point is above `top`."""
+    return _raised(body, min(0.0, top - farthest(body, 2)))
+
+
+def _raised(body: Object, by: float) -> Object:
+    x, y, z = body.pose.translation
+    return Object(body.name, body.shape, pose=Pose((x, y, round(z + by, DIGITS)), body.pose.rotation))
+
+
+def _rounded(point: tuple[float, ...]) -> Vector3:
+    x, y, z = (round(float(value), DIGITS) for value in point)
+    return x, y, z
+
+
+def _downwards(chance: random.Random) -> Array:
+    """Draws a direction that points at least 15 degrees downwards."""
+    height, turn = chance.uniform(math.sin(math.radians(15)), 1), 2 * math.pi * chance.random()
+    across = math.sqrt(1 - height**2)
+    return np.array([across * math.cos(turn), across * math.sin(turn), -height])
+
+
+def _turning_z_to(direction: Array) -> Rotation:
+    axis = np.cross((0.0, 0.0, 1.0), direction)
+    if not np.any(np.abs(axis) > 1e-9):
+        return AxisRotation((1.0, 0.0, 0.0), 180.0)
+    x, y, z = (round(float(value), 6) for value in axis)
+    return AxisRotation((x, y, z), round(math.degrees(math.acos(float(direction[2]))), 2))
+
+
+_OF_HANDS: tuple[Callable[[random.Random], Shape], ...] = (
+    lambda chance: Cuboid(
+        (length(chance, (0.05, 0.12)), length(chance, (0.08, 0.2)), length(chance, (0.02, 0.06)))
+    ),
+    lambda chance: Capsule(length(chance, (0.01, 0.05)), length(chance, (0.05, 0.3)), _SEGMENTS),
+    lambda chance: Ellipsoid(
+        (length(chance, (0.03, 0.06)), length(chance, (0.04, 0.1)), length(chance, (0.015, 0.03))), _SEGMENTS
+    ),
+    lambda chance: Sphere(length(chance, (0.01, 0.1)), _SEGMENTS),
+    lambda chance: PlateShape((length(chance, (0.03, 0.2)), length(chance, (0.03, 0.2)))),
+)
+
+
+def _link_box(chance: random.Random, size: float) -> Shape:
+    thick = between(chance, (0.5 * size, size))
+    return Cuboid((thick, thick, between(chance, (1.5 * size, 4 * size))))
+
+
+def _radius(chance: random.Random, size: float) -> float:
+    return between(chance, (0.25 * size, 0.5 * size))
+
+
+def _link_mesh(chance: random.Random, size: float) -> Shape:
+    surface, digest, file = _mesh(chance.randrange(len(_LINKS)))
+    return MeshShape(file, digest, round(size * chance.uniform(1.5, 4), DIGITS), surface)
+
+
+@cache
+def _mesh(number: int) -> tuple[Array, str, str]:
+    """Returns the triangles of a link of length 1 along z, the digest of its file and its path."""
+    file = _LINKS[number]
+    return read_triangles(file), hashlib.sha256(file.read_bytes()).hexdigest(), str(file)
+
+
+_OF_LINKS: tuple[Callable[[random.Random, float], Shape], ...] = (
+    _link_box,
+    lambda chance, size: Cylinder(_radius(chance, size), between(chance, (1.5 * size, 4 * size)), _SEGMENTS),
+    lambda chance, size: Capsule(_radius(chance, size), between(chance, (1.0 * size, 3 * size)), _SEGMENTS),
+    _link_mesh,
+)
+
 
 HOUSING, TABLE, ARM, PERSON, ROBOT, TRANSMIT = "housing", "table", "arm", "person", "robot", "transmit"
 FAMILIES = (HOUSING, TABLE, ARM, PERSON, ROBOT, TRANSMIT)
@@ -104,14 +267,14 @@ def _table(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, 1)
     hand = _connected((_hand(chance, size),), chance)
     x, y = hand[0].pose.translation[:2]
-    near = bodies.farthest(hand[0], 2) + length(chance, _TABLE_BEHIND)
+    near = farthest(hand[0], 2) + length(chance, _TABLE_BEHIND)
     table = machines.table(_TABLE, x, y, round(near, DIGITS))
     return _Parts(sensors, _mounted_on_a_box(chance, sensors), (table,), hand)
 
 
 def _arm(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, 3)
-    links = bodies.chain(chance, 3, size, -length(chance, _BEHIND))
+    links = chain(chance, 3, size, -length(chance, _BEHIND))
     return _Parts(sensors, links[:1], links[1:], (_hand(chance, size),))
 
 
@@ -119,15 +282,14 @@ def _person(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, 1)
     own = _mounted_on_a_box(chance, sensors)
     gap, shift = length(chance, _GAPS), _shift(chance, size)
-    person = bodies.person(chance, "person", gap, shift)
-    return _Parts(sensors, own, (), _connected(person, chance))
+    return _Parts(sensors, own, (), _connected(person(chance, "person", gap, shift), chance))
 
 
 def _robot(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, chance.choice((1, 2, 3)))
-    links = bodies.chain(chance, chance.choice((2, 3, 4, 5)), size, -length(chance, _BEHIND))
+    links = chain(chance, chance.choice((2, 3, 4, 5)), size, -length(chance, _BEHIND))
     hand = _hand(chance, size)
-    beside = max(bodies.farthest(hand, 0), size) + length(chance, (0.02, 0.3))
+    beside = max(farthest(hand, 0), size) + length(chance, (0.02, 0.3))
     folded = Cuboid((0.08, 0.08, length(chance, (0.1, 0.5))))
     second = Object(
         "folded link",
@@ -140,7 +302,7 @@ def _robot(chance: random.Random) -> _Parts:
 
 def _transmit(chance: random.Random) -> _Parts:
     sensors, size = _sensors(chance, chance.choice((2, 3)))
-    own = bodies.chain(chance, 1, size, -length(chance, _BEHIND))
+    own = chain(chance, 1, size, -length(chance, _BEHIND))
     return _Parts(sensors, own, (), _connected((_hand(chance, size),), chance))
 
 
@@ -184,7 +346,7 @@ def _mounted_on_a_box(chance: random.Random, sensors: tuple[Sensor, ...]) -> tup
 
 def _hand(chance: random.Random, size: float) -> Object:
     gap = length(chance, _GAPS)
-    return bodies.hand(chance, "hand", gap, _shift(chance, size))
+    return hand(chance, "hand", gap, _shift(chance, size))
 
 
 def _shift(chance: random.Random, size: float) -> tuple[float, float]:

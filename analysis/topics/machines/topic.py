@@ -24,13 +24,13 @@ from analysis.report.plot import (
     series_colour,
 )
 from analysis.results.answers import Estimate
+from analysis.results.statistics import Spread, range_of, ratio, spread
 from analysis.results.store import Document
 from analysis.results.units import signed_percent
 from analysis.topics.machines import parts, set_ups, truths
 from analysis.topics.machines.parts import ALL_PARTS, COMPANY, OnMachine, Pairs
 from analysis.topics.machines.set_ups import FAMILIES, SetUp
 from analysis.topics.machines.truths import CHECK, METHODS, RTOL, STAGES
-from analysis.topics.spread import Spread, range_of, ratio, spread
 from analysis.topics.topic import Topic
 from geometries.common.measured import picofarads
 

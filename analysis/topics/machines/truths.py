@@ -17,13 +17,12 @@ from analysis.pipeline.set_up_stages import SetUpStages
 from analysis.results.answers import Estimate
 from analysis.results.set_up import rectangles
 from analysis.results.store import Document
-from analysis.topics import field_solver
+from analysis.topics import stored
 from analysis.topics.errors.parts import Truth, split
-from analysis.topics.field_solver import FieldCheck
 from analysis.topics.machines import parts
 from analysis.topics.machines.parts import OnMachine
 from analysis.topics.machines.set_ups import READING, SetUp, all_set_ups
-from analysis.topics.stored import Stored, rounded
+from analysis.topics.stored import FieldCheck, Stored, rounded
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 from geometries.scene.writer import canonical
@@ -207,10 +206,10 @@ def checked(set_up: SetUp) -> Document:
     (asked_for,) = set_up.scene.readings
     columns = dict.fromkeys([asked_for.sense, *asked_for.drive])
     asked = ("--rtol", repr(_RTOL_OF_CHECKS), "--error", "enclosure", "--max-unknowns", str(_MOST_UNKNOWNS))
-    document = field_solver.solved(set_up, *asked, "--columns", ",".join(columns))
+    document = stored.solved(set_up, *asked, "--columns", ",".join(columns))
     (reading,) = document["readings"]
     return {
-        **field_solver.quantities_of(reading, ("change",)),
+        **stored.quantities_of(reading, ("change",)),
         "lower": reading["lower"]["change"],
         "upper": reading["upper"]["change"],
         "seconds": document["seconds"],

@@ -15,6 +15,8 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from analysis.results import machine, study_results
+from analysis.results.answers import BOUNDARY, FIELD
+from analysis.results.store import read_json
 from analysis.results.study_results import (
     Results,
     boundary_command,
@@ -22,9 +24,7 @@ from analysis.results.study_results import (
     model_command,
     reference_command,
 )
-from analysis.results.store import read_json
 from analysis.results.table import TABLE
-from analysis.results.truth import BOUNDARY, FIELD
 from geometries.common.children import ending_with_this
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT

@@ -14,8 +14,7 @@ from analysis import __main__ as command_line
 from analysis.coverage import findings, survey as surveys
 from analysis.coverage.distances import COLUMNS, Curves
 from analysis.coverage.machine import Machine, Reading, respond
-from analysis.coverage.places import Places, spread
-from analysis.coverage.probes import DEFAULT, probe
+from analysis.coverage.places import DEFAULT, Places, probe, spread
 from analysis.pipeline.model_stage import model_module
 from geometries.common.errors import InputError
 from geometries.scene import reader

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.live import make as live
+from analysis import live
 from analysis.pipeline.model_stage import model_module
 from geometries.scene import motion, poses, reader
 from geometries.scene.scene import Scene

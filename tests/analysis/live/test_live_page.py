@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.live import make as live, paths
+from analysis import live
 from analysis.pipeline.model_stage import model_module
 from analysis.report.index_page import LIVE
 from geometries.scene import poses, reader
@@ -58,7 +58,7 @@ def native() -> Any:
     return model_module().Scene.load(str(SCENE))
 
 
-def place(native: Any, way: paths.Path, number: int) -> None:
+def place(native: Any, way: live.Way, number: int) -> None:
     """Takes the links of the native scene to a frame."""
     for link, pose in way.frames[number].poses.items():
         native.set_pose(link, np.array(pose.translation), poses.quaternion(pose.rotation))
@@ -84,7 +84,7 @@ def totals(answer: dict[str, Any]) -> list[float]:
 def test_models_and_geometry_are_those_of_the_native_library(
     ready: Browser, native: Any, number: int
 ) -> None:
-    way = paths.of_scene(reader.load(SCENE), ())[number]
+    way = live.of_scene(reader.load(SCENE), ())[number]
     found = ready.run(ANSWERS, number, list(range(len(way.frames))))
     assert len(found) == len(way.frames)
     for frame, said in enumerate(found):
@@ -107,7 +107,7 @@ def test_models_and_geometry_are_those_of_the_native_library(
 def test_the_reduced_method_is_right_within_the_errors_that_the_page_states(
     ready: Browser, native: Any
 ) -> None:
-    way = paths.of_scene(reader.load(SCENE), ())[0]
+    way = live.of_scene(reader.load(SCENE), ())[0]
     frames = [0, 4, 7]
     for number, said in zip(frames, ready.run(ANSWERS, 0, frames)):
         place(native, way, number)

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from analysis import live
 from analysis.__main__ import main
-from analysis.live import make as live, paths
 from analysis.pipeline.model_stage import model_module
 from analysis.report.index_page import LIVE
 from geometries.scene import motion, reader
@@ -29,29 +29,29 @@ def hand(scene: Scene, frame: motion.Frame) -> Any:
 
 def test_the_hand_approaches_the_first_sensor() -> None:
     scene = reader.load(SCENE)
-    approach = paths.of_scene(scene, ())[0]
+    approach = live.of_scene(scene, ())[0]
     heights = [hand(scene, frame)[:, 2].min() for frame in approach.frames]
-    np.testing.assert_allclose(heights, paths.HEIGHTS, atol=1e-12)
+    np.testing.assert_allclose(heights, live.HEIGHTS, atol=1e-12)
     assert [frame.name for frame in approach.frames][-1] == "10 mm"
 
 
 def test_the_hand_slides_over_both_edges_of_the_first_sensor() -> None:
     scene = reader.load(SCENE)
-    over = paths.of_scene(scene, ())[1]
+    over = live.of_scene(scene, ())[1]
     first, last = hand(scene, over.frames[0]), hand(scene, over.frames[-1])
-    np.testing.assert_allclose(first[:, 2].min(), paths.EDGE_HEIGHT, atol=1e-12)
+    np.testing.assert_allclose(first[:, 2].min(), live.EDGE_HEIGHT, atol=1e-12)
     assert first[:, 0].max() < -0.062 and last[:, 0].min() > -0.004
 
 
 def test_a_motion_comes_first_and_scenes_without_a_target_have_no_other_path() -> None:
     scene = reader.load(SCENE)
-    assert [way.name for way in paths.of_scene(scene, [motion.at_rest(scene)])] == [
+    assert [way.name for way in live.of_scene(scene, [motion.at_rest(scene)])] == [
         "motion",
         "approach",
         "over the edge",
     ]
     arm = reader.load(live.find_scene("x_ray_arm"))
-    assert paths.of_scene(arm, ()) == []
+    assert live.of_scene(arm, ()) == []
 
 
 def test_a_target_without_a_link_gets_one_and_no_answer_changes() -> None:
@@ -70,17 +70,17 @@ def test_a_target_without_a_link_gets_one_and_no_answer_changes() -> None:
     scene = reader.loads(movable)
     assert scene.objects[0].link == "hand'" and [link.name for link in scene.links] == ["hand", "hand'"]
     assert live.movable(movable) == movable
-    assert [way.name for way in paths.of_scene(scene, ())] == ["approach", "over the edge"]
+    assert [way.name for way in live.of_scene(scene, ())] == ["approach", "over the edge"]
     native = [model_module().Scene.loads(each).capacitance()["sensors"] for each in (text, movable)]
     assert native[0] == native[1]
 
 
 def test_reference_readings_are_those_of_boundary_elements() -> None:
     scene = reader.load(SCENE)
-    way = paths.Path("rest", "", (motion.at_rest(scene),))
+    way = live.Way("rest", "", (motion.at_rest(scene),))
     native = model_module().Scene.load(str(SCENE))
     calls: list[None] = []
-    solved = paths.solved(way, native, 0.05, lambda: calls.append(None))
+    solved = live.solved(way, native, 0.05, lambda: calls.append(None))
     truth = native.readings("boundary-elements", rtol=0.05)
     assert len(calls) == 1
     assert solved == [{name: [each.change, each.error["change"]] for name, each in truth.items()}]
@@ -100,7 +100,7 @@ def test_every_option_of_the_command_acts(
 ) -> None:
     asked: list[float] = []
     monkeypatch.setattr(
-        paths, "solved", lambda path, scene, rtol, tell: asked.append(rtol) or [{} for _ in path.frames]
+        live, "solved", lambda path, scene, rtol, tell: asked.append(rtol) or [{} for _ in path.frames]
     )
     path = tmp_path / "moved.toml"
     path.write_text('[[frame]]\nname = "there"\nposes = [ { link = "wrist", translation = [0, 0, 0.5] } ]\n')

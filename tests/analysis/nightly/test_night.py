@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.nightly import chunks, cluster, slurm_status
+from analysis.nightly import chunks, slurm_status
 from analysis.results import study_results as results
 from analysis.study.workflow import Work
 from analysis.topics.trends import changes, page as trends_page, records
@@ -160,7 +160,7 @@ def left(tmp_path: Path) -> Path:
 @pytest.fixture
 def profile(tmp_path: Path) -> Path:
     (tmp_path / "profile").mkdir()
-    (tmp_path / "profile" / cluster.CANCEL).write_text(CANCEL)
+    (tmp_path / "profile" / chunks.CANCEL).write_text(CANCEL)
     return tmp_path / "profile"
 
 
@@ -170,43 +170,43 @@ def called(profile: Path) -> list[str]:
 
 
 def test_a_nights_jobs_are_ended_by_name_once_their_files_are_gone(left: Path, profile: Path) -> None:
-    cluster.begin(left, profile)
+    chunks.begin(left, profile)
     assert (left / chunks.FOLDER).is_dir()
-    cluster.end(left)
-    assert called(profile) == 2 * [cluster.name(left)]
+    chunks.end(left)
+    assert called(profile) == 2 * [chunks.name(left)]
     assert not (left / chunks.FOLDER).exists()
-    cluster.end_left_over(left)
+    chunks.end_left_over(left)
     assert len(called(profile)) == 2
 
 
 def test_what_a_killed_night_left_is_ended_by_its_own_profile_whatever_follows(
     left: Path, profile: Path
 ) -> None:
-    cluster.begin(left, profile)
-    cluster.begin(left, None)
+    chunks.begin(left, profile)
+    chunks.begin(left, None)
     assert len(called(profile)) == 2 and not (left / chunks.FOLDER).exists()
 
 
 def test_every_folder_of_results_has_jobs_of_its_own(tmp_path: Path) -> None:
-    assert cluster.name(tmp_path) == cluster.name(tmp_path / "." / "x" / "..")
-    assert cluster.name(tmp_path) != cluster.name(tmp_path / "x")
+    assert chunks.name(tmp_path) == chunks.name(tmp_path / "." / "x" / "..")
+    assert chunks.name(tmp_path) != chunks.name(tmp_path / "x")
 
 
 def test_jobs_that_cannot_be_ended_are_told_and_tried_again(left: Path, profile: Path) -> None:
-    cluster.begin(left, profile)
+    chunks.begin(left, profile)
     (profile / "silent").touch()
     with pytest.raises(
         OSError, match="may be left on the cluster: exit code 1: the controller does not answer"
     ):
-        cluster.end(left)
+        chunks.end(left)
     (profile / "silent").unlink()
-    cluster.end_left_over(left)
-    cluster.end_left_over(left)
+    chunks.end_left_over(left)
+    chunks.end_left_over(left)
     assert len(called(profile)) == 3
 
 
 def test_a_profile_that_cannot_end_jobs_is_one_for_which_files_are_enough(left: Path, profile: Path) -> None:
-    (profile / cluster.CANCEL).unlink()
-    cluster.begin(left, profile)
-    cluster.end(left)
+    (profile / chunks.CANCEL).unlink()
+    chunks.begin(left, profile)
+    chunks.end(left)
     assert not (left / chunks.FOLDER).exists()

@@ -3,17 +3,17 @@
 from __future__ import annotations
 
 import re
-from markupsafe import escape
 from pathlib import Path
 
 import pytest
+from markupsafe import escape
 
-from analysis.report.page import SCRIPT
 from analysis.report.index_page import LIVE, MOTION
+from analysis.report.page import SCRIPT
 from analysis.results import store, study_results as results, table
 from analysis.results.study_results import Failure
 from analysis.study import report
-from analysis.study.questions import QUESTIONS
+from analysis.study.report import QUESTIONS
 from analysis.topics.corrections import topic
 from analysis.topics.corrections.topic import CORRECTIONS
 from analysis.topics.trends import page as trends_page, records

@@ -30,7 +30,7 @@ from analysis.topics.company.set_ups import (
     chosen,
 )
 from analysis.topics.company.topic import COMPANY as TOPIC, TOGETHER, Entry
-from analysis.topics.field_solver import QUANTITIES
+from analysis.topics.stored import QUANTITIES
 from geometries.scene.readings import readings, targets
 from geometries.studies.families import FLOATING, GROUNDED
 

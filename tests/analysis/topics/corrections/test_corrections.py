@@ -11,7 +11,7 @@ from analysis.pipeline.model_stage import model_module
 from analysis.results import store
 from analysis.results.store import Document
 from analysis.results.units import percent
-from analysis.topics.corrections import estimates, set_ups, topic
+from analysis.topics.corrections import set_ups, topic
 from analysis.topics.corrections.topic import CORRECTIONS
 from geometries.common.installation import ROOT
 from geometries.scene import reader
@@ -30,13 +30,13 @@ FORMULA_CODE = ROOT / "model" / "src" / "formula" / "formula.cpp"
 @pytest.fixture(scope="module")
 def found() -> list[Document]:
     """Every set-up as plain data."""
-    return estimates.estimate(model_module())
+    return set_ups.estimate(model_module())
 
 
 @pytest.fixture(scope="module")
 def text() -> str:
     """model/CORRECTIONS.md in one line."""
-    return " ".join(estimates.PAGE.read_text(encoding="utf-8").split())
+    return " ".join(set_ups.PAGE.read_text(encoding="utf-8").split())
 
 
 def test_every_set_up_has_a_truth_and_a_third_is_sealed(found: list[Document]) -> None:
@@ -57,30 +57,30 @@ def test_the_formula_is_within_the_asked_errors_where_it_was_not_fitted_and_in_e
     found: list[Document],
 ) -> None:
     for sealed in (True, False):
-        errors = estimates.errors([case for case in found if case["sealed"] == sealed], "formula")
+        errors = set_ups.errors([case for case in found if case["sealed"] == sealed], "formula")
         assert errors["rms"] <= MOST_RMS and errors["worst"] <= MOST_WORST
-    (formula,) = (each for each in estimates.evaluations(found) if each["name"] == "formula")
+    (formula,) = (each for each in set_ups.evaluations(found) if each["name"] == "formula")
     assert all(errors["rms"] <= MOST_RMS for errors in formula["families"].values())
 
 
 def test_the_reduced_method_is_within_the_asked_errors_where_it_says_so(
     found: list[Document],
 ) -> None:
-    assert estimates.errors(found, "reduced")["worst"] <= REDUCED_WORST_NEAR
-    worse = [case["scene"] for case in found if abs(estimates.off(case, "reduced")) > REDUCED_WORST]
+    assert set_ups.errors(found, "reduced")["worst"] <= REDUCED_WORST_NEAR
+    worse = [case["scene"] for case in found if abs(set_ups.off(case, "reduced")) > REDUCED_WORST]
     assert len(worse) <= 0.02 * len(found)
     for scene in worse:
         assert not model_module().Scene.loads(scene).maxwell(method="reduced")["reached"]
-    (reduced,) = (each for each in estimates.evaluations(found) if each["name"] == "reduced")
+    (reduced,) = (each for each in set_ups.evaluations(found) if each["name"] == "reduced")
     assert all(errors["rms"] <= REDUCED_RMS for errors in reduced["families"].values())
 
 
 def test_the_note_has_the_errors_that_are_computed(found: list[Document], text: str) -> None:
-    evaluated, count = estimates.evaluations(found), len(found)
-    assert " ".join(estimates.errors_table(evaluated)) in text
-    assert estimates.by_family(evaluated) in text
+    evaluated, count = set_ups.evaluations(found), len(found)
+    assert " ".join(set_ups.errors_table(evaluated)) in text
+    assert set_ups.by_family(evaluated) in text
     assert f"It is {percent(evaluated[0]['all']['rms'])} off (rms) over the {count} set-ups" in text
-    assert f"{estimates.near_misses(found)} of {count} set-ups are more than 1 % off" in text
+    assert f"{set_ups.near_misses(found)} of {count} set-ups are more than 1 % off" in text
 
 
 def test_the_constants_are_those_of_the_code(text: str) -> None:

@@ -9,20 +9,22 @@ import pytest
 from markupsafe import Markup
 
 from analysis.results.answers import Estimate
-from analysis.topics.field_solver import QUANTITIES
-from analysis.topics.insulators import topic, truths
+from analysis.topics.insulators import set_ups, topic
 from analysis.topics.insulators.set_ups import (
     BLANKET,
+    CHECK,
     COUNTS,
     COVER,
     FILM,
+    IGNORING,
     MATTRESS,
+    REDUCED,
     TARGET,
     SetUp,
     all_set_ups,
 )
 from analysis.topics.insulators.topic import INSULATORS as TOPIC, Entry
-from analysis.topics.insulators.truths import CHECK, IGNORING, REDUCED
+from analysis.topics.stored import QUANTITIES
 
 
 def some() -> tuple[SetUp, ...]:
@@ -42,7 +44,7 @@ def test_there_are_two_hundred_set_ups_with_covers_films_and_targets() -> None:
 
 
 def test_every_record_is_of_a_set_up_and_states_its_error() -> None:
-    known = truths.load()
+    known = set_ups.load()
     assert known.keys() == {each.identity for each in all_set_ups()}
     for each in known.values():
         for truth in (each.insulated, each.without):
@@ -52,22 +54,22 @@ def test_every_record_is_of_a_set_up_and_states_its_error() -> None:
 def test_insulating_targets_have_the_order_of_the_theorem() -> None:
     for each in all_set_ups():
         if each.family == TARGET:
-            true = truths.load()[each.identity]
+            true = set_ups.load()[each.identity]
             grounded = true.without.change
             assert 0 < true.insulated.change.value < grounded.value + grounded.error
 
 
 @pytest.mark.parametrize("family", [COVER, TARGET])
 def test_stored_changes_are_what_boundary_elements_say(family: str) -> None:
-    again = truths.read(truths.STORED.solve(first(family)))
-    assert again.insulated.change.agrees_with(truths.load()[first(family).identity].insulated.change)
+    again = set_ups.read(set_ups.STORED.solve(first(family)))
+    assert again.insulated.change.agrees_with(set_ups.load()[first(family).identity].insulated.change)
 
 
 def test_boundary_elements_solve_a_check_as_it_is_recorded() -> None:
     """Of a cover, which takes a second; targets take many."""
     set_up = next(each for each in CHECK.chosen() if each.family == COVER)
     recorded = CHECK.records()[set_up.identity]["boundary"]
-    again = truths.by_boundary_elements(set_up)["boundary"]
+    again = set_ups.by_boundary_elements(set_up)["boundary"]
     assert list(again) == list(QUANTITIES)
     for name in QUANTITIES:
         assert Estimate(**again[name]).agrees_with(Estimate(**recorded[name]))

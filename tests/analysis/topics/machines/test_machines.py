@@ -10,7 +10,6 @@ import pytest
 from analysis.pipeline.model_stage import model_module
 from analysis.results.answers import Estimate
 from analysis.topics.errors.parts import EFFECTS, Truth
-from analysis.topics.field_solver import Comparison
 from analysis.topics.machines import parts, topic, truths
 from analysis.topics.machines.parts import GROUNDING, MERGED, OTHERS, OWN, SENSORS, OnMachine, Pairs
 from analysis.topics.machines.set_ups import (
@@ -27,6 +26,7 @@ from analysis.topics.machines.set_ups import (
 )
 from analysis.topics.machines.topic import MACHINES as TOPIC, Entry
 from analysis.topics.machines.truths import CHECK, EVERY, METHODS, REDUCED, RTOL, chosen
+from analysis.topics.stored import Comparison
 from geometries.scene.shapes import PlateShape
 from geometries.studies.families import GROUNDED
 

@@ -14,7 +14,7 @@ import pytest
 
 from analysis import __main__ as command_line
 from analysis.study import report
-from analysis.topics.trends import changes, commits, counts, page, records
+from analysis.topics.trends import changes, commits, page, records
 from analysis.topics.trends.changes import DRIFTED, FASTER, MOVED, SLOWER
 from analysis.topics.trends.records import Record
 from geometries.common.errors import InputError
@@ -191,8 +191,8 @@ def test_workloads_are_counted_at_each_commit_and_a_planted_regression_is_found(
         (row,) = json.loads((program.parents[2] / "answer.json").read_text())["maxwell"]
         return [count(round(-400 * row[1]))]
 
-    monkeypatch.setattr(counts, "of_build", counted)
-    found = list(commits.count(tmp_path / "trends", "--all", folder, build="sh builds"))
+    monkeypatch.setattr(commits, "of_build", counted)
+    found = list(commits.count_each(tmp_path / "trends", "--all", folder, build="sh builds"))
     assert [commit for commit, _ in found] == known
     assert [len(new) for _, new in found] == [1, 0, 0, 0, 0, 0, 1, 0, 0, 0]
     (mark,) = changes.marks(records.load(tmp_path / "trends"))
@@ -204,7 +204,7 @@ def test_workloads_are_counted_at_each_commit_and_a_planted_regression_is_found(
 def test_the_command_counts_before_it_tells(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr(commits, "count", lambda folder, which: [(f"{folder.name} {which}", [])])
+    monkeypatch.setattr(commits, "count_each", lambda folder, which: [(f"{folder.name} {which}", [])])
     assert command_line.main(["trends", str(tmp_path), "--count", "HEAD~3.."]) == 0
     assert f"{tmp_path.name} HEAD~3..: 0 counts are new" in capsys.readouterr().out
 

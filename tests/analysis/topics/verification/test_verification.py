@@ -13,8 +13,8 @@ from analysis.pipeline.stage import NoAnswer
 from analysis.results import store
 from analysis.results.study_results import Failure
 from analysis.topics.verification import (
-    rows as verification_rows,
-    section as verification,
+    set_ups as verification_rows,
+    topic as verification,
     topic as verification_stage,
     truths,
 )

@@ -10,10 +10,8 @@ from typing import Any
 
 import pytest
 
-from analysis import __main__ as command_line
-from analysis.golden import cases, run
-from analysis.golden.cases import Case
-from analysis.golden.run import Comparison, Recorded, compared
+from analysis import __main__ as command_line, golden
+from analysis.golden import Case, Comparison, Recorded, compared
 from analysis.honesty.methods import ANSWERED, ENDED, REFUSED, Answer, Stated
 from analysis.results.answers import Estimate
 
@@ -90,16 +88,16 @@ def test_more_time_warns_and_fails_only_if_asked() -> None:
 
 @pytest.fixture(scope="module")
 def everything() -> list[Case]:
-    return cases.all_cases()
+    return golden.all_cases()
 
 
 @pytest.fixture
 def few(everything: list[Case], monkeypatch: pytest.MonkeyPatch) -> list[Case]:
     """Leaves the cases of the first set-up that take milliseconds, and the least of the closed forms."""
-    quick = (cases.PAIRS, cases.REDUCED, cases.CLOSED)
+    quick = (golden.PAIRS, golden.REDUCED, golden.CLOSED)
     chosen = [each for each in everything if each.method in quick and "parallel-000" in each.name]
-    chosen += [each for each in everything if each.name == f"closed forms/one_body 1/{cases.ELEMENTS}"]
-    monkeypatch.setattr(cases, "all_cases", lambda: chosen)
+    chosen += [each for each in everything if each.name == f"closed forms/one_body 1/{golden.ELEMENTS}"]
+    monkeypatch.setattr(golden, "all_cases", lambda: chosen)
     return chosen
 
 
@@ -110,7 +108,7 @@ def test_all_kinds_of_cases_are_there_with_their_truths(everything: list[Case]) 
     assert topics.keys() == wanted
     assert all(each.truths for each in everything)
     families = {each.name.split("/")[1].rpartition(" ")[0] for each in everything if "machines/" in each.name}
-    assert families == set(cases.machines.FAMILIES)
+    assert families == set(golden.machines.FAMILIES)
 
 
 def test_every_option_of_the_command_acts(
@@ -121,11 +119,11 @@ def test_every_option_of_the_command_acts(
     document = json.loads(old.read_text())
     assert list(document["cases"]) == [each.name for each in few]
     assert all(each["answer"]["outcome"] == "answered" for each in document["cases"].values())
-    assert all(run.load(old)[each.name].truths == each.truths for each in few)
+    assert all(golden.load(old)[each.name].truths == each.truths for each in few)
     assert command_line.main(["golden", str(new), "--against", str(old), "--only", "closed"]) == 0
     assert len(json.loads(new.read_text())["cases"]) == 1
     assert "The gate passes." in capsys.readouterr().out
-    name = next(each.name for each in few if each.method == cases.REDUCED)
+    name = next(each.name for each in few if each.method == golden.REDUCED)
     stated = document["cases"][name]["answer"]["values"]["M[sensor, target]"]
     stated["value"] *= 1.05
     new.write_text(json.dumps(document))
@@ -177,7 +175,7 @@ def test_an_interrupt_writes_nothing(
 
     file = tmp_path / "golden.json"
     file.write_text("as it was")
-    monkeypatch.setattr(run, "run_all", interrupted)
+    monkeypatch.setattr(golden, "run_all", interrupted)
     assert command_line.main(["golden", str(file)]) == 130
     assert file.read_text() == "as it was" and list(tmp_path.iterdir()) == [file]
     assert "nothing is written" in capsys.readouterr().err

@@ -1,5 +1,5 @@
-"""The data of a scene's page: bodies in the frames of their links, and poses and readings in every frame of a motion; the readings by quick methods in
-every frame, by boundary elements in the frames of the motion file."""
+"""`python3 -m analysis show SCENE`: makes one page that shows a scene and its motion: bodies in the frames of their links, and poses and readings in every frame of a
+motion; the readings by quick methods in every frame, by boundary elements in the frames of the motion file."""
 
 from __future__ import annotations
 
@@ -12,10 +12,17 @@ from typing import Any
 
 import numpy as np
 
-from analysis.results.store import Document
+from analysis.pipeline import keys
+from analysis.pipeline.model_stage import model_module
+from analysis.report import page
+from analysis.report.index_page import MOTION
+from analysis.results.store import Document, write_text
+from fem_reference.bodies.remarks import remarks
 from geometries.common.arrays import Array
 from geometries.common.errors import InputError
-from geometries.scene import poses as scene_poses
+from geometries.common.installation import ROOT, is_own, results_folder
+from geometries.common.tables import is_file
+from geometries.scene import motion, poses as scene_poses, reader
 from geometries.scene.motion import Frame, with_frames_between
 from geometries.scene.poses import Transform
 from geometries.scene.scene import Object, Scene, Sensor
@@ -199,14 +206,14 @@ QUICK = (
 
 
 @dataclass(frozen=True)
-class Options:
+class Readings:
     """`between`: frames that are shown between two of the motion file; `rtol`: the relative error asked of boundary elements."""
 
     between: int = 8
     rtol: float = 1e-2
 
 
-def along(live: Any, frames: Sequence[Frame], options: Options) -> Document:
+def along(live: Any, frames: Sequence[Frame], options: Readings) -> Document:
     """Returns the changes of all readings, F, with the errors that the methods state, for the page.
 
     `frames` are those of the motion file with `options.between` between every two, `live` is the scene of the module fringe. A frame
@@ -263,3 +270,82 @@ def _series(live: Any, frames: Sequence[Frame], asked: Sequence[int], method: Me
         "errors": errors,
         "refused": "" if known else refused or "it does not know the changes of these readings",
     }
+
+
+def document(title: str, inputs: str, data: Document, readings: Document | None) -> str:
+    """Returns the whole page. `readings` are those along the motion, and `inputs` is the hash of what the page is made from."""
+    body = page.filled(
+        "show.html",
+        style=page.static("show.css"),
+        script=page.static("parts.js", "show.js"),
+        readings=None if readings is None else page.json_in_page(readings, allow_nan=False),
+        title=title,
+        summary=_summary(data),
+        data=page.json_in_page(data, allow_nan=False),
+    )
+    return page.document(title, inputs, [body])
+
+
+def _summary(data: Document) -> str:
+    nouns = {
+        "objects": "object",
+        "links": "link",
+        "sensors": "capacitive sensor",
+        "eyes": "distance sensor",
+        "frames": "frame",
+    }
+    counts = {key: len(data[key]) for key in nouns} | {"frames": len(data["frames"][:: data["every"]])}
+    parts = [_count(counts[key], noun) for key, noun in nouns.items() if counts[key]]
+    return ", ".join(parts) + ". Drag to turn, scroll to come closer, hover for names."
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
+SCENES = ROOT / "geometries" / "scenes"
+MOTION_SUFFIX = ".motion.toml"
+
+
+def make(name: str, motion_file: Path | None, target: Path | None, readings: Readings | None = None) -> Path:
+    """Writes the page of a scene, a file or a name in geometries/scenes; returns where it is.
+
+    The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it.
+    Without a motion file the one beside the scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it
+    stands. With `readings`, plots of the readings along the motion follow. A page that is up to date stays. Prints remarks on the scene on standard error. InputError for files that cannot be used.
+    """
+    path = find_scene(name)
+    scene = reader.load(path)
+    for remark in remarks(scene):
+        print(f"analysis: remark: {remark}", file=sys.stderr)
+    motion_file = motion_file or motion_beside(path)
+    frames = motion.load(motion_file, scene) if motion_file else (motion.at_rest(scene),)
+    model = model_module()
+    data = collect(path, scene, frames, model, readings.between if readings else 0)
+    place = target or (results_folder() / MOTION.folder if is_own(path) else Path.cwd()) / f"{path.stem}.html"
+    inputs = keys.page_inputs(data, repr(readings), str(model.__version__))
+    if page.is_current(place, inputs):
+        return place
+    told = None
+    if readings:
+        moved = with_frames_between(frames, readings.between)
+        told = along(load(path, model), moved, readings)
+    write_text(place, document(path.stem.replace("_", " "), inputs, data, told))
+    return place
+
+
+def motion_beside(scene: Path) -> Path | None:
+    """Returns the motion file beside a scene, SCENE.motion.toml for SCENE.toml; None if there is none."""
+    beside = scene.with_suffix("").with_suffix(MOTION_SUFFIX)
+    return beside if is_file(beside) else None
+
+
+def find_scene(name: str) -> Path:
+    """Returns the file of a scene given by its path or by its name in geometries/scenes; InputError when there is none."""
+    if Path(name).suffix == ".toml":
+        return Path(name)
+    path = SCENES / f"{name}.toml"
+    if not is_file(path):
+        known = sorted(file.stem for file in SCENES.glob("*.toml") if "." not in file.stem)
+        raise InputError(name, "", f"is neither a TOML file nor one of {', '.join(known)}")
+    return path

@@ -1,25 +1,175 @@
-"""Asks all cases one after the other, writes the golden file, and compares it with an older one: the gate tells what moved, and what must not have."""
+"""The golden file: set-ups with stored truths, taken by fixed strides, are asked one after the other, each by the methods that its kind allows. The file is compared
+with an older one: the gate tells what moved, and what must not have."""
 
 from __future__ import annotations
 
 import fnmatch
+import hashlib
+import itertools
+import json
 import math
-from collections.abc import Sequence
+import random
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
-from analysis.golden import cases
-from analysis.golden.cases import Case
-from analysis.honesty import judging
+import numpy as np
+
+from analysis.honesty import closed_scenes, judging
 from analysis.honesty.asking import Worker
-from analysis.honesty.methods import ANSWERED, Answer, Stated
+from analysis.honesty.methods import (
+    ANSWERED,
+    BOUNDARY_ELEMENTS,
+    CHANGE,
+    METHODS,
+    PARTS,
+    Answer,
+    Stated,
+    entry,
+    has_readings,
+    in_pose,
+    pair,
+    part_of,
+)
+from analysis.pipeline.model_stage import model_module
 from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
 from analysis.results.answers import Estimate
 from analysis.results.store import Document, read_json, write_json
 from analysis.results.study_results import Failure
+from analysis.topics.company import set_ups as company
+from analysis.topics.corrections import set_ups as corrections
+from analysis.topics.insulators import set_ups as insulators, set_ups as insulators_truths
+from analysis.topics.machines import set_ups as machines, truths as machines_truths
 from geometries.common.errors import InputError
 from geometries.common.measured import picofarads
+from geometries.scene.scene import Scene
+from geometries.scene.writer import canonical_and_identity
+from geometries.studies.machines import before as with_readings
+
+
+Truths = dict[str, Estimate]
+
+CORRECTIONS_STRIDE, MACHINES_STRIDE, INSULATORS_STRIDE = 25, 33, 35
+"""Every so-many-th of the 450, 396 and 210 set-ups is taken."""
+CLOSED_FORMS = 2
+"""Random scenes of each closed form but the bowls, whose meshes are files of no fixed content."""
+CLOSED, ACCURATE, REDUCED = "formula", "reduced:1e-2", "reduced+entries:1e-2"
+ELEMENTS = "boundary-elements:1e-2"
+PAIRS, FINE_ELEMENTS = "formula of pairs", "boundary-elements:1e-3"
+_MOVING = Path(__file__).with_name("golden_moving.json")
+_OPTIONS = METHODS | {PAIRS: METHODS[CLOSED], FINE_ELEMENTS: {"method": BOUNDARY_ELEMENTS, "rtol": 1e-3}}
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """A scene that a method is asked for, and what is known of it (F); without readings it is asked for its Maxwell matrix or pairs. `question`
+    is a hash of all that is asked."""
+
+    name: str
+    method: str
+    text: str
+    has_readings: bool
+    options: dict[str, Any]
+    truths: Truths
+    question: str
+
+
+def all_cases() -> list[Case]:
+    """Returns all cases."""
+    topics = _corrections, _company, _machines, _insulators, _closed_forms, _moving
+    return [case for topic in topics for case in topic()]
+
+
+def _cases(
+    name: str, scene: Scene, methods: Iterable[str], truths: Truths, has_readings: bool = True, **more: Any
+) -> Iterator[Case]:
+    yield from _asked(name, *canonical_and_identity(scene), methods, truths, has_readings, **more)
+
+
+def _asked(
+    name: str,
+    text: str,
+    identity: str,
+    methods: Iterable[str],
+    truths: Truths,
+    has_readings: bool = True,
+    **more: Any,
+) -> Iterator[Case]:
+    for method in methods:
+        options = _OPTIONS[method] | more
+        asked = json.dumps([identity, has_readings, options], default=np.ndarray.tolist)
+        question = hashlib.sha256(asked.encode()).hexdigest()
+        yield Case(f"{name}/{method}", method, text, has_readings, options, truths, question)
+
+
+def _corrections() -> Iterator[Case]:
+    """A sensor and a target alone: the matrix, the formula's pair, and the change of the sensor's own capacitance, which is a difference."""
+    known = corrections.load()
+    for set_up in list(corrections.set_ups(model_module()))[::CORRECTIONS_STRIDE]:
+        true, name = known[set_up.name], f"corrections/{set_up.name}"
+        change = Estimate(true.sensor - true.sensor_alone, corrections.RTOL * true.sensor)
+        truths = {
+            entry("sensor", "target"): Estimate(-true.mutual, true.error),
+            pair("sensor", "target"): Estimate(true.mutual, true.error),
+        }
+        yield from _cases(name, set_up.scene, (PAIRS, REDUCED, FINE_ELEMENTS), truths, has_readings=False)
+        marked = with_readings(set_up.scene, ())
+        yield from _cases(name, marked, (CLOSED, ACCURATE), {part_of("sensor", CHANGE): change})
+
+
+def _company() -> Iterator[Case]:
+    """The set-ups whose readings are stored by the field solver."""
+    checks = company.CHECK.records()
+    for set_up in (each for each in company.all_set_ups() if each.identity in checks):
+        true, name = checks[set_up.identity], f"company/{set_up.machine} {set_up.number}, {set_up.ground}"
+        truths = {part_of(company.SENSOR, part): Estimate(**true[part]) for part in PARTS}
+        yield from _cases(name, set_up.scene, (CLOSED, ACCURATE, REDUCED, FINE_ELEMENTS), truths)
+
+
+def _machines() -> Iterator[Case]:
+    known = machines_truths.load()
+    for set_up in machines.all_set_ups()[::MACHINES_STRIDE]:
+        truths = {part_of(machines.READING, CHANGE): known[set_up.identity].changes.full}
+        name = f"machines/{set_up.name}"
+        yield from _cases(name, set_up.scene, (CLOSED, ACCURATE, REDUCED, ELEMENTS), truths)
+
+
+def _insulators() -> Iterator[Case]:
+    known = insulators_truths.load()
+    for set_up in insulators.all_set_ups()[::INSULATORS_STRIDE]:
+        true = known[set_up.identity].insulated
+        truths = {part_of(insulators.READING, part): getattr(true, part) for part in ("background", CHANGE)}
+        name = f"insulators/{set_up.name}"
+        yield from _cases(name, set_up.scene, (CLOSED, REDUCED, ELEMENTS), truths)
+
+
+def _closed_forms() -> Iterator[Case]:
+    """Random scenes of fixed seeds whose answers are known in closed form."""
+    forms = [form for form in dict.fromkeys(closed_scenes.FORMS) if form is not closed_scenes.bowls]
+    for form, seed in itertools.product(forms, range(CLOSED_FORMS)):
+        known = form(random.Random(seed), Path())
+        is_read = has_readings(known.scene)
+        methods = (CLOSED, ACCURATE, REDUCED, ELEMENTS) if is_read else (REDUCED, ELEMENTS)
+        name = f"closed forms/{form.__name__} {seed}"
+        yield from _cases(name, known.scene, methods, known.truths, is_read)
+
+
+def _moving() -> Iterator[Case]:
+    """Machines in poses of their motions with stored truths, all poses at once."""
+    document = read_json(_MOVING)
+    assert document is not None
+    for name, machine in document["machines"].items():
+        text, poses = machine["scene"], machine["poses"]
+        truths = {
+            part_of(in_pose(reading, number), CHANGE): Estimate(*known)
+            for number, pose in enumerate(poses)
+            for reading, known in pose["changes"].items()
+        }
+        motion = np.array([pose["links"] for pose in poses])
+        identity = hashlib.sha256(text.encode()).hexdigest()
+        yield from _asked(f"moving/{name}", text, identity, (CLOSED, ACCURATE), truths, motion=motion)
 
 
 MOST_WIDER, MOST_SLOWER = 1.1, 1.1
@@ -166,7 +316,7 @@ def run(
     """Asks the cases whose names hold the pattern `only`, writes the file, whole or not at all, and returns the comparison with an older
     one if there is one; InputError for what cannot be used, before anything is asked."""
     old = {name: each for name, each in load(against).items() if _matches(name, only)} if against else None
-    chosen = [each for each in cases.all_cases() if _matches(each.name, only)]
+    chosen = [each for each in all_cases() if _matches(each.name, only)]
     if not chosen:
         raise InputError("", "--only", f"no case's name holds {only!r}")
     if old is not None:

@@ -1,4 +1,5 @@
-"""`python3 -m analysis live SCENE`: makes one page on which a scene can be moved, with the library in it as WebAssembly."""
+"""`python3 -m analysis live SCENE`: makes one page on which a scene can be moved, with the library in it as WebAssembly. Its paths are the motion beside the scene, and two
+that the target takes before the first sensor; with reference readings."""
 
 from __future__ import annotations
 
@@ -6,25 +7,167 @@ import base64
 import os
 import sys
 import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import tomli_w
 
-from analysis.live import paths
 from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page
 from analysis.report.index_page import LIVE
 from analysis.results.store import Document, write_text
-from analysis.show.make import find_scene, motion_beside
+from analysis.show import find_scene, in_frame, motion_beside
 from fem_reference.bodies.remarks import remarks
+from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, is_installed, is_own, page_library, results_folder
-from geometries.scene import motion, reader
+from geometries.scene import motion, poses as scene_poses, reader
 from geometries.scene.covers import is_cover
-from geometries.scene.scene import Scene
+from geometries.scene.motion import Frame, at_rest
+from geometries.scene.poses import Pose
+from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import Cuboid, PlateShape
+
+
+HEIGHTS = (0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.03, 0.02, 0.01)
+"""Distances (m) of the target from the sensor's plane on the approach."""
+EDGE_HEIGHT = 0.03
+"""Distance (m) of the target from the sensor's plane on the way over its edge."""
+EDGE_FRAMES = 9
+_BEYOND = 0.02
+"""Gap (m) between the target and the sensor, seen from above, at both ends of the way over its edge."""
+
+
+@dataclass(frozen=True)
+class Way:
+    """Frames through which the page moves; `said` tells in a sentence what moves."""
+
+    name: str
+    said: str
+    frames: tuple[Frame, ...]
+
+
+def of_scene(scene: Scene, motion: Sequence[Frame]) -> list[Way]:
+    """Returns the paths of a scene; `motion` has the frames of the motion beside it, if any. The target that a link of its own carries
+    approaches the first sensor, and slides over its edge."""
+    paths = [Way("motion", "The frames of the motion file.", tuple(motion))] if motion else []
+    target = _carried_target(scene)
+    if target is None:
+        return paths
+    place, sensor = _Place.of(scene, target), scene.sensors[0].name
+    approach = tuple(place.frame(f"{1000 * height:.0f} mm", height, place.beside) for height in HEIGHTS)
+    half = place.length / 2 + place.half_width + _BEYOND
+    over = tuple(
+        place.frame(f"{1000 * beside:.0f} mm".replace("-", "−"), EDGE_HEIGHT, float(beside))
+        for beside in np.linspace(-half, half, EDGE_FRAMES)
+    )
+    ends = f"{100 * HEIGHTS[0]:g} cm to {100 * HEIGHTS[-1]:g} cm"
+    return [
+        *paths,
+        Way("approach", f"“{target.name}” comes from {ends} before “{sensor}”.", approach),
+        Way(
+            "over the edge",
+            f"“{target.name}” slides over the edges of “{sensor}”, {100 * EDGE_HEIGHT:g} cm before it; places are those of its centre.",
+            over,
+        ),
+    ]
+
+
+def _carried_target(scene: Scene) -> Object | None:
+    """Returns the first marked target, or the only object, on a link that carries no sensor and has no joint; None where there is no
+    such or no sensor."""
+    with_sensor = {sensor.link for sensor in scene.sensors} | {None}
+    jointed = {link.name for link in scene.links if link.joint is not None}
+    found = (
+        body
+        for body in scene.objects
+        if (body.target or len(scene.objects) == 1) and body.link not in with_sensor | jointed
+    )
+    return next(found, None) if scene.sensors else None
+
+
+@dataclass(frozen=True)
+class _Place:
+    """Where a target is before the first plate of a sensor; metres, in the world."""
+
+    scene: Scene
+    link: str
+    normal: Array
+    along: Array  # of length 1, along the plate's first edge
+    length: float  # of that edge
+    height: float  # of the target's lowest point
+    beside: float  # of the target's centre, from the plate's, along that edge
+    half_width: float  # of the target along that edge
+
+    @staticmethod
+    def of(scene: Scene, target: Object) -> _Place:
+        corner, u, v = scene.sensor_rectangles(scene.sensors[0].name)[0]
+        points = scene.conductors()[target.name].reshape(-1, 3) - (corner + (u + v) / 2)
+        normal = np.cross(u, v) / np.linalg.norm(np.cross(u, v))
+        if points.mean(axis=0) @ normal < 0:
+            normal = -normal
+        along, length = u / np.linalg.norm(u), float(np.linalg.norm(u))
+        low, high = (points @ along).min(), (points @ along).max()
+        assert target.link is not None
+        return _Place(
+            scene,
+            target.link,
+            normal,
+            along,
+            length,
+            float((points @ normal).min()),
+            float(low + high) / 2,
+            float(high - low) / 2,
+        )
+
+    def frame(self, name: str, height: float, beside: float) -> Frame:
+        """Returns the frame in which the target is so high above the plate, and so far beside its centre."""
+        shift = (height - self.height) * self.normal + (beside - self.beside) * self.along
+        link = {link.name: link for link in self.scene.links}[self.link]
+        local = self.scene.transform_of_link(link.parent).rotation.T @ shift
+        x, y, z = (float(a + b) for a, b in zip(link.pose.translation, local))
+        return Frame(name, at_rest(self.scene).poses | {self.link: replace(link.pose, translation=(x, y, z))})
+
+
+def described(path: Way, reference: list[Document] | None) -> Document:
+    """Describes a path for the page: the poses of all links in every frame, and the reference readings if they are solved."""
+    frames = [
+        {"name": frame.name, "poses": [_pose(pose) for pose in frame.poses.values()]} for frame in path.frames
+    ]
+    return {"name": path.name, "said": path.said, "frames": frames, "reference": reference}
+
+
+def _pose(pose: Pose) -> Document:
+    return {
+        "translation": list(pose.translation),
+        "quaternion": scene_poses.quaternion(pose.rotation).tolist(),
+    }
+
+
+def solved(path: Way, live: Any, rtol: float, tell: Callable[[], None]) -> list[Document]:
+    """Returns for every frame of a path, by the name of the reading, its change and the error of that (F), by boundary elements.
+
+    `live` is the scene of the module fringe; `tell` is called after each frame. A frame that boundary elements refuse has no entries.
+    """
+    frames: list[Document] = []
+    for frame in path.frames:
+        try:
+            readings = in_frame(live, frame, "boundary-elements", rtol=rtol)
+        except ValueError:
+            readings = {}
+        frames.append(
+            {
+                name: [reading.change, reading.error["change"] or 0.0]
+                for name, reading in readings.items()
+                if reading.change is not None
+            }
+        )
+        tell()
+    return frames
 
 
 def movable(text: str) -> str:
@@ -146,15 +289,15 @@ def make(name: str, motion_file: Path | None, target: Path | None, rtol: float |
         "files": files(text, path.parent),
         "reduced": _is_quickly_prepared(scene),
     }
-    ways = paths.of_scene(scene, frames)
+    ways = of_scene(scene, frames)
     notes = _notes(place)
     # The reference readings follow from these.
-    described = [paths.described(way, None) for way in ways]
-    inputs = keys.page_inputs(data, described, library, rtol, model_module().__version__, notes)
+    unsolved = [described(way, None) for way in ways]
+    inputs = keys.page_inputs(data, unsolved, library, rtol, model_module().__version__, notes)
     if page.is_current(place, inputs):
         return place
     references = _references(native, ways, rtol)
-    data["paths"] = [paths.described(way, reference) for way, reference in zip(ways, references)]
+    data["paths"] = [described(way, reference) for way, reference in zip(ways, references)]
     data["made"] = f"This page was made from {path.name} by fringe {model_module().__version__}."
     content = document(path.stem.replace("_", " "), inputs, library, data, notes)
     if len(content.encode()) > LARGEST:
@@ -209,7 +352,7 @@ def _native(text: str, path: Path) -> Any:
         raise InputError(str(path), "", str(error)) from error
 
 
-def _references(native: Any, ways: list[paths.Path], rtol: float | None) -> list[list[Document] | None]:
+def _references(native: Any, ways: list[Way], rtol: float | None) -> list[list[Document] | None]:
     """Solves the reference readings along every path, with a line on standard error that says how far it is."""
     if rtol is None or not ways:
         return [None for _ in ways]
@@ -220,9 +363,9 @@ def _references(native: Any, ways: list[paths.Path], rtol: float | None) -> list
         done += 1
         print(f"\ranalysis: reference readings {done} of {total}", end="", file=sys.stderr, flush=True)
 
-    solved: list[list[Document] | None] = [paths.solved(way, native, rtol, tell) for way in ways]
+    found: list[list[Document] | None] = [solved(way, native, rtol, tell) for way in ways]
     print(file=sys.stderr)
-    return solved
+    return found
 
 
 def _notes(place: Path) -> str:

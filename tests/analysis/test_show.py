@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 from plotly.offline import get_plotlyjs
 
-from analysis import __main__ as command_line
+from analysis import __main__ as command_line, show
 from analysis.pipeline.model_stage import model_module
-from analysis.show import data as show_data, make as show
 from geometries.scene import motion, reader
 from tests import scenes
 from tests.analysis.synthetic import data_of
@@ -90,7 +89,7 @@ def test_marks_are_the_pairs_that_are_not_clear(scene: Path, monkeypatch: pytest
     answer = {"tests": {"broad": 3, "narrow": 2}, "pairs": pairs}
     monkeypatch.setattr(model_module().Scene, "collide", lambda _: answer)
     read = reader.load(scene)
-    data = show_data.collect(scene, read, (motion.at_rest(read),), model_module())
+    data = show.collect(scene, read, (motion.at_rest(read),), model_module())
     assert data["frames"][0]["collisions"] == {
         "tests": {"broad": 3, "narrow": 2},
         "pairs": [["ball", "floor </script>", "bounds"], ["ball", "floor </script>", "collision"]],
@@ -163,7 +162,7 @@ def test_readings_along_the_motion_are_those_of_the_library(
     assert [series[name]["frames"] for name in ("model", "boundary elements")] == [[0, 1, 2], [0, 2]]
     live = model_module().Scene.load(str(show.find_scene("position_sensor")))
     live.set_joint("slide", 0.0)
-    model, solved = live.readings("exact"), live.readings("reduced", rtol=show_data.RTOL_OF_REDUCED)
+    model, solved = live.readings("exact"), live.readings("reduced", rtol=show.RTOL_OF_REDUCED)
     for name in ("electrode 1", "electrode 3"):
         assert series["model"]["changes"][name][1] == pytest.approx(model[name].change, rel=1e-9)
         assert series["reduced"]["changes"][name][1] == pytest.approx(solved[name].change, rel=1e-9)
