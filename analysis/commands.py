@@ -26,7 +26,7 @@ from analysis.topics.corrections import set_ups as corrections
 from analysis.topics.insulators import set_ups as insulators
 from analysis.topics.published.topic import PUBLISHED
 from analysis.topics.topic import Topic
-from analysis.topics.trends import changes, commits, page as trends_page, records
+from analysis.topics.trends import changes, commits, page as trends_page
 from analysis.topics.trends.changes import Mark
 from analysis.topics.verification.topic import VERIFICATION
 from geometries.common import installation
@@ -135,7 +135,7 @@ def _nightly(options: argparse.Namespace) -> int:
         failures += _verified(options, target)
         _tell(failures)
         made = _own_report(target)
-        new = records.add(target, [*records.of_night(target), *commits.of_build()])
+        new = changes.add(target, [*changes.of_night(target), *commits.of_build()])
         tonight = new[0].time if new else None
         marks = _trends(target, lambda mark: mark.after.time == tonight)
         # The report links to the trends, which now include this night.
@@ -145,7 +145,7 @@ def _nightly(options: argparse.Namespace) -> int:
 
 def _trends(folder: Path, told: Callable[[Mark], bool]) -> list[Mark]:
     """Makes the page of the trends, prints those changes that are to be told, and returns them."""
-    found = [mark for mark in changes.marks(records.load(folder)) if told(mark)]
+    found = [mark for mark in changes.marks(changes.load(folder)) if told(mark)]
     print(changes.to_text(found), end="")
     print(f"trends: {trends_page.make(folder)}")
     return found
@@ -169,7 +169,7 @@ def _job(file: Path) -> int:
 
 
 def _diff(old: Path, new: Path, output: Path | None) -> int:
-    before, after = records.of_table(old), records.of_table(new)
+    before, after = changes.of_table(old), changes.of_table(new)
     found = changes.marks([*before, *after])
     earlier, later = ({each.series for each in some} for some in (before, after))
     if output is not None:

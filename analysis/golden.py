@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.honesty import closed_scenes, judging
+from analysis.honesty import judging, kinds
 from analysis.honesty.asking import Worker
 from analysis.honesty.methods import (
     ANSWERED,
@@ -33,14 +33,14 @@ from analysis.honesty.methods import (
     part_of,
 )
 from analysis.pipeline.model_stage import model_module
-from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
+from analysis.pipeline.stage import Processes
 from analysis.results.answers import Estimate
 from analysis.results.store import Document, read_json, write_json
 from analysis.results.study_results import Failure
 from analysis.topics.company import set_ups as company
 from analysis.topics.corrections import set_ups as corrections
-from analysis.topics.insulators import set_ups as insulators, set_ups as insulators_truths
+from analysis.topics.insulators import set_ups as insulators_truths, set_ups as insulators
 from analysis.topics.machines import set_ups as machines, truths as machines_truths
 from geometries.common.errors import InputError
 from geometries.common.measured import picofarads
@@ -147,7 +147,7 @@ def _insulators() -> Iterator[Case]:
 
 def _closed_forms() -> Iterator[Case]:
     """Random scenes of fixed seeds whose answers are known in closed form."""
-    forms = [form for form in dict.fromkeys(closed_scenes.FORMS) if form is not closed_scenes.bowls]
+    forms = [form for form in dict.fromkeys(kinds.FORMS) if form is not kinds.bowls]
     for form, seed in itertools.product(forms, range(CLOSED_FORMS)):
         known = form(random.Random(seed), Path())
         is_read = has_readings(known.scene)

@@ -36,9 +36,8 @@ from analysis.honesty.methods import (
 )
 from analysis.pipeline import reference_stage
 from analysis.pipeline.model_stage import model_module
-from analysis.pipeline.processes import Processes
-from analysis.pipeline.stage import NoAnswer, Refused
-from analysis.results.answers import ReferenceAnswer
+from analysis.pipeline.stage import NoAnswer, Processes, Refused
+from analysis.results.answers import MatrixAnswer
 from analysis.results.store import write_text
 from geometries.common.children import end_with
 
@@ -261,7 +260,7 @@ def field_answer(scene: Drawn, folder: Path, processes: Processes) -> Answer:
         asked.append("--only-readings")
     begin = time.monotonic()
     try:
-        answer = ReferenceAnswer.of(reference_stage.solve(file, processes, *asked))
+        answer = MatrixAnswer.of(reference_stage.solve(file, processes, *asked))
     except Refused as error:
         return Answer(REFUSED, time.monotonic() - begin, str(error))
     except NoAnswer as error:
@@ -271,7 +270,7 @@ def field_answer(scene: Drawn, folder: Path, processes: Processes) -> Answer:
     return Answer(ANSWERED, time.monotonic() - begin, values=values)
 
 
-def _readings(answer: ReferenceAnswer) -> dict[str, Stated]:
+def _readings(answer: MatrixAnswer) -> dict[str, Stated]:
     return {
         part_of(name, part): stated(getattr(reading, part).value, getattr(reading, part).error, FIELD_SOLVER)
         for name, reading in answer.readings.items()

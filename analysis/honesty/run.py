@@ -18,8 +18,8 @@ from analysis.honesty.kinds import KINDS, Drawn, drawn, seeds
 from analysis.honesty.methods import ALL, FIELD_SOLVER, FINER, METHODS, Answer
 from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
-from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import parallel_jobs, run_all
+from analysis.pipeline.stage import Processes
 from analysis.results.store import write_text
 from analysis.results.study_results import Failure
 from geometries.common import installation
@@ -81,7 +81,7 @@ class League:
 def run(folder: Path, asked: Options) -> League:
     """Asks what has no answer yet in the folder, then writes the table; KeyboardInterrupt keeps all scenes that are finished."""
     model_module()
-    known, codes = judging.load(folder), _Codes.now()
+    known, codes = judging.load(folder), (keys.model_code(), keys.reference_code())
     chosen = itertools.islice(seeds(asked.first, frozenset(asked.kinds)), asked.scenes)
     scenes = [drawn(seed, folder / MESHES) for seed in chosen]
     workers = asked.jobs or parallel_jobs()
@@ -89,21 +89,31 @@ def run(folder: Path, asked: Options) -> League:
         idle: queue.SimpleQueue[Worker] = queue.SimpleQueue()
         for _ in range(workers):
             idle.put(stack.enter_context(Worker()))
-        jobs = [_Scene(scene, known, folder, asked, codes, idle) for scene in scenes]
+        jobs = [
+            _Scene(
+                scene,
+                known.setdefault(scene.seed, Record(scene.seed, scene.kind, scene.truths)),
+                functools.cache(functools.partial(_key, scene, asked.seconds, *codes)),
+                asked,
+                folder,
+                idle,
+            )
+            for scene in scenes
+        ]
         run_all([job for job in jobs if job.missing], workers, "scenes")
     wanted = (*asked.methods, FINER, FIELD_SOLVER)
     current = [
         Record(
-            scene.seed,
-            scene.kind,
-            scene.truths,
+            job.scene.seed,
+            job.scene.kind,
+            job.scene.truths,
             {
                 method: answer
-                for method, answer in known[scene.seed].answers.items()
-                if method in wanted and answer.key == codes.key(scene, method, asked)
+                for method, answer in job.record.answers.items()
+                if method in wanted and answer.key == job.key(method)
             },
         )
-        for scene in scenes
+        for job in jobs
     ]
     found = judging.rows(current, asked.methods)
     text = judging.text(found, f"{installation.command('analysis')} honesty --only")
@@ -133,27 +143,15 @@ def show(seed: int, folder: Path, asked: Options) -> Iterator[str]:
     yield from (judging.finding(each) for each in found if isinstance(each, Judged))
 
 
-@dataclass(frozen=True)
-class _Codes:
-    """The versions of the programs that answer."""
-
-    model: str
-    reference: str
-
-    @staticmethod
-    def now() -> _Codes:
-        return _Codes(keys.model_code(), keys.reference_code())
-
-    def key(self, scene: Drawn, method: str, asked: Options) -> str:
-        """Returns the key of a method's answer: equal keys, equal answers."""
-        if method == FIELD_SOLVER:
-            limits = methods.FIELD_RTOL, methods.FIELD_SECONDS
-            return keys.measurement_key(f"{method} {scene.text} {limits}", self.reference, {})
-        if method == FINER:
-            limits = methods.FINER_RTOL, methods.FINER_SECONDS
-            return keys.measurement_key(f"{method} {scene.finer} {limits}", self.model, {})
-        how = METHODS[method], asked.seconds
-        return keys.measurement_key(f"{method} {scene.text} {how}", self.model, {})
+def _key(scene: Drawn, seconds: float, model: str, reference: str, method: str) -> str:
+    """Returns the key of a method's answer: equal keys, equal answers. `model` and `reference` are the versions of the programs."""
+    if method == FIELD_SOLVER:
+        limits = methods.FIELD_RTOL, methods.FIELD_SECONDS
+        return keys.measurement_key(f"{method} {scene.text} {limits}", reference, {})
+    if method == FINER:
+        limits = methods.FINER_RTOL, methods.FINER_SECONDS
+        return keys.measurement_key(f"{method} {scene.finer} {limits}", model, {})
+    return keys.measurement_key(f"{method} {scene.text} {(METHODS[method], seconds)}", model, {})
 
 
 def _asked_of(scene: Drawn, asked: Options) -> list[str]:
@@ -177,44 +175,39 @@ def _ask(
     return worker.ask(scene.text, scene.has_readings, METHODS[method], asked.seconds, go_on)
 
 
+@dataclass(frozen=True)
 class _Scene:
-    """The job of asking for what one scene lacks."""
+    """The job of asking for what the record of a scene lacks; `key` returns that of a method's answer."""
 
-    def __init__(
-        self,
-        scene: Drawn,
-        known: dict[int, Record],
-        folder: Path,
-        asked: Options,
-        codes: _Codes,
-        idle: queue.SimpleQueue[Worker],
-    ) -> None:
-        self._scene, self._folder, self._asked, self._idle = scene, folder, asked, idle
-        self._key: Callable[[str], str] = functools.cache(lambda method: codes.key(scene, method, asked))
-        self._record = known.setdefault(scene.seed, Record(scene.seed, scene.kind, scene.truths))
+    scene: Drawn
+    record: Record
+    key: Callable[[str], str]
+    asked: Options
+    folder: Path
+    idle: queue.SimpleQueue[Worker]
 
     @property
     def missing(self) -> list[str]:
         """The methods that have not answered yet."""
-        have = {method: answer.key for method, answer in self._record.answers.items()}
+        have = {method: answer.key for method, answer in self.record.answers.items()}
         return [
-            method for method in _asked_of(self._scene, self._asked) if have.get(method) != self._key(method)
+            method for method in _asked_of(self.scene, self.asked) if have.get(method) != self.key(method)
         ]
 
     @property
     def seconds(self) -> float:
         """The expected time: the same for all scenes, so that they are asked for in the order of their seeds."""
-        return 2 * self._asked.seconds
+        return 2 * self.asked.seconds
 
     def run(self, processes: Processes) -> Failure | None:
-        new = Record(self._scene.seed, self._scene.kind, self._scene.truths)
-        worker = self._idle.get()
+        new = Record(self.scene.seed, self.scene.kind, self.scene.truths)
+        worker = self.idle.get()
         try:
             for method in self.missing:
-                answer = _ask(self._scene, method, self._asked, self._folder, worker, processes)
-                new.answers[method] = replace(answer, key=self._key(method))
+                answer = _ask(self.scene, method, self.asked, self.folder, worker, processes)
+                new.answers[method] = replace(answer, key=self.key(method))
         finally:
-            self._idle.put(worker)
-        judging.append(self._folder, new)
-        self._record.answers |= new.answers
+            self.idle.put(worker)
+        judging.append(self.folder, new)
+        self.record.answers |= new.answers
         return None

@@ -16,7 +16,7 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 from analysis.pipeline import reference_stage
-from analysis.pipeline.processes import Finished
+from analysis.pipeline.stage import Finished
 from analysis.results.store import Document, is_current, read_json, write_json, write_text
 from analysis.results.study_results import Failure, case_folder
 from analysis.study import workflow

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.nightly import chunks
-from analysis.pipeline.processes import Processes, environment_of_modules, forget_unfinished_forms
 from analysis.pipeline.scheduler import Progress, parallel_jobs
+from analysis.pipeline.stage import Processes, environment_of_modules, forget_unfinished_forms
 from analysis.results.store import write_text
 from analysis.results.study_results import Failure, case_folder, write_manifest
 from analysis.study import workflow

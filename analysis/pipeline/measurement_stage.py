@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.pipeline import keys
-from analysis.pipeline.processes import Processes
-from analysis.pipeline.stage import NoAnswer, Stage, parsed, unfinished_file
+from analysis.pipeline.stage import NoAnswer, Processes, Stage, parsed, unfinished_file
 from analysis.results import machine
 from analysis.results.store import Document
 from analysis.results.study_results import COLLISION, RUN_TIMES, STABILITY

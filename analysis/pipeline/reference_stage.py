@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from analysis.pipeline.processes import Finished, Processes
-from analysis.pipeline.stage import NoAnswer, Refused, parsed, unfinished_file
+from analysis.pipeline.stage import Finished, NoAnswer, Processes, Refused, parsed, unfinished_file
 from analysis.results.store import Document
 from geometries.studies.study import Study
 

@@ -14,7 +14,7 @@ import psutil
 from tqdm import tqdm
 
 from analysis.pipeline.model_stage import asking
-from analysis.pipeline.processes import Processes, Stopped, forget_unfinished_forms
+from analysis.pipeline.stage import Processes, Stopped, forget_unfinished_forms
 from analysis.results.study_results import Failure
 
 # Memory (bytes) of one solve of the reference at its finest level, with room to spare.

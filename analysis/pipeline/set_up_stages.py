@@ -10,9 +10,8 @@ from pathlib import Path
 from typing import Generic, Protocol, TypeVar
 
 from analysis.pipeline import keys
-from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import parallel_jobs, run_all
-from analysis.pipeline.stage import Stage, outdated
+from analysis.pipeline.stage import Processes, Stage, outdated
 from analysis.results.store import Document, read_current, write_text
 from analysis.results.study_results import SCENE, Failure, case_folder
 from geometries.common.installation import ROOT

@@ -8,7 +8,7 @@ import numpy as np
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.results.answers import BOUNDARY, ESTIMATED, FIELD, PROVEN, ReferenceAnswer, in_sentence
+from analysis.results.answers import BOUNDARY, ESTIMATED, FIELD, PROVEN, MatrixAnswer, in_sentence
 from analysis.results.refusals import refusals
 from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import COMPARED_METHOD, Results
@@ -52,7 +52,7 @@ def refused(results: Results) -> Markup:
     )
 
 
-def answered_by(results: Results, rows: list[Row]) -> str:
+def answered_by(rows: list[Row]) -> str:
     """Tells by which method the values are known, and what kind of error it states."""
     counts = {
         (method, kind): sum((row.known.answered_by, row.known.error_kind) == (method, kind) for row in rows)
@@ -91,7 +91,7 @@ def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Mar
             )
         )
     if rows:
-        parts.append(page.paragraph(answered_by(results, rows)))
+        parts.append(page.paragraph(answered_by(rows)))
     if not summaries:
         return page.lines(parts)
     strong = frozenset(index for index, summary in enumerate(summaries) if summary.family == ALL_FAMILIES)
@@ -196,7 +196,7 @@ def _accuracy(results: Results, rows: list[Row]) -> list[Markup]:
     return parts
 
 
-def _widths(enclosed: list[ReferenceAnswer]) -> str:
+def _widths(enclosed: list[MatrixAnswer]) -> str:
     """Returns how far the proven bounds of the entries are from the best values."""
     own = [answer.error[0, 0] / answer.maxwell[0, 0] for answer in enclosed]
     mutual = [answer.error[0, 1] / -answer.maxwell[0, 1] for answer in enclosed if len(answer.maxwell) > 1]
@@ -227,7 +227,7 @@ def failures(results: Results) -> Markup:
     )
 
 
-def all_rows(results: Results, rows: list[Row]) -> Markup:
+def all_rows(rows: list[Row]) -> Markup:
     """Returns every row with its case's page, which has the commands that recompute it."""
 
     def of_model(shown: Callable[[Row], str]) -> Callable[[Row], str]:

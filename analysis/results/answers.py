@@ -37,6 +37,14 @@ class ReadingAnswer:
     background: Estimate
     change: Estimate
 
+    @staticmethod
+    def of(document: Document) -> ReadingAnswer:
+        """Returns the reading in a document of the field solver or of boundary elements."""
+        parts = ("value", "background", "change")
+        return ReadingAnswer(
+            *(Estimate(float(document[part]), float(document["error"][part])) for part in parts)
+        )
+
 
 @dataclass(frozen=True, eq=False)
 class Level:
@@ -49,17 +57,67 @@ class Level:
 
 @dataclass(frozen=True, eq=False)
 class MatrixAnswer:
-    """What both references answer: the Maxwell matrix (n, n) in F with its error, sensors first in `conductors`; for each sensor
-    `delta_self`, and for each reading its change. Older answers have no readings."""
+    """What the field solver or boundary elements answer: the Maxwell matrix (n, n) in F with its error, sensors first in `conductors`; for each
+    sensor `delta_self`, and for each reading its change. Older answers have no readings.
+
+    Where the field solver encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound; its `delta_self` and
+    the changes of its `readings` are its own values, from two solutions on the same mesh. Other errors are estimates. Boundary elements
+    have no `levels` and name no `method` and no `versions`; `lower_bounds` says of each entry of their diagonal whether it cannot exceed
+    the truth, and `rtol` is the relative accuracy that they were asked for.
+    """
 
     conductors: tuple[str, ...]
     maxwell: Array
     error: Array
+    lower: Array
+    upper: Array
+    is_proven: bool
+    """Whether the interval is proven: that of an enclosure is not where bodies are curved or wrapped, or where meshes contradict each other."""
     delta_self: dict[str, Estimate]
     readings: dict[str, ReadingAnswer]
     unknowns: int
     seconds: float
     reached: bool
+    levels: tuple[Level, ...]
+    method: str
+    versions: dict[str, str]
+    lower_bounds: tuple[bool, ...]
+    rtol: float
+
+    @staticmethod
+    def of(document: Document) -> MatrixAnswer:
+        """Returns the answer in a document of `fem_reference --json` or in a stored `boundary.json`; KeyError when a part is missing."""
+        is_enclosed = document.get("error_kind") == "enclosure"
+        maxwell = np.array(document["maxwell"], dtype=np.float64)
+        if is_enclosed:
+            lower, upper = (np.array(document[name], dtype=np.float64) for name in ("lower", "upper"))
+            error = np.maximum(maxwell - lower, upper - maxwell)
+        else:
+            error = np.array(document["error"], dtype=np.float64)
+            lower, upper = maxwell - error, maxwell + error
+        doubts = (document.get(name) for name in ("curved", "wrapped", "contradicted"))
+        return MatrixAnswer(
+            conductors=tuple(document["conductors"]),
+            maxwell=maxwell,
+            error=error,
+            lower=lower,
+            upper=upper,
+            is_proven=is_enclosed and not any(doubts),
+            delta_self={
+                name: Estimate(change["value"], change["error"])
+                for name, change in document.get("delta_self", {}).items()
+            },
+            readings={each["name"]: ReadingAnswer.of(each) for each in document.get("readings", [])},
+            **{name: document[name] for name in ("unknowns", "seconds", "reached")},
+            levels=tuple(
+                Level(level["unknowns"], level["seconds"], np.array(level["maxwell"], dtype=np.float64))
+                for level in document.get("levels", ())
+            ),
+            method=document.get("method", ""),
+            versions=document.get("versions", {}),
+            lower_bounds=tuple(document.get("lower_bounds", ())),
+            rtol=document.get("rtol", math.nan),
+        )
 
     def mutual(self, sensor: str, body: str) -> Estimate:
         """Returns −M[sensor, body]: the charge on the grounded body per volt on the sensor."""
@@ -70,104 +128,6 @@ class MatrixAnswer:
         """Returns M[sensor, sensor]."""
         place = self.conductors.index(sensor)
         return Estimate(float(self.maxwell[place, place]), float(self.error[place, place]))
-
-
-@dataclass(frozen=True, eq=False)
-class ReferenceAnswer(MatrixAnswer):
-    """The field solver's answer.
-
-    Where it encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound. `delta_self` and
-    the changes of `readings` are its own values, from two solutions on the same mesh.
-    """
-
-    lower: Array
-    upper: Array
-    levels: tuple[Level, ...]
-    error_kind: str
-    is_proven: bool
-    """Whether the interval is proven: that of an enclosure is not where bodies are curved or wrapped, or where meshes contradict each other."""
-    method: str
-    versions: dict[str, str]
-
-    @staticmethod
-    def of(document: Document) -> ReferenceAnswer:
-        """Returns the answer in a document of `fem_reference --json`; KeyError when a part is missing."""
-        lower, upper = _interval(document)
-        shared = _shared(document)
-        return ReferenceAnswer(
-            **shared,
-            error=_error_of(document, shared["maxwell"], lower, upper),
-            lower=lower,
-            upper=upper,
-            levels=tuple(
-                Level(level["unknowns"], level["seconds"], np.array(level["maxwell"], dtype=np.float64))
-                for level in document["levels"]
-            ),
-            error_kind=document["error_kind"],
-            is_proven=document["error_kind"] == "enclosure"
-            and not (document.get("curved") or document.get("wrapped") or document.get("contradicted")),
-            method=document["method"],
-            versions=document["versions"],
-        )
-
-
-def _shared(document: Document) -> dict[str, Any]:
-    """Returns what the answers of both references have besides the errors of their matrix."""
-    changes = document.get("delta_self", {})
-    return {
-        "conductors": tuple(document["conductors"]),
-        "maxwell": np.array(document["maxwell"], dtype=np.float64),
-        "delta_self": {name: Estimate(change["value"], change["error"]) for name, change in changes.items()},
-        "readings": _readings(document),
-        **{name: document[name] for name in ("unknowns", "seconds", "reached")},
-    }
-
-
-def _readings(document: Document) -> dict[str, ReadingAnswer]:
-    """Returns the readings of the field solver or of boundary elements by their names."""
-    return {
-        reading["name"]: ReadingAnswer(
-            *(
-                Estimate(float(reading[part]), float(reading["error"][part]))
-                for part in ("value", "background", "change")
-            )
-        )
-        for reading in document.get("readings", [])
-    }
-
-
-def _error_of(document: Document, value: Array, lower: Array, upper: Array) -> Array:
-    """Returns the error of a value of the Maxwell matrix: that of the interval where there is an enclosure."""
-    if document["error_kind"] != "enclosure":
-        return np.array(document["error"], dtype=np.float64)
-    return np.asarray(np.maximum(value - lower, upper - value))
-
-
-def _interval(document: Document) -> tuple[Array, Array]:
-    """Returns the interval of the Maxwell matrix: that of the enclosure if there is one, else from the estimated errors."""
-    if document["error_kind"] == "enclosure":
-        return np.array(document["lower"], dtype=np.float64), np.array(document["upper"], dtype=np.float64)
-    value, error = (np.array(document[name], dtype=np.float64) for name in ("maxwell", "error"))
-    return value - error, value + error
-
-
-@dataclass(frozen=True, eq=False)
-class BoundaryAnswer(MatrixAnswer):
-    """The answer by boundary elements, which were asked for the relative accuracy `rtol`. Its errors are estimates; `lower_bounds` says
-    of each entry of the diagonal whether it cannot exceed the truth."""
-
-    lower_bounds: tuple[bool, ...]
-    rtol: float
-
-    @staticmethod
-    def of(document: Document) -> BoundaryAnswer:
-        """Returns the answer in a stored `boundary.json`; KeyError when a part is missing."""
-        return BoundaryAnswer(
-            **_shared(document),
-            error=np.array(document["error"], dtype=np.float64),
-            lower_bounds=tuple(document["lower_bounds"]),
-            rtol=document["rtol"],
-        )
 
 
 @dataclass(frozen=True)
@@ -297,8 +257,8 @@ class Known:
 class Truth:
     """The answers of one case by both methods; at least one is there."""
 
-    field: ReferenceAnswer | None
-    boundary: BoundaryAnswer | None
+    field: MatrixAnswer | None
+    boundary: MatrixAnswer | None
 
     @property
     def answers(self) -> dict[str, MatrixAnswer]:

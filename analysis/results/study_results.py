@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from analysis.results import machine, units
-from analysis.results.answers import BoundaryAnswer, ModelAnswer, ReferenceAnswer, Truth
+from analysis.results.answers import MatrixAnswer, ModelAnswer, Truth
 from analysis.results.set_up import SetUp, describe
 from analysis.results.store import Document, read_json, write_json
 from geometries.common import installation
@@ -52,10 +52,10 @@ class CaseResult:
     empty: str
     folder: Path
     scene: Scene
-    reference: ReferenceAnswer | None
+    reference: MatrixAnswer | None
     model: ModelAnswer | None
     slice: Document | None
-    boundary: BoundaryAnswer | None
+    boundary: MatrixAnswer | None
     refused: str
     by_field: bool = True
 
@@ -185,10 +185,10 @@ def _case_result(
         empty=document["empty"],
         folder=folder,
         scene=reader.load(folder / SCENE),
-        reference=ReferenceAnswer.of(reference) if reference else None,
+        reference=MatrixAnswer.of(reference) if reference else None,
         model=ModelAnswer.of(model) if model else None,
         slice=read_json(folder / SLICE),
-        boundary=BoundaryAnswer.of(boundary) if "maxwell" in boundary else None,
+        boundary=MatrixAnswer.of(boundary) if "maxwell" in boundary else None,
         refused=boundary.get("refused", ""),
         by_field=by_field,
     )

@@ -12,15 +12,7 @@ from analysis.pipeline.model_stage import knows, model_is_built
 from analysis.report import page, plots_in_space
 from analysis.report.page import is_current
 from analysis.report.plot import Panel
-from analysis.results.answers import (
-    FIELD,
-    BoundaryAnswer,
-    Estimate,
-    Known,
-    MatrixAnswer,
-    ReferenceAnswer,
-    in_sentence,
-)
+from analysis.results.answers import FIELD, Estimate, Known, MatrixAnswer, in_sentence
 from analysis.results.store import write_text
 from analysis.results.study_results import (
     BOUNDARY,
@@ -158,7 +150,7 @@ def _whose(row: Row) -> str:
     return " ".join(name for name in (row.quantity, row.reading or row.sensor, row.object) if name)
 
 
-def _matrix(answer: ReferenceAnswer | None) -> list[Markup]:
+def _matrix(answer: MatrixAnswer | None) -> list[Markup]:
     if answer is None:
         return []
     note = (
@@ -168,7 +160,7 @@ def _matrix(answer: ReferenceAnswer | None) -> list[Markup]:
     return [_entries(answer), page.soft(note)]
 
 
-def _second_matrix(answer: BoundaryAnswer | None) -> list[Markup]:
+def _second_matrix(answer: MatrixAnswer | None) -> list[Markup]:
     if answer is None:
         return []
     changes = [

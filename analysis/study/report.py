@@ -138,7 +138,7 @@ def _collisions(material: Material) -> list[Markup]:
 
 def _all_set_ups(material: Material) -> list[Markup]:
     return [
-        sections.all_rows(material.found, material.rows),
+        sections.all_rows(material.rows),
         sections.reproduce(material.found, material.rows),
     ]
 

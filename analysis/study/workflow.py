@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
-from analysis.pipeline import boundary_stage, keys, measurement_stage, model_stage, reference_stage
+from analysis.pipeline import keys, measurement_stage, model_stage, reference_stage
 from analysis.pipeline.model_stage import knows
 from analysis.pipeline.scheduler import parallel_jobs, run_all
 from analysis.pipeline.stage import Stage, outdated
@@ -15,16 +15,16 @@ from analysis.results import set_up
 from analysis.results.store import is_current, write_text
 from analysis.results.study_results import (
     BOUNDARY,
-    Failure,
     MODEL,
     REFERENCE,
     SCENE,
     SLICE,
+    Failure,
     case_folder,
     write_manifest,
 )
 from analysis.topics.trade_off import measure as trade_off
-from geometries.studies.study import Case, EMPTY, Study
+from geometries.studies.study import EMPTY, Case, Study
 
 
 # Approximate seconds per case on one core of 2020. Only their ratios matter, for the order and the progress bar.
@@ -67,7 +67,7 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
         if study.by_field and case.alone is None:
             wanted[REFERENCE] = keys.reference_key(case.identity, study, reference)
         if study.by_boundary_elements:
-            asked = boundary_stage.rtol(study, case.scene, case.alone)
+            asked = model_stage.boundary_rtol(study, case.scene, case.alone)
             wanted[BOUNDARY] = keys.boundary_key(case.identity, asked, model)
         if case.family != EMPTY and knows(case.scene):
             wanted[MODEL] = keys.model_key(case.identity, study, model)
@@ -205,7 +205,10 @@ def _stage(file: str, work: Work, study: Study, place: Path) -> Stage:
     scene, target = place / SCENE, place / file
     name, answer = {
         MODEL: (model_stage.NAME, lambda _: model_stage.answer(scene, study.methods)),
-        BOUNDARY: (boundary_stage.NAME, lambda _: boundary_stage.answer(scene, study, work.alone)),
+        BOUNDARY: (
+            model_stage.BOUNDARY_NAME,
+            lambda _: model_stage.boundary_answer(scene, study, work.alone),
+        ),
         REFERENCE: (reference_stage.SOLVE, lambda processes: reference_stage.answer(scene, study, processes)),
         SLICE: (
             reference_stage.SLICE,

@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, by_family, figure, guide, marks, power_axis, series_colour
-from analysis.results.answers import BoundaryAnswer, Estimate, MatrixAnswer, ReferenceAnswer
+from analysis.results.answers import Estimate, MatrixAnswer
 from analysis.results.set_up import is_delta_self
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import duration, percent
@@ -84,7 +84,7 @@ def comparisons(results: Results) -> list[Comparison]:
     return sorted(found, key=lambda comparison: -comparison.over_errors)
 
 
-def _by_both(results: Results) -> Iterator[tuple[CaseResult, ReferenceAnswer, BoundaryAnswer]]:
+def _by_both(results: Results) -> Iterator[tuple[CaseResult, MatrixAnswer, MatrixAnswer]]:
     for case in results.cases.values():
         if case.reference is not None and case.boundary is not None:
             yield case, case.reference, case.boundary
@@ -118,7 +118,7 @@ def brackets(results: Results) -> list[Bracket]:
     return found
 
 
-def _of_case(case: CaseResult, reference: ReferenceAnswer, boundary: BoundaryAnswer) -> list[Comparison]:
+def _of_case(case: CaseResult, reference: MatrixAnswer, boundary: MatrixAnswer) -> list[Comparison]:
     common = [name for name in reference.conductors if name in boundary.conductors]
     found = []
     for pair in combinations_with_replacement(common, 2):

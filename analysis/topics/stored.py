@@ -16,9 +16,8 @@ import numpy as np
 from markupsafe import Markup
 
 from analysis.pipeline import reference_stage
-from analysis.pipeline.processes import Processes
 from analysis.pipeline.set_up_stages import OfScene, SomeSetUp
-from analysis.pipeline.stage import NoAnswer
+from analysis.pipeline.stage import NoAnswer, Processes
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, marks, series_colour
 from analysis.results.answers import Estimate

@@ -14,10 +14,9 @@ from markupsafe import Markup
 
 from analysis.pipeline import keys, model_stage
 from analysis.pipeline.measurement_stage import timed
-from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
 from analysis.pipeline.set_up_stages import Whole
-from analysis.pipeline.stage import NoAnswer, Stage, outdated
+from analysis.pipeline.stage import NoAnswer, Processes, Stage, outdated
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, by_family, figure, log_axis
 from analysis.report.run_times_section import by_set, seconds

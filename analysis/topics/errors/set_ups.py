@@ -14,7 +14,7 @@ import numpy as np
 
 from analysis.pipeline import model_stage
 from analysis.pipeline.set_up_stages import OfScene, SetUpStages
-from analysis.results.answers import Estimate, ReferenceAnswer
+from analysis.results.answers import Estimate, MatrixAnswer
 from analysis.results.set_up import describe, rectangles
 from analysis.results.statistics import Spread, spread
 from analysis.results.store import Document
@@ -235,7 +235,7 @@ def by_reference(found: list[Entry], results: Results) -> list[tuple[Entry, Entr
     ]
 
 
-def _truth(answer: ReferenceAnswer) -> Truth:
+def _truth(answer: MatrixAnswer) -> Truth:
     sensor, target = answer.conductors
     return Truth(answer.mutual(sensor, target), answer.delta_self[sensor], answer.self_capacitance(target))
 

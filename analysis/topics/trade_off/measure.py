@@ -17,9 +17,8 @@ from typing import Any
 
 from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
-from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import run_all
-from analysis.pipeline.stage import NoAnswer, Stage, outdated, unfinished_file
+from analysis.pipeline.stage import NoAnswer, Processes, Stage, outdated, unfinished_file
 from analysis.results import machine, study_results
 from analysis.results.store import Document, read_json, write_json
 from analysis.results.study_results import CaseResult, Failure

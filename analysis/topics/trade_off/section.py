@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, figure, guide, power_axis, series_colour
-from analysis.results.answers import Estimate, ReferenceAnswer
+from analysis.results.answers import Estimate, MatrixAnswer
 from analysis.results.statistics import front
 from analysis.results.store import Document
 from analysis.results.study_results import Results
@@ -74,7 +74,7 @@ def points(document: Document, results: Results) -> list[Point]:
     return found
 
 
-def _solved(document: Document, results: Results) -> dict[str, ReferenceAnswer]:
+def _solved(document: Document, results: Results) -> dict[str, MatrixAnswer]:
     """Returns the field solver's answers, by case, of the set-ups that have a truth."""
     cases = (results.cases[case] for case in document["truths"] if case in results.cases)
     return {case.id: case.reference for case in cases if case.reference is not None}
@@ -118,13 +118,13 @@ def section(document: Document | None, results: Results, cases: str) -> Markup:
     found = points(document, results)
     return page.section(
         TITLE,
-        page.finding(finding(found, document, results)),
+        page.finding(finding(found, document)),
         page.figures([Panel(_caption(document), plot(found, known_to(document)))], cases),
         page.soft(_explanation(document, results)),
     )
 
 
-def finding(found: list[Point], document: Document, results: Results) -> str:
+def finding(found: list[Point], document: Document) -> str:
     """Tells time and error from the plain model to the field solver, and compares the reduced method with an equally accurate mesh."""
     named = {point.name: point for point in found}
     exact, fast = named["exact"], named["reduced 1e-3"]

@@ -16,9 +16,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from analysis.topics.trends import changes, records
-from analysis.topics.trends.changes import Mark
-from analysis.topics.trends.records import Record
+from analysis.topics.trends import changes
+from analysis.topics.trends.changes import Mark, Record
 from geometries.common.children import ending_with_this, run_with_all_it_starts, temporary_folder
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, from_repository, model_program
@@ -44,7 +43,7 @@ def of_build(program: Path = PROGRAM) -> list[Record]:
     version = _run(["valgrind", "--version"]).strip()
     again = from_repository(PROGRAM)
     return [
-        records.of_count(name, count(name, program), shlex.join(_command(name, again)), inputs, version)
+        changes.of_count(name, count(name, program), shlex.join(_command(name, again)), inputs, version)
         for name in workloads(program)
     ]
 
@@ -110,7 +109,7 @@ def count_each(
             _git(tree, "checkout", "--detach", commit)
             built = _said(build, tree) is not None
             found = of_build(tree / "build" / "bin" / _COUNTED) if built else []
-            yield commit, records.add(folder, found, commit)
+            yield commit, changes.add(folder, found, commit)
 
 
 def find(folder: Path, name: str, repository: Path = ROOT, build: str = BUILD) -> str:
@@ -146,7 +145,7 @@ def _tree(repository: Path, commit: str) -> Iterator[Path]:
 def _last(folder: Path, name: str) -> Mark:
     known = [
         mark
-        for mark in changes.marks(records.load(folder))
+        for mark in changes.marks(changes.load(folder))
         if name in (mark.after.name, ": ".join(mark.after.series))
     ]
     if not known:

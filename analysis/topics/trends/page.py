@@ -12,9 +12,8 @@ from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, joined, series_colour
 from analysis.results import study_results
 from analysis.results.units import signed_percent
-from analysis.topics.trends import changes, records
-from analysis.topics.trends.changes import Mark
-from analysis.topics.trends.records import INSTRUCTIONS, Record
+from analysis.topics.trends import changes
+from analysis.topics.trends.changes import INSTRUCTIONS, Mark, Record
 from geometries.common.measured import PICOFARAD
 
 PAGE = "trends.html"
@@ -24,14 +23,14 @@ _MOST = 30
 
 def make(folder: Path) -> Path:
     """Writes the page of the trends in a folder, unless it is up to date."""
-    known = folder / records.FILE
+    known = folder / changes.FILE
     inputs = keys.page_inputs(keys.hash_of_files([known] if known.is_file() else [], folder))
     target = folder / PAGE
     if not page.is_current(target, inputs):
         page.provide_script(folder)
         has_report = (folder / page.REPORT).is_file()
         title = f"Trends: {study_results.title(folder) if has_report else folder.name}"
-        page.write(target, _page(title, has_report, records.load(folder), inputs))
+        page.write(target, _page(title, has_report, changes.load(folder), inputs))
     return target
 
 

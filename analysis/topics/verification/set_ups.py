@@ -195,7 +195,7 @@ def _sphere_and_plane() -> Iterator[TrueCase]:
 
 
 def _boundary_elements() -> Iterator[TrueCase]:
-    for case in truths.boundary_elements():
+    for case in truths.stored("boundary_elements"):
         bodies = tuple(
             rectangle(part["conductor"], *(np.array(part[key]) for key in ("corner", "edge_u", "edge_v")))
             for part in case["rectangles"]
@@ -207,7 +207,7 @@ def _boundary_elements() -> Iterator[TrueCase]:
 
 def _rooms() -> Iterator[TrueCase]:
     """Plates in a room, with no plane of symmetry to three, against their mirror images. Estimates are tried in every other one."""
-    for number, case in enumerate(truths.rooms()):
+    for number, case in enumerate(truths.stored("rooms")):
         bodies = [
             plate(f"plate {k + 1}", part["centre"], (part["half_widths"][0], part["half_widths"][1]))
             for k, parts in enumerate(case["plates"])

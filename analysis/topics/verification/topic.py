@@ -14,9 +14,8 @@ import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.pipeline import keys
-from analysis.pipeline.processes import Processes
 from analysis.pipeline.scheduler import parallel_jobs, run_all
-from analysis.pipeline.stage import NoAnswer, Stage, outdated, parsed
+from analysis.pipeline.stage import NoAnswer, Processes, Stage, outdated, parsed
 from analysis.report import page
 from analysis.report.plot import Panel, figure, guide, marks, power_axis, series_colour
 from analysis.results.store import Document, read_json

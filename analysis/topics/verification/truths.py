@@ -107,25 +107,17 @@ PARALLEL_SQUARES = {0.1: 1.3057, 0.2: 1.5528, 0.5: 2.2364, 1.0: 3.3430, 2.0: 5.5
 PARALLEL_SQUARES_ERROR = 1e-4
 LEKNER = (1.2305175015e-12, 2.4315431141e-12, -0.4945667562e-12)
 """Maxwell matrix of balls of 1 and 2 cm, centres 5 cm apart, F: C11, C22, C12; Lekner 2011."""
-BOUNDARY_ELEMENTS = Path(__file__).with_name("boundary_elements.json")
-"""Maxwell matrices of plates by Galerkin boundary elements on panels graded towards every edge, extrapolated over four
-levels. Nothing was fitted to them."""
 
 
-ROOMS = Path(__file__).with_name("rooms.json")
-"""Maxwell matrices of plates in grounded rooms, in which a wall is a mirror: by boundary elements of the plates with their images in free space, so
-that the truth owes nothing to a mesh of space, nor to a room. Images beyond the far walls, 4 m away, are below 1e-6 of an entry."""
+def stored(name: str) -> list[dict[str, Any]]:
+    """Reads set-ups with their matrices in pF and the largest relative error of an entry.
 
-
-def rooms() -> list[dict[str, Any]]:
-    """The rooms with their plates, their matrices in pF, and the largest relative error of an entry."""
-    cases: list[dict[str, Any]] = json.loads(ROOMS.read_text(encoding="utf-8"))["cases"]
-    return cases
-
-
-def boundary_elements() -> list[dict[str, Any]]:
-    """Reads the set-ups with their matrices in pF and the largest relative error of an entry."""
-    cases: list[dict[str, Any]] = json.loads(BOUNDARY_ELEMENTS.read_text(encoding="utf-8"))["cases"]
+    boundary_elements: plates by Galerkin boundary elements on panels graded towards every edge, extrapolated over four levels. Nothing was
+    fitted to them. rooms: plates in grounded rooms, in which a wall is a mirror, by boundary elements of the plates with their images in free
+    space, so that the truth owes nothing to a mesh of space, nor to a room. Images beyond the far walls, 4 m away, are below 1e-6 of an entry.
+    """
+    text = Path(__file__).with_name(f"{name}.json").read_text(encoding="utf-8")
+    cases: list[dict[str, Any]] = json.loads(text)["cases"]
     return cases
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.honesty import closed_scenes, judging, kinds, run, scenes
+from analysis.honesty import judging, kinds, run, scenes
 from analysis.honesty.asking import Worker
 from analysis.honesty.judging import CLOSED_FORM, ITSELF, Judged, Record, Unjudged, judged
 from analysis.honesty.kinds import KINDS, Drawn, drawn
@@ -89,7 +89,7 @@ def test_kinds_have_what_they_are_named_for(tmp_path: Path) -> None:
 
 
 def test_every_closed_form_is_drawn(tmp_path: Path) -> None:
-    for form in closed_scenes.FORMS:
+    for form in kinds.FORMS:
         known = form(random.Random(3), tmp_path)
         assert known.truths and all(each.error < 1e-2 * abs(each.value) for each in known.truths.values())
 
@@ -103,26 +103,26 @@ def test_what_is_revolved_is_closed_and_faces_outwards() -> None:
 
 DIGITS = 1e-10
 KNOWN = {
-    "a ball": (closed_scenes.of_ellipsoid(1, 1, 1), 1.0),
-    "a disc": (closed_scenes.of_ellipsoid(1, 1, 0), 2 / math.pi),
-    "a flat ellipsoid": (closed_scenes.of_ellipsoid(1, 1, 0.01), 0.6406666189),
-    "a long ellipsoid": (closed_scenes.of_ellipsoid(1, 0.01, 0.01), 0.1887306192),
-    "an ellipsoid of three axes": (closed_scenes.of_ellipsoid(3, 2, 1), 1.9660092007),
-    "two balls, nearly touching": (closed_scenes.of_two_spheres(1, 1, 0.01), (2.1366708264, 2.1366708264, -1.4427860423)),
-    "two balls, one larger": (closed_scenes.of_two_spheres(1, 2, 0.5), (1.3448794651, 2.5029295041, -0.7963687577)),
-    "two balls, one smaller": (closed_scenes.of_two_spheres(1, 0.25, 0.03), (1.3270916837, 0.4670894056, -0.3861651604)),
-    "two discs": (closed_scenes.of_coaxial_discs(1, 0.5), (1.0503333101, -0.6555369923)),
-    "two near discs": (closed_scenes.of_coaxial_discs(1, 0.1), (3.1095575189, -2.7684040781)),
-    "two larger discs": (closed_scenes.of_coaxial_discs(2, 0.2), tuple(2 * c for c in closed_scenes.of_coaxial_discs(1, 0.1))),
-    "a bowl": (closed_scenes.of_bowl(1, math.pi / 3), 0.6089977810),
-    "a bowl that is closed": (closed_scenes.of_bowl(1, math.pi), 1.0),
-    "a bowl that is flat": (closed_scenes.of_bowl(1e5, 1e-5), 2 / math.pi),
-    "a layer": (closed_scenes.of_coated_sphere(1, 1.1, 3), 1.0645161290),
-    "a layer of no thickness": (closed_scenes.of_coated_sphere(1, 1, 3), 1.0),
-    "a layer of the medium": (closed_scenes.of_coated_sphere(1, 2, 1), 1.0),
-    "a layer as good as metal": (closed_scenes.of_coated_sphere(1, 2, 1e12), 2.0),
-    "two balls that cross": (closed_scenes.of_crossing_spheres(1, 1), 2 - 1 / math.sqrt(2)),
-    "a ball with a speck": (closed_scenes.of_crossing_spheres(1, 1e-11), 1.0),
+    "a ball": (kinds.of_ellipsoid(1, 1, 1), 1.0),
+    "a disc": (kinds.of_ellipsoid(1, 1, 0), 2 / math.pi),
+    "a flat ellipsoid": (kinds.of_ellipsoid(1, 1, 0.01), 0.6406666189),
+    "a long ellipsoid": (kinds.of_ellipsoid(1, 0.01, 0.01), 0.1887306192),
+    "an ellipsoid of three axes": (kinds.of_ellipsoid(3, 2, 1), 1.9660092007),
+    "two balls, nearly touching": (kinds.of_two_spheres(1, 1, 0.01), (2.1366708264, 2.1366708264, -1.4427860423)),
+    "two balls, one larger": (kinds.of_two_spheres(1, 2, 0.5), (1.3448794651, 2.5029295041, -0.7963687577)),
+    "two balls, one smaller": (kinds.of_two_spheres(1, 0.25, 0.03), (1.3270916837, 0.4670894056, -0.3861651604)),
+    "two discs": (kinds.of_coaxial_discs(1, 0.5), (1.0503333101, -0.6555369923)),
+    "two near discs": (kinds.of_coaxial_discs(1, 0.1), (3.1095575189, -2.7684040781)),
+    "two larger discs": (kinds.of_coaxial_discs(2, 0.2), tuple(2 * c for c in kinds.of_coaxial_discs(1, 0.1))),
+    "a bowl": (kinds.of_bowl(1, math.pi / 3), 0.6089977810),
+    "a bowl that is closed": (kinds.of_bowl(1, math.pi), 1.0),
+    "a bowl that is flat": (kinds.of_bowl(1e5, 1e-5), 2 / math.pi),
+    "a layer": (kinds.of_coated_sphere(1, 1.1, 3), 1.0645161290),
+    "a layer of no thickness": (kinds.of_coated_sphere(1, 1, 3), 1.0),
+    "a layer of the medium": (kinds.of_coated_sphere(1, 2, 1), 1.0),
+    "a layer as good as metal": (kinds.of_coated_sphere(1, 2, 1e12), 2.0),
+    "two balls that cross": (kinds.of_crossing_spheres(1, 1), 2 - 1 / math.sqrt(2)),
+    "a ball with a speck": (kinds.of_crossing_spheres(1, 1e-11), 1.0),
 }  # fmt: skip
 
 
@@ -136,10 +136,10 @@ def test_closed_forms_have_the_digits_of_other_formulas_and_the_limits_that_are_
 def test_an_insulator_is_nothing_or_floats_at_the_ends_of_permittivity(
     a: float, b: float, gap: float
 ) -> None:
-    own, other, between = closed_scenes.of_two_spheres(a, b, gap)
-    assert closed_scenes.beside_insulator(a, b, gap, 1) == pytest.approx(a, abs=DIGITS)
+    own, other, between = kinds.of_two_spheres(a, b, gap)
+    assert kinds.beside_insulator(a, b, gap, 1) == pytest.approx(a, abs=DIGITS)
     floating = own - between**2 / other
-    assert closed_scenes.beside_insulator(a, b, gap, 1e15) == pytest.approx(floating, abs=1e-9)
+    assert kinds.beside_insulator(a, b, gap, 1e15) == pytest.approx(floating, abs=1e-9)
 
 
 CHANGE, VALUE = "front: change", "front: value"

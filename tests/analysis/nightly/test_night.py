@@ -12,8 +12,8 @@ import pytest
 from analysis.nightly import chunks, slurm_status
 from analysis.results import study_results as results
 from analysis.study.workflow import Work
-from analysis.topics.trends import changes, page as trends_page, records
-from analysis.topics.trends.records import Record
+from analysis.topics.trends import changes, page as trends_page
+from analysis.topics.trends.changes import Record
 from geometries.common.errors import InputError
 from tests.analysis.nightly.toy_repository import ToyRepository
 from tests.waiting import DEADLINE
@@ -31,7 +31,7 @@ def toy(tmp_path_factory: pytest.TempPathFactory) -> ToyRepository:
 
 def by_night(toy: ToyRepository) -> list[list[Record]]:
     """The values that each night has appended."""
-    found = records.load(toy.results)
+    found = changes.load(toy.results)
     return [[each for each in found if each.time == time] for time in sorted({each.time for each in found})]
 
 
@@ -69,7 +69,7 @@ def test_values_that_moved_and_methods_that_disagree_fail_the_night_and_are_told
     third = toy.run("nightly", TOY_SHIFT="0.5", TOY_BOUNDARY="9")
     assert third.returncode == 1
     assert "6 values moved by more than their errors" in third.stdout
-    found = records.load(toy.results)
+    found = changes.load(toy.results)
     assert "6 of them have changed" in trends_page.finding(found, changes.marks(found))
     disagreeing = "values of boundary elements and the field solver disagree by more than their errors"
     assert disagreeing in third.stdout

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.pipeline import measurement_stage, model_stage, processes
+from analysis.pipeline import measurement_stage, model_stage, stage
 from analysis.pipeline.measurement_stage import Measurement
 from analysis.results import machine, store
 from analysis.results.answers import ModelAnswer
@@ -155,7 +155,7 @@ class Workshop:
         path.chmod(0o755)
 
     def measure(self) -> Failure | None:
-        return measurement_stage.stage(self.measurements[0], self.results).run(processes.Processes())
+        return measurement_stage.stage(self.measurements[0], self.results).run(stage.Processes())
 
     def key(self, number: int) -> str:
         return measurement_stage.stage(self.measurements[number], self.results).key

@@ -10,9 +10,8 @@ from pathlib import Path
 import pytest
 
 from analysis.pipeline import keys
-from analysis.pipeline.processes import Finished, Processes
 from analysis.pipeline.set_up_stages import SetUpStages
-from analysis.pipeline.stage import NoAnswer, Refused, Stage, outdated, parsed
+from analysis.pipeline.stage import Finished, NoAnswer, Processes, Refused, Stage, outdated, parsed
 from analysis.results import store
 from analysis.results.study_results import SCENE, Failure, case_folder
 from geometries.common.installation import ROOT

@@ -9,9 +9,9 @@ from pathlib import Path
 import pytest
 
 from analysis.results import set_up, statistics, study_results as results, table
-from analysis.results.answers import ModelAnswer, ReferenceAnswer
+from analysis.results.answers import MatrixAnswer, ModelAnswer
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
-from analysis.topics.trends import changes as trend_changes, records
+from analysis.topics.trends import changes as trend_changes, changes
 from geometries.scene import reader
 from geometries.studies import families
 from tests import scenes
@@ -87,13 +87,13 @@ def test_the_table_has_empty_cells_there_and_can_be_compared_with_itself(
     assert (last["quantity"], last["reading"], last["object"]) == (CHANGE, "sensor", "")
     empty = ["model_error", "model_error_low", "model_error_high", "model_exact_F", "model_split:0_seconds"]
     assert [last[name] for name in empty] == [""] * 5 and float(last["reference_F"]) == 0.1e-12
-    found = records.of_table(path)
+    found = changes.of_table(path)
     assert [each.kind for each in found if each.case == last["case"]] == ["field solver"]
     assert not trend_changes.marks(found + found)
 
 
 def test_answers_of_earlier_versions_have_no_readings_and_give_the_rows_they_gave(tmp_path: Path) -> None:
-    assert ReferenceAnswer.of(reference_document(2, 1)).readings == {}
+    assert MatrixAnswer.of(reference_document(2, 1)).readings == {}
     assert ModelAnswer.of(model_document(1.8)).changes == {"exact": {}, "split:0": {}, "split:4": {}}
     earlier = machine_document(1.6, 0.8)
     del earlier["readings"]

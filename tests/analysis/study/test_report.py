@@ -16,7 +16,7 @@ from analysis.study import report
 from analysis.study.report import QUESTIONS
 from analysis.topics.corrections import topic
 from analysis.topics.corrections.topic import CORRECTIONS
-from analysis.topics.trends import page as trends_page, records
+from analysis.topics.trends import changes, page as trends_page
 from geometries.common.errors import InputError
 from tests.analysis.documents import model_document, reference_document
 from tests.analysis.synthetic import corrections_document, enclosed, make_results, report_text
@@ -195,7 +195,7 @@ def test_a_page_that_is_gone_is_made_again_and_one_of_no_question_removed(folder
 def test_a_night_changes_the_report_alone(folder: Path) -> None:
     report.make(folder)
     page = (folder / "report" / "model_error.html").stat().st_mtime_ns
-    records.add(folder, records.of_night(folder))
+    changes.add(folder, changes.of_night(folder))
     for target in re.findall(r'(?:href|src)="([^"]*)"', trends_page.make(folder).read_text()):
         assert (folder / target).is_file()
     text = report.make(folder).path.read_text()

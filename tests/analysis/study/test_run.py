@@ -15,7 +15,7 @@ from types import ModuleType
 import pytest
 
 from analysis import __main__ as command_line
-from analysis.pipeline import model_stage, processes, scheduler
+from analysis.pipeline import model_stage, scheduler, stage
 from analysis.pipeline.stage import Stage
 from analysis.results import store, study_results as results
 from analysis.study import report
@@ -54,12 +54,12 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Workplace:
     exec(MODEL, vars(model))
     for name, value in (("PYTHONPATH", str(ROOT)), ("TOY_FAILS_AT", "0.04"), ("TOY_SHORT_AT", "0.03")):
         monkeypatch.setenv(name, value)
-    monkeypatch.setattr(processes, "ROOT", workplace.repository)
+    monkeypatch.setattr(stage, "ROOT", workplace.repository)
     monkeypatch.setattr(model_stage, "model_module", lambda: model)
     return workplace
 
 
-Answer = Callable[[processes.Processes], store.Document]
+Answer = Callable[[stage.Processes], store.Document]
 TWO = PARALLEL.replace("[0.01, 0.02, 0.04]", "[0.01, 0.02]")
 BESIDE = EDGE.replace("height = 0", "height = 0.02")
 
@@ -155,11 +155,11 @@ def test_stopping_kills_the_running_processes_and_their_children(tmp_path: Path)
         """
     )
 
-    def sleep(of: processes.Processes) -> store.Document:
+    def sleep(of: stage.Processes) -> store.Document:
         of.run([sys.executable, "-c", script], tmp_path, dict(os.environ))
         return {}
 
-    def interrupt(of: processes.Processes) -> store.Document:
+    def interrupt(of: stage.Processes) -> store.Document:
         wait_until(lambda: pids.is_file() and len(pids.read_text().split()) == 2, "the start of the job")
         raise KeyboardInterrupt
 
@@ -174,16 +174,16 @@ def test_stopping_ends_what_the_jobs_compute_themselves() -> None:
     text = scenes.body("ball", "sphere", radius=1, segments=40, potential="electrode")
     begun, ended = threading.Event(), threading.Event()
 
-    def compute(_: processes.Processes) -> store.Document:
+    def compute(_: stage.Processes) -> store.Document:
         begun.set()
         try:
             module.Scene.loads(text).maxwell(rtol=1e-5)
-        except processes.Stopped:
+        except stage.Stopped:
             ended.set()
             raise
         return {}
 
-    def interrupt(_: processes.Processes) -> store.Document:
+    def interrupt(_: stage.Processes) -> store.Document:
         begun.wait()
         raise KeyboardInterrupt
 
@@ -207,7 +207,7 @@ def test_a_terminated_run_says_so_and_keeps_what_is_finished(tmp_path: Path) -> 
     )
     process = subprocess.Popen(
         [sys.executable, "-c", program],
-        cwd=processes.ROOT,
+        cwd=stage.ROOT,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,
@@ -222,7 +222,7 @@ def test_a_terminated_run_says_so_and_keeps_what_is_finished(tmp_path: Path) -> 
 def test_a_compilation_that_was_killed_is_forgotten_and_a_finished_one_kept(tmp_path: Path) -> None:
     for name in ("libffcx_forms_a.c", "libffcx_forms_a.c.cached", "libffcx_forms_b.c"):
         store.write_text(tmp_path / "fenics" / name, "")
-    processes.forget_unfinished_forms(tmp_path)
+    stage.forget_unfinished_forms(tmp_path)
     assert {path.name for path in (tmp_path / "fenics").iterdir()} == {
         "libffcx_forms_a.c",
         "libffcx_forms_a.c.cached",

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.pipeline import boundary_stage
+from analysis.pipeline import model_stage
 from analysis.pipeline.stage import NoAnswer
 from analysis.results import store, study_results as results
 from analysis.results.study_results import Results
@@ -25,8 +25,8 @@ from geometries.studies.study import Study
 from tests.analysis.documents import PICO, boundary_document, reference_document
 from tests.analysis.synthetic import (
     HEAD,
-    MACHINE_ANSWERS,
     MACHINES,
+    MACHINE_ANSWERS,
     PARALLEL,
     machine_document,
     make_results,
@@ -155,7 +155,7 @@ BESIDE = replace(study.loads(HEAD + PARALLEL), rtol=1e-2)
 def stored(scene: Scene, folder: Path, asked: Study = BESIDE) -> dict[str, Any]:
     """What the stage stores of a scene."""
     store.write_text(folder / "scene.toml", canonical(scene))
-    return boundary_stage.answer(folder / "scene.toml", asked)
+    return model_stage.boundary_answer(folder / "scene.toml", asked)
 
 
 def test_what_boundary_elements_answer_and_what_they_refuse_is_kept(tmp_path: Path) -> None:
@@ -173,7 +173,7 @@ def test_what_boundary_elements_answer_and_what_they_refuse_is_kept(tmp_path: Pa
     assert "polyhedron" in stored(ball, tmp_path)["refused"]
     (tmp_path / "scene.toml").unlink()
     with pytest.raises(NoAnswer, match="scene.toml"):
-        boundary_stage.answer(tmp_path / "scene.toml", BESIDE)
+        model_stage.boundary_answer(tmp_path / "scene.toml", BESIDE)
 
 
 def test_boundary_elements_are_asked_for_a_tenth_of_plates_and_for_the_studys_tolerance_of_others(
@@ -185,8 +185,8 @@ def test_boundary_elements_are_asked_for_a_tenth_of_plates_and_for_the_studys_to
     store.write_text(tmp_path / "scene.toml", scene + '[object.shape]\ntype = "mesh"\nfile = "wall.obj"\n')
     mesh = reader.load(tmp_path / "scene.toml")
     box = families.box((0.1, 0.1), (0.1, 0.1), 0.04, 0.02, material="dielectric", relative_permittivity=3)
-    assert [boundary_stage.rtol(BESIDE, scene) for scene in (plates, mesh, box)] == [1e-3, 1e-2, 1e-2]
+    assert [model_stage.boundary_rtol(BESIDE, scene) for scene in (plates, mesh, box)] == [1e-3, 1e-2, 1e-2]
     alone = replace(BESIDE, reference_method=study.BOUNDARY_ELEMENTS)
-    assert boundary_stage.rtol(alone, plates) == 1e-2
+    assert model_stage.boundary_rtol(alone, plates) == 1e-2
     answer = stored(mesh, tmp_path / "stored")
     assert answer["rtol"] == 1e-2 and answer["reached"]

@@ -104,7 +104,7 @@ def test_the_front_ends_where_the_truth_is_known_to(found: Results) -> None:
 
 def test_the_finding_is_computed(found: Results) -> None:
     told = document(found, **ERRORS)
-    sentence = section.finding(section.points(told, found), told, found)
+    sentence = section.finding(section.points(told, found), told)
     assert "Over 5 set-ups the plain model takes 2 µs and is 20 % off" in sentence
     assert "the formula 3 µs and 2 %, reduced 1e-3 4 µs and 0.01 %" in sentence
     assert "mesh 1 of the field solver is 10 % off after 1.5 s, 400,000 times as long" in sentence

@@ -14,9 +14,8 @@ import pytest
 
 from analysis import __main__ as command_line
 from analysis.study import report
-from analysis.topics.trends import changes, commits, page, records
-from analysis.topics.trends.changes import DRIFTED, FASTER, MOVED, SLOWER
-from analysis.topics.trends.records import Record
+from analysis.topics.trends import changes, commits, page
+from analysis.topics.trends.changes import DRIFTED, FASTER, MOVED, SLOWER, Record
 from geometries.common.errors import InputError
 from tests.analysis.documents import model_document, reference_document
 from tests.analysis.synthetic import make_results
@@ -30,55 +29,55 @@ def answer(folder: Path, mutual: float, key: str) -> None:
 
 
 def count(instructions: int) -> Record:
-    return records.of_count("workload", instructions, "true", str(instructions), "valgrind 3")
+    return changes.of_count("workload", instructions, "true", str(instructions), "valgrind 3")
 
 
 def test_a_night_appends_what_is_new_with_its_origin(tmp_path: Path) -> None:
     answer(tmp_path, 2.0, "first")
-    first = records.add(tmp_path, [*records.of_night(tmp_path), count(1000)])
-    kinds = {"field solver", "model exact", "model split:0", records.INSTRUCTIONS}
+    first = changes.add(tmp_path, [*changes.of_night(tmp_path), count(1000)])
+    kinds = {"field solver", "model exact", "model split:0", changes.INSTRUCTIONS}
     assert {each.kind for each in first} >= kinds
-    assert records.add(tmp_path, [*records.of_night(tmp_path), count(1000)]) == []
+    assert changes.add(tmp_path, [*changes.of_night(tmp_path), count(1000)]) == []
     answer(tmp_path, 2.1, "second")
-    (mutual, delta_self, counted) = records.add(tmp_path, [*records.of_night(tmp_path), count(1100)])
-    assert records.load(tmp_path) == [*first, mutual, delta_self, counted]
+    (mutual, delta_self, counted) = changes.add(tmp_path, [*changes.of_night(tmp_path), count(1100)])
+    assert changes.load(tmp_path) == [*first, mutual, delta_self, counted]
     assert mutual.name.startswith("mutual sensor target, parallel ") and mutual.name.endswith(mutual.case)
     assert (mutual.value, mutual.error) == pytest.approx((2.1e-12, 0.01e-12))
     assert mutual.inputs == "second" and "dolfinx 0.5.2" in mutual.versions
     assert mutual.command.startswith("python3 -m fem_reference ") and mutual.command.endswith(" --json")
     assert len(mutual.commit) >= 40 and mutual.processor and mutual.time > first[0].time
-    assert [mark.after for mark in changes.marks(records.load(tmp_path))] == [counted, mutual]
+    assert [mark.after for mark in changes.marks(changes.load(tmp_path))] == [counted, mutual]
 
 
 def test_a_line_that_a_killed_night_left_unfinished_is_written_again(tmp_path: Path) -> None:
     answer(tmp_path, 2.0, "first")
-    whole = records.add(tmp_path, records.of_night(tmp_path))
-    file = tmp_path / records.FILE
+    whole = changes.add(tmp_path, changes.of_night(tmp_path))
+    file = tmp_path / changes.FILE
     file.write_text(file.read_text()[:-10])
-    assert records.load(tmp_path) == whole[:-1]
-    (again,) = records.add(tmp_path, records.of_night(tmp_path))
-    assert again.series == whole[-1].series and len(records.load(tmp_path)) == len(whole)
+    assert changes.load(tmp_path) == whole[:-1]
+    (again,) = changes.add(tmp_path, changes.of_night(tmp_path))
+    assert again.series == whole[-1].series and len(changes.load(tmp_path)) == len(whole)
 
 
 def test_a_value_that_is_not_finite_is_kept_as_unknown(tmp_path: Path) -> None:
     answer(tmp_path, math.inf, "first")
-    records.add(tmp_path, records.of_night(tmp_path))
-    assert "Infinity" not in (tmp_path / records.FILE).read_text()
-    assert any(math.isnan(each.value) for each in records.load(tmp_path))
-    assert records.add(tmp_path, records.of_night(tmp_path)) == []
+    changes.add(tmp_path, changes.of_night(tmp_path))
+    assert "Infinity" not in (tmp_path / changes.FILE).read_text()
+    assert any(math.isnan(each.value) for each in changes.load(tmp_path))
+    assert changes.add(tmp_path, changes.of_night(tmp_path)) == []
 
 
 def written(folder: Path, found: list[Record]) -> Path:
     """Results with these records in place of their own."""
     make_results(folder)
     lines = [json.dumps(vars(each)) + "\n" for each in found]
-    (folder / records.FILE).write_text("".join(lines))
+    (folder / changes.FILE).write_text("".join(lines))
     return page.make(folder)
 
 
 def test_the_page_shows_every_value_over_the_commits_and_marks_changes(tmp_path: Path) -> None:
     moved = nights([2.0] * 6 + [2.5] * 6, name="moved")
-    counted = nights([1000.0] * 8 + [1200.0] * 4, error=5.0, kind=records.INSTRUCTIONS, name="workload")
+    counted = nights([1000.0] * 8 + [1200.0] * 4, error=5.0, kind=changes.INSTRUCTIONS, name="workload")
     text = written(tmp_path, moved + nights([3.0] * 12, name="steady") + counted).read_text()
     assert "3 values over 12 commits: 2 of them have changed by more than their errors allow" in text
     assert (
@@ -195,7 +194,7 @@ def test_workloads_are_counted_at_each_commit_and_a_planted_regression_is_found(
     found = list(commits.count_each(tmp_path / "trends", "--all", folder, build="sh builds"))
     assert [commit for commit, _ in found] == known
     assert [len(new) for _, new in found] == [1, 0, 0, 0, 0, 0, 1, 0, 0, 0]
-    (mark,) = changes.marks(records.load(tmp_path / "trends"))
+    (mark,) = changes.marks(changes.load(tmp_path / "trends"))
     assert (mark.what, mark.before.commit, mark.after.commit) == (changes.SLOWER, known[0], known[6])
     assert command_line.main(["trends", str(tmp_path / "trends")]) == 0
     assert "instructions: workload: more instructions, 800 -> 1000" in capsys.readouterr().out
@@ -318,7 +317,7 @@ def test_a_mean_that_drifts_in_steps_within_the_errors_is_found_once() -> None:
 
 
 def test_more_instructions_alarm_and_fewer_do_not() -> None:
-    counted = nights([1000.0] * 5 + [1040.0] * 5 + [900.0] * 2, error=5.0, kind=records.INSTRUCTIONS)
+    counted = nights([1000.0] * 5 + [1040.0] * 5 + [900.0] * 2, error=5.0, kind=changes.INSTRUCTIONS)
     counted = [replace(each, seconds=10.0**at) for at, each in enumerate(counted)]
     assert told(counted) == [("a", "c5", SLOWER)], "longer times are never told"
     assert [mark.what for mark in changes.marks(counted)] == [SLOWER, FASTER]

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from analysis.pipeline import processes
+from analysis.pipeline import stage
 from analysis.pipeline.stage import NoAnswer
 from analysis.results import store
 from analysis.results.study_results import Failure
@@ -111,7 +111,7 @@ def solved(monkeypatch: pytest.MonkeyPatch) -> list[str]:
     """The rows that are asked to be solved; one called fails does not."""
     names: list[str] = []
 
-    def answer(name: str, _: processes.Processes) -> store.Document:
+    def answer(name: str, _: stage.Processes) -> store.Document:
         names.append(name)
         if name.endswith("fails"):
             raise NoAnswer("no memory")
