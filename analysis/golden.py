@@ -17,8 +17,7 @@ from typing import Any
 import numpy as np
 
 from analysis.honesty import judging, kinds
-from analysis.honesty.asking import Worker
-from analysis.honesty.methods import (
+from analysis.honesty.asking import (
     ANSWERED,
     BOUNDARY_ELEMENTS,
     CHANGE,
@@ -26,6 +25,7 @@ from analysis.honesty.methods import (
     PARTS,
     Answer,
     Stated,
+    Worker,
     entry,
     has_readings,
     in_pose,

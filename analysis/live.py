@@ -216,10 +216,7 @@ def _unused(name: str, names: set[str]) -> str:
     return name
 
 
-_SCRIPTS = (
-    *("parts.js", "live_view.js", "live_model.js", "live_picture.js"),
-    *("live_readings.js", "live_controls.js", "live.js"),
-)
+_SCRIPTS = ("parts.js", "live_view.js", "live_model.js", "live_readings.js", "live_controls.js", "live.js")
 
 
 def document(title: str, inputs: str, library: str, data: Document, notes: str) -> str:

@@ -1,4 +1,7 @@
-"""Asks for one answer with a limit of time: the model's Python module, in a process of its own whose end ends no run, and the field solver."""
+"""The methods that state errors, the names of what they answer, and how they are asked for one answer with a limit of time: by the model's Python module, in a process
+of its own whose end ends no run.
+
+Those names are of parts of readings, also in poses of a motion, and of entries of the Maxwell matrix where there are none."""
 
 from __future__ import annotations
 
@@ -9,37 +12,100 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
-from pathlib import Path
 from types import FrameType
 from typing import Any
 
-from analysis.honesty.kinds import Drawn
-from analysis.honesty.methods import (
-    ANSWERED,
-    AUTO,
-    CHANGE,
-    ENDED,
-    FIELD_RTOL,
-    FIELD_SECONDS,
-    FIELD_SOLVER,
-    LATE,
-    PARTS,
-    REFUSED,
-    Answer,
-    Stated,
-    entry,
-    in_pose,
-    pair,
-    part_of,
-)
-from analysis.pipeline import reference_stage
 from analysis.pipeline.model_stage import model_module
-from analysis.pipeline.stage import NoAnswer, Processes, Refused
-from analysis.results.answers import MatrixAnswer
-from analysis.results.store import write_text
 from geometries.common.children import end_with
+from geometries.scene.readings import readings
+from geometries.scene.scene import Scene
+
+
+FIELD_SOLVER = "field-solver"
+BOUNDARY_ELEMENTS = "boundary-elements"
+AUTO = "auto"
+METHODS: dict[str, dict[str, Any]] = {
+    "formula": {"method": "formula"},
+    "reduced:1e-1": {"method": "reduced", "rtol": 1e-1},
+    "reduced:1e-2": {"method": "reduced", "rtol": 1e-2},
+    "reduced+entries:1e-2": {"method": "reduced", "rtol": 1e-2, "entries": True},
+    "boundary-elements:1e-2": {"method": BOUNDARY_ELEMENTS, "rtol": 1e-2},
+    "boundary-elements:3e-2": {"method": BOUNDARY_ELEMENTS, "rtol": 3e-2},
+    "auto:1e-2": {"method": AUTO, "rtol": 1e-2},
+}
+"""The methods of the library, with their options in Python; after a colon is the relative accuracy asked for, of the entries of the
+Maxwell matrix, too, where the name says so."""
+ALL = (*METHODS, FIELD_SOLVER)
+
+FINER = "boundary-elements, finer"
+"""The answer that others are held against: boundary elements at a tenth of the error, round bodies with more sides."""
+FINER_RTOL = 1e-3
+FINER_SECONDS = 20.0
+"""After which it ends with the best that it has."""
+
+FIELD_RTOL = 1e-2
+FIELD_SECONDS = 60.0
+"""After which the field solver starts no further mesh."""
+
+
+@dataclass(frozen=True)
+class Stated:
+    """A value (F) and the error stated of it; None where the method says that it does not know one. `by` is who answered."""
+
+    value: float | None
+    error: float | None
+    by: str = ""
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What one method made of a scene: values by the names of the quantities, or why there are none, and seconds of the clock. `key`
+    stands for the scene, the options and the code that answered; `reached` tells whether a Maxwell matrix is as accurate as asked, and
+    `guess` is the time that `auto` expected over the time that it took."""
+
+    outcome: str
+    seconds: float = 0.0
+    reason: str = ""
+    values: dict[str, Stated] = field(default_factory=dict)
+    key: str = ""
+    reached: bool | None = None
+    guess: float | None = None
+
+
+ANSWERED, REFUSED, LATE, ENDED = "answered", "refused", "late", "ended"
+"""Outcomes of a question: an answer, a refusal by name, none in time, and a process that ended or an error that names no input."""
+
+
+CHANGE = "change"
+PARTS = ("value", "background", CHANGE)
+
+
+def part_of(reading: str, part: str) -> str:
+    """Returns the name of a part of a reading, one of PARTS."""
+    return f"{reading}: {part}"
+
+
+def in_pose(reading: str, number: int) -> str:
+    """Returns the name of a reading in a pose of a motion, which is counted from 0."""
+    return f"{reading} in pose {number}"
+
+
+def pair(sensor: str, body: str) -> str:
+    """Returns the name of the capacitance between a sensor and a body, by themselves."""
+    return f"C[{sensor}, {body}]"
+
+
+def entry(first: str, second: str) -> str:
+    """Returns the name of an entry of the Maxwell matrix, which is symmetrical: the same for both orders of the conductors."""
+    return f"M[{', '.join(sorted((first, second)))}]"
+
+
+def has_readings(scene: Scene) -> bool:
+    """Tells whether the scene has readings; else its Maxwell matrix is asked for."""
+    return bool(readings(scene))
+
 
 _LONGEST_REASON = 300
 
@@ -86,7 +152,7 @@ def _answered(text: str, has_readings: bool, options: dict[str, Any]) -> Answer:
         entries = {} if options["method"] == "formula" else {"entries": True}
         answer = scene.capacitance(**{**options, **entries})
         whole = [answer.get(name) for name in ("conductors", "maxwell", "error", "answered_by")]
-        values = _matrix(*whole) if "maxwell" in answer else _pairs(answer)
+        values = matrix_values(*whole) if "maxwell" in answer else _pairs(answer)
         return Answer(ANSWERED, values=values, reached=answer.get("reached"), guess=_guess(answer))
     if options["method"] == AUTO:
         answer = scene.capacitance(**options)
@@ -133,7 +199,8 @@ def _pairs(answer: dict[str, Any]) -> dict[str, Stated]:
     }
 
 
-def _matrix(names: Sequence[str], values: Any, errors: Any, by: str) -> dict[str, Stated]:
+def matrix_values(names: Sequence[str], values: Any, errors: Any, by: str) -> dict[str, Stated]:
+    """Returns what is stated of the entries of a Maxwell matrix."""
     return {
         entry(names[i], names[j]): stated(float(values[i][j]), float(errors[i][j]), by)
         for i in range(len(names))
@@ -245,34 +312,3 @@ def _serve(pipe: Connection, parent: int) -> None:
         except EOFError:
             return
         pipe.send(ask(*asked))
-
-
-_SCENES = "scenes"
-_LATE = "no level was finished within"
-
-
-def field_answer(scene: Drawn, folder: Path, processes: Processes) -> Answer:
-    """Answers a scene, which is written to a file in the folder, by the field solver's intervals."""
-    file = folder / _SCENES / f"{scene.seed}.toml"
-    write_text(file, scene.text)
-    asked = ["--rtol", repr(FIELD_RTOL), "--max-seconds", repr(FIELD_SECONDS)]
-    if scene.has_readings:
-        asked.append("--only-readings")
-    begin = time.monotonic()
-    try:
-        answer = MatrixAnswer.of(reference_stage.solve(file, processes, *asked))
-    except Refused as error:
-        return Answer(REFUSED, time.monotonic() - begin, str(error))
-    except NoAnswer as error:
-        return Answer(LATE if _LATE in str(error) else ENDED, time.monotonic() - begin, str(error))
-    matrix = answer.conductors, answer.maxwell, answer.error, FIELD_SOLVER
-    values = _readings(answer) if scene.has_readings else _matrix(*matrix)
-    return Answer(ANSWERED, time.monotonic() - begin, values=values)
-
-
-def _readings(answer: MatrixAnswer) -> dict[str, Stated]:
-    return {
-        part_of(name, part): stated(getattr(reading, part).value, getattr(reading, part).error, FIELD_SOLVER)
-        for name, reading in answer.readings.items()
-        for part in PARTS
-    }

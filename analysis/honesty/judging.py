@@ -12,7 +12,7 @@ from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from analysis.honesty.methods import ANSWERED, Answer, ENDED, FIELD_SOLVER, FINER, LATE, REFUSED, Stated
+from analysis.honesty.asking import ANSWERED, ENDED, FIELD_SOLVER, FINER, LATE, REFUSED, Answer, Stated
 from analysis.results.answers import Estimate
 from analysis.results.refusals import without_numbers
 from geometries.common.measured import picofarads

@@ -15,7 +15,7 @@ from scipy.constants import epsilon_0
 from scipy.special import elliprf
 
 from analysis.honesty import scenes
-from analysis.honesty.methods import entry, has_readings, part_of
+from analysis.honesty.asking import entry, has_readings, part_of
 from analysis.honesty.scenes import Chance, bowl, logarithmic, mesh, turn, uniform
 from analysis.results.answers import Estimate
 from analysis.topics.verification import truths

@@ -6,20 +6,37 @@ import functools
 import itertools
 import queue
 import random
+import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from analysis.honesty import judging, methods
-from analysis.honesty.asking import Worker, field_answer
+from analysis.honesty import asking, judging
+from analysis.honesty.asking import (
+    ALL,
+    ANSWERED,
+    ENDED,
+    FIELD_SOLVER,
+    FINER,
+    LATE,
+    METHODS,
+    PARTS,
+    REFUSED,
+    Answer,
+    Stated,
+    Worker,
+    matrix_values,
+    part_of,
+    stated,
+)
 from analysis.honesty.judging import Judged, Record, judged
 from analysis.honesty.kinds import KINDS, Drawn, drawn, seeds
-from analysis.honesty.methods import ALL, FIELD_SOLVER, FINER, METHODS, Answer
-from analysis.pipeline import keys
+from analysis.pipeline import keys, reference_stage
 from analysis.pipeline.model_stage import model_module
 from analysis.pipeline.scheduler import parallel_jobs, run_all
-from analysis.pipeline.stage import Processes
+from analysis.pipeline.stage import NoAnswer, Processes, Refused
+from analysis.results.answers import MatrixAnswer
 from analysis.results.store import write_text
 from analysis.results.study_results import Failure
 from geometries.common import installation
@@ -146,12 +163,43 @@ def show(seed: int, folder: Path, asked: Options) -> Iterator[str]:
 def _key(scene: Drawn, seconds: float, model: str, reference: str, method: str) -> str:
     """Returns the key of a method's answer: equal keys, equal answers. `model` and `reference` are the versions of the programs."""
     if method == FIELD_SOLVER:
-        limits = methods.FIELD_RTOL, methods.FIELD_SECONDS
+        limits = asking.FIELD_RTOL, asking.FIELD_SECONDS
         return keys.measurement_key(f"{method} {scene.text} {limits}", reference, {})
     if method == FINER:
-        limits = methods.FINER_RTOL, methods.FINER_SECONDS
+        limits = asking.FINER_RTOL, asking.FINER_SECONDS
         return keys.measurement_key(f"{method} {scene.finer} {limits}", model, {})
     return keys.measurement_key(f"{method} {scene.text} {(METHODS[method], seconds)}", model, {})
+
+
+_SCENES = "scenes"
+_LATE = "no level was finished within"
+
+
+def field_answer(scene: Drawn, folder: Path, processes: Processes) -> Answer:
+    """Answers a scene, which is written to a file in the folder, by the field solver's intervals."""
+    file = folder / _SCENES / f"{scene.seed}.toml"
+    write_text(file, scene.text)
+    asked = ["--rtol", repr(asking.FIELD_RTOL), "--max-seconds", repr(asking.FIELD_SECONDS)]
+    if scene.has_readings:
+        asked.append("--only-readings")
+    begin = time.monotonic()
+    try:
+        answer = MatrixAnswer.of(reference_stage.solve(file, processes, *asked))
+    except Refused as error:
+        return Answer(REFUSED, time.monotonic() - begin, str(error))
+    except NoAnswer as error:
+        return Answer(LATE if _LATE in str(error) else ENDED, time.monotonic() - begin, str(error))
+    matrix = answer.conductors, answer.maxwell, answer.error, FIELD_SOLVER
+    values = _of_readings(answer) if scene.has_readings else matrix_values(*matrix)
+    return Answer(ANSWERED, time.monotonic() - begin, values=values)
+
+
+def _of_readings(answer: MatrixAnswer) -> dict[str, Stated]:
+    return {
+        part_of(name, part): stated(getattr(reading, part).value, getattr(reading, part).error, FIELD_SOLVER)
+        for name, reading in answer.readings.items()
+        for part in PARTS
+    }
 
 
 def _asked_of(scene: Drawn, asked: Options) -> list[str]:
@@ -169,8 +217,8 @@ def _ask(
         return field_answer(scene, folder, processes)
     go_on = processes.refuse_to_go_on
     if method == FINER:
-        limit = methods.FINER_SECONDS
-        finer = {"method": methods.BOUNDARY_ELEMENTS, "rtol": methods.FINER_RTOL, "max_seconds": limit}
+        limit = asking.FINER_SECONDS
+        finer = {"method": asking.BOUNDARY_ELEMENTS, "rtol": asking.FINER_RTOL, "max_seconds": limit}
         return worker.ask(scene.finer, scene.has_readings, finer, 2 * limit, go_on)
     return worker.ask(scene.text, scene.has_readings, METHODS[method], asked.seconds, go_on)
 

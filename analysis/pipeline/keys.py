@@ -96,10 +96,8 @@ def page_inputs(*parts: object) -> str:
     return _hash([*parts, _own_report_code()])
 
 
-@functools.cache
-def _own_report_code() -> str:
-    """Hashes the files once, because a report has thousands of pages."""
-    return report_code()
+_own_report_code = functools.cache(report_code)
+"""Hashes the files once, because a report has thousands of pages."""
 
 
 def hash_of_files(paths: Iterable[Path], root: Path) -> str:

@@ -62,18 +62,12 @@ def pairs(cases: list[CaseResult]) -> list[Pair]:
 def _alike(set_ups: list[tuple[Rectangle, Rectangle]]) -> list[tuple[int, int]]:
     """Returns the candidates, as pairs of indices in order: set-ups whose distances between all corners have the same sum. Few have,
     and only these need the exact comparison."""
-    sums = [float(_distances(sensor.vertices, target.vertices).sum()) for sensor, target in set_ups]
-    order = sorted(range(len(sums)), key=lambda number: sums[number])
-    found = []
-    for place, number in enumerate(order):
-        # A single distance is smaller than the sum of all, and so is its rounding error.
-        highest = sums[number] * (1 + _CORNERS**2 * _TOLERANCE)
-        for later in range(place + 1, len(order)):
-            other = order[later]
-            if sums[other] > highest:
-                break
-            found.append((min(number, other), max(number, other)))
-    return sorted(found)
+    sums = np.array([_distances(sensor.vertices, target.vertices).sum() for sensor, target in set_ups])
+    order = np.argsort(sums, kind="stable")
+    # A single distance is smaller than the sum of all, and so is its rounding error.
+    ends = np.searchsorted(sums[order], sums[order] * (1 + _CORNERS**2 * _TOLERANCE), side="right")
+    pairs = ((int(one), int(other)) for at, one in enumerate(order) for other in order[at + 1 : ends[at]])
+    return sorted((min(pair), max(pair)) for pair in pairs)
 
 
 def _congruent(first: tuple[Rectangle, Rectangle], second: tuple[Rectangle, Rectangle]) -> bool:
@@ -97,19 +91,11 @@ def _distances(sensor: Array, target: Array) -> Array:
 
 def _pairs(first: CaseResult, second: CaseResult, relation: str, quantity: str) -> list[Pair]:
     assert first.truth is not None and second.truth is not None
-    here, there = first.truth.answers, second.truth.answers
+    both = first.truth.answers, second.truth.answers
     return [
-        Pair(
-            first,
-            second,
-            relation,
-            quantity,
-            method,
-            _value(here[method], quantity),
-            _value(there[method], quantity),
-        )
-        for method in here
-        if method in there
+        Pair(first, second, relation, quantity, method, *(_value(each[method], quantity) for each in both))
+        for method in both[0]
+        if method in both[1]
     ]
 
 

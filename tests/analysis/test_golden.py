@@ -12,7 +12,7 @@ import pytest
 
 from analysis import __main__ as command_line, golden
 from analysis.golden import Case, Comparison, Recorded, compared
-from analysis.honesty.methods import ANSWERED, ENDED, REFUSED, Answer, Stated
+from analysis.honesty.asking import ANSWERED, ENDED, REFUSED, Answer, Stated
 from analysis.results.answers import Estimate
 
 NAME, CHANGE, FREE = "machines/one/reduced:1e-2", "reading: change", "C[sensor, hand]"

@@ -15,10 +15,7 @@ import pytest
 
 from analysis import __main__ as command_line
 from analysis.honesty import judging, kinds, run, scenes
-from analysis.honesty.asking import Worker
-from analysis.honesty.judging import CLOSED_FORM, ITSELF, Judged, Record, Unjudged, judged
-from analysis.honesty.kinds import KINDS, Drawn, drawn
-from analysis.honesty.methods import (
+from analysis.honesty.asking import (
     ANSWERED,
     ENDED,
     FIELD_SOLVER,
@@ -28,7 +25,10 @@ from analysis.honesty.methods import (
     REFUSED,
     Answer,
     Stated,
+    Worker,
 )
+from analysis.honesty.judging import CLOSED_FORM, ITSELF, Judged, Record, Unjudged, judged
+from analysis.honesty.kinds import KINDS, Drawn, drawn
 from analysis.results.answers import Estimate
 from geometries.scene import reader
 from geometries.scene.scene import Scene
