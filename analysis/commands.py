@@ -12,7 +12,7 @@ from typing import Any
 
 from analysis import live, show
 from analysis.documentation import make as documentation, measurements
-from analysis.nightly import chunks, night
+from analysis.nightly import night
 from analysis.pipeline import reference_stage
 from analysis.report import index_page
 from analysis.results import statistics, store
@@ -114,7 +114,7 @@ def run_command(options: argparse.Namespace) -> int:
 def _run(options: argparse.Namespace) -> int:
     chosen, target = _study(options.study, options.results)
     with exclusive(target):
-        chunks.end_left_over(target)
+        night.end_left_over(target)
         failures = workflow.run(
             chosen, target, options.jobs, options.measure_model, lambda: _tell_of_first_report(target)
         )
@@ -164,7 +164,7 @@ def _look_back(options: argparse.Namespace) -> int:
 
 
 def _job(file: Path) -> int:
-    chunks.solve(file)
+    night.solve(file)
     return ANSWERED
 
 

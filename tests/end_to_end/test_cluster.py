@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.nightly import chunks
+from analysis.nightly import night
 from tests.analysis.nightly.toy_repository import ROOT, ToyRepository
 from tests.waiting import DEADLINE
 
@@ -39,7 +39,7 @@ def configuration(tmp_path_factory: pytest.TempPathFactory) -> Iterator[str]:
 
 def jobs(toy: ToyRepository, configuration: str, state: str = "all") -> list[str]:
     """The numbers of the study's jobs on the cluster that have not ended, or of those in a state."""
-    asked = ["squeue", "--noheader", "--format=%i", f"--name={chunks.name(toy.results)}"]
+    asked = ["squeue", "--noheader", "--format=%i", f"--name={night.name_of_jobs(toy.results)}"]
     asked += [] if state == "all" else [f"--states={state}"]
     environment = os.environ | {"SLURM_CONF": configuration}
     told = subprocess.run(asked, env=environment, capture_output=True, text=True, check=True)

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from analysis.nightly import chunks, slurm_status
+from analysis.nightly import night, slurm_status
 from analysis.results import study_results as results
 from analysis.study.workflow import Work
 from analysis.topics.trends import changes, page as trends_page
@@ -115,7 +115,7 @@ def works(count: int) -> list[Work]:
     ("count", "seconds", "jobs"), [(0, 60, 0), (1, 60, 1), (2, 600, 2), (100, 60, 99), (5000, 1, 1000)]
 )
 def test_jobs_last_as_long_as_asked_and_each_worker_has_one(count: int, seconds: float, jobs: int) -> None:
-    grouped = chunks.group(works(count), seconds, workers=4)
+    grouped = night.group(works(count), seconds, workers=4)
     assert len(grouped) == jobs
     assert sorted(work.case for job in grouped for work in job.works) == sorted(w.case for w in works(count))
     costs = [sum(work.cost for work in job.works) for job in grouped]
@@ -124,7 +124,7 @@ def test_jobs_last_as_long_as_asked_and_each_worker_has_one(count: int, seconds:
 
 def test_a_job_whose_file_is_gone_is_refused(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="is not the file of a job"):
-        chunks.solve(tmp_path / "1-0.json")
+        night.solve(tmp_path / "1-0.json")
 
 
 @pytest.mark.parametrize(
@@ -152,15 +152,15 @@ sys.exit("the controller does not answer" if (here / "silent").exists() else 0)
 @pytest.fixture
 def left(tmp_path: Path) -> Path:
     """With a job's file."""
-    (tmp_path / "results" / chunks.FOLDER).mkdir(parents=True)
-    (tmp_path / "results" / chunks.FOLDER / "1-0.json").write_text("{}")
+    (tmp_path / "results" / night.FOLDER).mkdir(parents=True)
+    (tmp_path / "results" / night.FOLDER / "1-0.json").write_text("{}")
     return tmp_path / "results"
 
 
 @pytest.fixture
 def profile(tmp_path: Path) -> Path:
     (tmp_path / "profile").mkdir()
-    (tmp_path / "profile" / chunks.CANCEL).write_text(CANCEL)
+    (tmp_path / "profile" / night.CANCEL).write_text(CANCEL)
     return tmp_path / "profile"
 
 
@@ -170,43 +170,43 @@ def called(profile: Path) -> list[str]:
 
 
 def test_a_nights_jobs_are_ended_by_name_once_their_files_are_gone(left: Path, profile: Path) -> None:
-    chunks.begin(left, profile)
-    assert (left / chunks.FOLDER).is_dir()
-    chunks.end(left)
-    assert called(profile) == 2 * [chunks.name(left)]
-    assert not (left / chunks.FOLDER).exists()
-    chunks.end_left_over(left)
+    night.begin(left, profile)
+    assert (left / night.FOLDER).is_dir()
+    night.end(left)
+    assert called(profile) == 2 * [night.name_of_jobs(left)]
+    assert not (left / night.FOLDER).exists()
+    night.end_left_over(left)
     assert len(called(profile)) == 2
 
 
 def test_what_a_killed_night_left_is_ended_by_its_own_profile_whatever_follows(
     left: Path, profile: Path
 ) -> None:
-    chunks.begin(left, profile)
-    chunks.begin(left, None)
-    assert len(called(profile)) == 2 and not (left / chunks.FOLDER).exists()
+    night.begin(left, profile)
+    night.begin(left, None)
+    assert len(called(profile)) == 2 and not (left / night.FOLDER).exists()
 
 
 def test_every_folder_of_results_has_jobs_of_its_own(tmp_path: Path) -> None:
-    assert chunks.name(tmp_path) == chunks.name(tmp_path / "." / "x" / "..")
-    assert chunks.name(tmp_path) != chunks.name(tmp_path / "x")
+    assert night.name_of_jobs(tmp_path) == night.name_of_jobs(tmp_path / "." / "x" / "..")
+    assert night.name_of_jobs(tmp_path) != night.name_of_jobs(tmp_path / "x")
 
 
 def test_jobs_that_cannot_be_ended_are_told_and_tried_again(left: Path, profile: Path) -> None:
-    chunks.begin(left, profile)
+    night.begin(left, profile)
     (profile / "silent").touch()
     with pytest.raises(
         OSError, match="may be left on the cluster: exit code 1: the controller does not answer"
     ):
-        chunks.end(left)
+        night.end(left)
     (profile / "silent").unlink()
-    chunks.end_left_over(left)
-    chunks.end_left_over(left)
+    night.end_left_over(left)
+    night.end_left_over(left)
     assert len(called(profile)) == 3
 
 
 def test_a_profile_that_cannot_end_jobs_is_one_for_which_files_are_enough(left: Path, profile: Path) -> None:
-    (profile / chunks.CANCEL).unlink()
-    chunks.begin(left, profile)
-    chunks.end(left)
-    assert not (left / chunks.FOLDER).exists()
+    (profile / night.CANCEL).unlink()
+    night.begin(left, profile)
+    night.end(left)
+    assert not (left / night.FOLDER).exists()

@@ -197,7 +197,7 @@ def test_a_folder_goes_at_the_end_and_after_an_error(tmp_path: Path) -> None:
 
 # Programs that have to go on: what ends the jobs on a cluster, which runs by itself.
 EXCEPTIONS = {
-    "analysis/nightly/chunks.py",
+    "analysis/nightly/night.py",
     "analysis/nightly/profiles/slurm/cancel.py",
     "geometries/common/children.py",
 }
