@@ -14,6 +14,7 @@
 #include "bem/proximity_refinement.hpp"
 #include "bem/single_layer_panels.hpp"
 #include "fringe/error.hpp"
+#include "numeric/cholesky.hpp"
 #include "numeric/interruption.hpp"
 #include "numeric/parallel.hpp"
 #include "readings/maxwell_matrix.hpp"
@@ -138,7 +139,8 @@ void add_flux_into_films(const ChargedBodies& bodies, const InsulatedEquations& 
 /// own.
 MatrixXd missed_energies_of_almost_conductors(const PanelMesh& mesh, const InsulatedBodies& bodies,
                                               const InsulatedEquations& equations,
-                                              const MatrixXd& single_layer, const MatrixXd& values) {
+                                              const MatrixXd& single_layer, const MatrixXd& values,
+                                              std::size_t threads) {
   const InsulatedUnknowns& unknowns = equations.unknowns;
   const std::vector<Index> group_of = mesh.group_of_panels();
   MatrixXd result = MatrixXd::Zero(index_of(mesh.groups().size()), values.cols());
@@ -156,8 +158,11 @@ MatrixXd missed_energies_of_almost_conductors(const PanelMesh& mesh, const Insul
       continue;
     check_interruption();
     const MatrixXd potentials = values(own, Eigen::all);
-    const MatrixXd matrix = single_layer(panels, panels);
-    MatrixXd charges = matrix.llt().solve(potentials + equations.matrix(own, own) * potentials);
+    const Cholesky factor(single_layer(panels, panels), threads);
+    // Where quadratures leave it indefinite, nothing is known; the panels are marked by their potentials.
+    if (!factor.is_positive_definite())
+      continue;
+    MatrixXd charges = factor.solve(potentials + equations.matrix(own, own) * potentials);
     MatrixXd sums = MatrixXd::Zero(unknowns.coarse_size, values.cols());
     for (std::size_t k = 0; k < own.size(); ++k)
       sums.row(unknowns.coarse[static_cast<std::size_t>(own[k])]) += charges.row(index_of(k));
@@ -307,7 +312,8 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
     result.panels(first + index_of((side + 1) % 3), 0) = -size;
   }
   energies += films.group_energies;
-  energies += missed_energies_of_almost_conductors(mesh_, bodies_, equations, single_layer_, found.fine);
+  energies +=
+      missed_energies_of_almost_conductors(mesh_, bodies_, equations, single_layer_, found.fine, threads_);
   result.extrapolated = result.matrix.fine + still_missing * (result.matrix.fine - result.matrix.coarse) +
                         films.across - films.crowding - still_too_stiff * films.energies;
   result.film_effects = films.across + films.crowding;
