@@ -23,6 +23,9 @@ constexpr double most_unreached_error = 0.1;
 /// preparation of some ten thousand triangles takes.
 constexpr double seconds_of_grace = 10;
 
+/// Part of the time given that a better answer than a bad one gets where it is over.
+constexpr double part_of_grace = 0.1;
+
 /// Seconds that boundary elements take for an unknown, on two cores of 2020: nine arms of 2,800 to 108,000
 /// triangles took 1.4e-4 to 4.8e-4 at 1e-2. They are counted, not measured, so that a motion always has the
 /// same answers.
@@ -189,8 +192,13 @@ Evaluation Automatic::evaluate(Methods& methods, const Scene& scene, const Scene
     ask_reduction();
   if (!best.is_done() && best.error() > most_unreached_error) {
     const bool is_late = best.is_late();
-    if (is_late)
-      limit->grant(seconds_of_grace);
+    if (is_late) {
+      const bool is_known = std::isfinite(best.error());
+      const double grace = is_known ? part_of_grace * *options.max_seconds : seconds_of_grace;
+      if (is_known && methods.has_machine(asked.entries) && rough_seconds > grace)
+        return std::move(best).answer();
+      limit->grant(grace);
+    }
     if (methods.has_machine(asked.entries)) {
       ask_roughly();
       // Where the reduced method answers by a matrix, it has not prepared the machine for the accuracy.

@@ -28,7 +28,7 @@ double seconds_of_formula(const SceneSize& size) {
 FirstUnknowns first_unknowns(ChargedBodies bodies, int least) {
   /// Panels that a surface gets where others are close, in the mean of 318 random scenes.
   constexpr double added_panels = 210;
-  double undivided = 0, divided = 0;
+  double undivided = 0, divided = 0, surfaces = 0;
   std::erase_if(bodies.bodies, [&](const ChargedBody& body) {
     const std::size_t count = triangles_of(body.surface).size();
     if (count == 0)
@@ -38,11 +38,12 @@ FirstUnknowns first_unknowns(ChargedBodies bodies, int least) {
     else
       divided += 4 * static_cast<double>(count);
     divided += added_panels;
+    ++surfaces;
     return true;
   });
   const std::vector<double> functions = numbers_of_functions(bodies, std::array{1.0, 2.0}, least);
   return {functions[0], functions[1],
-          divided + std::min(undivided, static_cast<double>(Simplification::few_triangles))};
+          divided + std::min(undivided, static_cast<double>(Simplification::few_triangles)), surfaces};
 }
 
 /// Returns what boundary elements take for their functions. Fitted, with the panels, to 318 random scenes of
@@ -73,19 +74,20 @@ double seconds_of_boundary_elements(const SceneSize& size, const Effort& effort)
 }
 
 /// Fitted to 190 random scenes of 2 to 9 bodies (`analysis honesty`): the preparation of plates and boxes
-/// takes twice what boundary elements take, that of other bodies and of those that touch as one conductor
+/// takes twice what boundary elements take, that of other bodies and of those that touch at one potential
 /// most of it. That of machines was measured on seven of 28 to 32,548 triangles.
 double seconds_of_reduction(const SceneSize& size, const Effort& effort) {
-  constexpr double per_pair = 2e-6, per_solution = 2.2, per_curved_body = 2, per_joined_conductor = 6;
+  constexpr double per_pair = 2e-6, per_solution = 2.2, per_curved_body = 2, per_joined_body = 6;
   constexpr double per_pose = 1e-3, machine = 2, per_triangle = 1e-3;
   constexpr double rough_machine = 0.6, rough_triangle = 9e-5;
   if (effort.is_rough)
     return rough_machine + rough_triangle * size.prepared_triangles;
-  if (effort.is_by_matrix)
-    return per_pair * size.bodies() * size.bodies() +
-           (effort.is_prepared ? 0
-                               : per_solution * seconds_of_functions(size) + per_curved_body * size.curved +
-                                     per_joined_conductor * size.joined_conductors);
+  if (effort.is_by_matrix) {
+    const double surfaces = size.unknowns ? size.unknowns->surfaces : size.curved + size.joined_conductors;
+    const double preparation = per_solution * seconds_of_functions(size) + per_curved_body * size.curved +
+                               per_joined_body * std::max(surfaces - size.curved, 0.0);
+    return per_pair * size.bodies() * size.bodies() + (effort.is_prepared ? 0 : preparation);
+  }
   return effort.is_prepared ? per_pose : machine + per_triangle * size.prepared_triangles;
 }
 
@@ -121,7 +123,8 @@ void SceneSize::count_unknowns(const Scene& scene) {
     return;
   const double faces = plates + faces_of_box * boxes;
   unknowns = FirstUnknowns{least * least * faces, least * least * faces,
-                           std::min(prepared_triangles, static_cast<double>(Simplification::few_triangles))};
+                           std::min(prepared_triangles, static_cast<double>(Simplification::few_triangles)),
+                           curved + joined_conductors};
   if (faces > most_faces || has_insulators || prepared_triangles > Simplification::few_triangles)
     return;
   try {

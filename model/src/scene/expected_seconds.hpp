@@ -12,6 +12,7 @@ struct FirstUnknowns {
   double functions = 0;        ///< on plates and boxes, one for each length over which the charge changes
   double finer_functions = 0;  ///< the same with two
   double panels = 0;           ///< on surfaces of triangles
+  double surfaces = 0;         ///< how many these are
 };
 
 /// What of a scene decides how long its methods take.

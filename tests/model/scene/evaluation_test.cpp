@@ -183,6 +183,18 @@ TEST(ExpectedSeconds, OfManyBoxesAreThoseOfTheNearestFew) {
   EXPECT_LT(seconds(), 60);
 }
 
+TEST(ExpectedSeconds, OfAReductionOfBoxesThatTouchAreThoseOfABodyOfTriangles) {
+  Scene scene = before_sensor(Cuboid{0.02, 0.02, 0.02}, 0.05);
+  const auto seconds = [&](const Method& method) {
+    detail::SceneSize size(scene);
+    size.count_unknowns(scene);
+    return detail::expected_seconds(method, size, {.rtol = 1e-2});
+  };
+  EXPECT_LT(seconds(Reduced{}), 1);
+  scene.objects.push_back(object("upon it", Cuboid{0.02, 0.02, 0.02}, at(0.01, 0.02, 0.07)));
+  EXPECT_GT(seconds(Reduced{}), 10 * seconds(BoundaryElements{}));
+}
+
 TEST(Auto, AnswersForBodiesInContactOnOneLinkAndOnSeveral) {
   Scene scene = before_sensor(Cuboid{0.02, 0.02, 0.02}, 0.05);
   scene.objects.push_back(object("upon it", Cuboid{0.02, 0.02, 0.02}, at(0.01, 0.02, 0.07)));
