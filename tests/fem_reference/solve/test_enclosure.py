@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from analysis.topics.verification.set_ups import UNIT
-from analysis.topics.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, boundary_elements
+from analysis.topics.verification.truths import UNIT_CUBE, UNIT_SQUARE_PLATE, stored
 from fem_reference.answer.reference import solve_conductors
 from fem_reference.bodies.conductors import Conductors, Dielectric, scaled
 from fem_reference.bodies.shapes import Body, Cuboid, rectangle
@@ -18,7 +18,7 @@ from fem_reference.solve.level import Level, solve_level
 from tests.by_night import all_but
 from tests.fem_reference.problems import ORIGIN, PLATE, conductors_of, semidefinite
 
-CASES = boundary_elements()[::3]
+CASES = stored("boundary_elements")[::3]
 """A sample of the cases; `python3 -m analysis verify` runs all of them."""
 
 
