@@ -12,7 +12,7 @@ import numpy as np
 from markupsafe import Markup
 
 from analysis.coverage import findings
-from analysis.coverage.findings import ANY, distances, write_csv, write_vtu
+from analysis.coverage.distances import ANY, distances, write_csv, write_vtu
 from analysis.coverage.places import DEFAULT, probe
 from analysis.coverage.survey import BOUNDARY_ELEMENTS, FARTHEST, NEAREST, NEGLIGIBLE, Options, Survey, survey
 from analysis.pipeline import keys

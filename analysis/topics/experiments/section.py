@@ -9,9 +9,9 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, joined, power_axis, series_colour
-from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.study_results import COMPARED_METHOD, CaseResult, Results
-from analysis.topics.experiments import added_experiments, curves
+from analysis.results.set_up import Rectangle, rectangles
+from analysis.topics.experiments import curves, materials, neighbours
 from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve, with_flat_start
 
 
@@ -205,9 +205,9 @@ def section(results: Results) -> Markup:
     if results.experiment == "I":
         parts = splitting(accuracies(results))
     elif results.experiment == "V":
-        parts = added_experiments.parts(added_experiments.series(results))
+        parts = neighbours.parts(neighbours.series(results))
     elif results.experiment == "VI":
-        parts = added_experiments.parts_of_materials(results)
+        parts = materials.parts(results)
     else:
         parts = _over_distance_or_angle(results.experiment, curves.curves(results))
     return page.section(_TITLES[results.experiment], *parts)

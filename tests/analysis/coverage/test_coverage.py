@@ -12,7 +12,7 @@ import pytest
 
 from analysis import __main__ as command_line
 from analysis.coverage import findings, survey as surveys
-from analysis.coverage.findings import COLUMNS, Curves
+from analysis.coverage.distances import COLUMNS, Curves
 from analysis.coverage.machine import Machine, Reading, respond
 from analysis.coverage.places import DEFAULT, Places, probe, spread
 from analysis.pipeline.model_stage import model_module

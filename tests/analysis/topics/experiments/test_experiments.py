@@ -14,9 +14,9 @@ from analysis.results import store, study_results as results
 from analysis.results.answers import Estimate
 from analysis.results.set_up import rectangles
 from analysis.study import workflow
-from analysis.topics.experiments import added_experiments
-from analysis.topics.experiments.added_experiments import materials, ratios
+from analysis.topics.experiments import neighbours
 from analysis.topics.experiments.curves import curves, delta_output, reference_delta_output, with_flat_start
+from analysis.topics.experiments.materials import materials, ratios
 from analysis.topics.experiments.section import (
     AT_CORNER,
     BESIDE_EDGE,
@@ -196,9 +196,7 @@ def neighbours_folder(folder: Path) -> Path:
         3: (reference_document(0.4, 0.2), model_document(0.5)),
     }
     made = make_results(folder, NEIGHBOURS, answers, experiment="V")
-    (alone,) = {
-        case.empty for case in results.load(made).compared() if case.family == added_experiments.FAMILY
-    }
+    (alone,) = {case.empty for case in results.load(made).compared() if case.family == neighbours.FAMILY}
     whole = two_sensors(0, 0, 2.0)
     matrices = {name: [row[:2] for row in whole[name][:2]] for name in ("maxwell", "error")}
     document = whole | matrices | {"conductors": ["sensor", "neighbour"], "delta_self": {}}
@@ -215,7 +213,7 @@ def section(folder: Path) -> str:
 
 def test_the_neighbours_share_and_the_coupling_by_hand(tmp_path: Path) -> None:
     folder = neighbours_folder(tmp_path)
-    (series,) = added_experiments.series(results.load(folder))
+    (series,) = neighbours.series(results.load(folder))
     assert series.separation == 0.01 and [point.gap for point in series.points] == [0.01, 0.16]
     first = series.points[0]
     known = (first.near.mutual.value, first.neighbour.mutual.value, first.neighbour.model)
