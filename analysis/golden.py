@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from analysis.honesty import judging, kinds
+from analysis.honesty import judging, closed_forms
 from analysis.honesty.asking import (
     ANSWERED,
     BOUNDARY_ELEMENTS,
@@ -40,7 +40,7 @@ from analysis.results.store import Document, read_json, write_json
 from analysis.results.study_results import Failure
 from analysis.topics.company import set_ups as company
 from analysis.topics.corrections import set_ups as corrections
-from analysis.topics.insulators import set_ups as insulators_truths, set_ups as insulators
+from analysis.topics.insulators import set_ups as insulators
 from analysis.topics.machines import set_ups as machines, truths as machines_truths
 from geometries.common.errors import InputError
 from geometries.common.measured import picofarads
@@ -137,7 +137,7 @@ def _machines() -> Iterator[Case]:
 
 
 def _insulators() -> Iterator[Case]:
-    known = insulators_truths.load()
+    known = insulators.load()
     for set_up in insulators.all_set_ups()[::INSULATORS_STRIDE]:
         true = known[set_up.identity].insulated
         truths = {part_of(insulators.READING, part): getattr(true, part) for part in ("background", CHANGE)}
@@ -147,7 +147,7 @@ def _insulators() -> Iterator[Case]:
 
 def _closed_forms() -> Iterator[Case]:
     """Random scenes of fixed seeds whose answers are known in closed form."""
-    forms = [form for form in dict.fromkeys(kinds.FORMS) if form is not kinds.bowls]
+    forms = [form for form in dict.fromkeys(closed_forms.FORMS) if form is not closed_forms.bowls]
     for form, seed in itertools.product(forms, range(CLOSED_FORMS)):
         known = form(random.Random(seed), Path())
         is_read = has_readings(known.scene)

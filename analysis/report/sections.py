@@ -8,12 +8,13 @@ import numpy as np
 from markupsafe import Markup
 
 from analysis.report import page
-from analysis.results.answers import BOUNDARY, ESTIMATED, FIELD, PROVEN, MatrixAnswer, in_sentence
+from analysis.results.answers import MatrixAnswer
 from analysis.results.refusals import refusals
 from analysis.results.statistics import ALL_FAMILIES, Summary
 from analysis.results.study_results import COMPARED_METHOD, Results
 from analysis.results.symmetry import Pair
 from analysis.results.table import CHANGE, QUANTITIES, Row
+from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, in_sentence
 from analysis.results.units import percent, signed_percent, too
 from geometries.common.measured import PICOFARAD, picofarads
 from geometries.studies.study import NO_REFERENCE

@@ -5,8 +5,8 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
-from analysis.results.answers import BOUNDARY, FIELD, in_sentence
 from analysis.results.study_results import CaseResult, Results
+from analysis.results.truth import BOUNDARY, FIELD, in_sentence
 from geometries.studies.study import NO_REFERENCE
 
 # A line names so many of its cases.

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from analysis.results import machine, units
-from analysis.results.answers import MatrixAnswer, ModelAnswer, Truth
+from analysis.results.answers import MatrixAnswer, ModelAnswer
 from analysis.results.set_up import SetUp, describe
 from analysis.results.store import Document, read_json, write_json
+from analysis.results.truth import Truth
 from geometries.common import installation
 from geometries.common.errors import InputError
 from geometries.common.installation import from_repository

@@ -40,8 +40,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
-from analysis.results.answers import BOUNDARY, ESTIMATED, FIELD, PROVEN, Estimate, Known, ModelChange, Truth
+from analysis.results.answers import Estimate, ModelChange
 from analysis.results.set_up import SetUp, is_delta_self
+from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known, Truth
 from analysis.results.study_results import (
     COMPARED_METHOD,
     CaseResult,

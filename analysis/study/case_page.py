@@ -12,7 +12,7 @@ from analysis.pipeline.model_stage import knows, model_is_built
 from analysis.report import page, plots_in_space
 from analysis.report.page import is_current
 from analysis.report.plot import Panel
-from analysis.results.answers import FIELD, Estimate, Known, MatrixAnswer, in_sentence
+from analysis.results.answers import Estimate, MatrixAnswer
 from analysis.results.store import write_text
 from analysis.results.study_results import (
     BOUNDARY,
@@ -27,6 +27,7 @@ from analysis.results.study_results import (
     reference_command,
 )
 from analysis.results.table import CHANGE, DELTA_SELF, MUTUAL, Row
+from analysis.results.truth import FIELD, Known, in_sentence
 from analysis.results.units import duration, in_words, signed_percent
 from analysis.topics.errors import topic as errors_topic
 from analysis.topics.errors.set_ups import Entry

@@ -19,7 +19,6 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from analysis.results import machine, study_results
-from analysis.results.answers import BOUNDARY, FIELD
 from analysis.results.store import read_json
 from analysis.results.study_results import (
     Results,
@@ -29,6 +28,7 @@ from analysis.results.study_results import (
     reference_command,
 )
 from analysis.results.table import TABLE
+from analysis.results.truth import BOUNDARY, FIELD
 from geometries.common.children import ending_with_this
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT

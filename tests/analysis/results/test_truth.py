@@ -12,10 +12,11 @@ import pytest
 
 from analysis import __main__ as command_line
 from analysis.results import study_results as results, table
-from analysis.results.answers import BOUNDARY, ESTIMATED, FIELD, PROVEN, Estimate, Known
+from analysis.results.answers import Estimate
 from analysis.results.refusals import refusals, unanswered
 from analysis.results.study_results import Failure
 from analysis.results.table import Row
+from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known
 from analysis.study import report, workflow
 from geometries.studies import study
 from tests.analysis.documents import PICO, boundary_document, model_document, reference_document
