@@ -19,8 +19,10 @@ using Eigen::Vector3d;
 /// Distance of a copy from its panel, relative to its size.
 constexpr double steps_per_size = 0.7;
 
-/// Error per added effect of the facets of an interface, whose fields are those of a sample of panels.
-constexpr double error_per_added_interface = 0.6;
+/// Error per added effect of the facets of an interface whose panels follow the shape. The fields are those
+/// of a sample of panels. Where they do not follow it, the next order may be as large as the effect: two
+/// balls of 8 segments, 2 mm apart and of permittivity 30, missed 1.4 times what was added.
+constexpr double error_per_followed_interface = 0.6;
 
 Panel shifted(const Panel& panel, const Vector3d& by) {
   Panel result = panel;
@@ -155,7 +157,9 @@ FacetEffects facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
             step_beside(panel);
     if (facets.are_added[k])
       result.added += (ratios.behind > ratios.before ? 1 : -1) * root.transpose() * root;
-    root *= std::sqrt(facets.are_added[k] ? error_per_added_interface : error_per_facet_effect);
+    const bool is_followed = mesh.follows_shape(mesh.groups()[facets.groups[k]].body);
+    root *=
+        std::sqrt(facets.are_added[k] && is_followed ? error_per_followed_interface : error_per_facet_effect);
   }
   result.errors.resize(BesideFacets::rows * index_of(roots.size()), values.cols());
   result.lasting = MatrixXd::Zero(result.errors.rows(), values.cols());

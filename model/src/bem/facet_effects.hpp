@@ -24,7 +24,7 @@ struct BesideFacets {
 /// Returns the sample, without its double layer.
 BesideFacets beside_facets(const PanelMesh& mesh, const InsulatedBodies& bodies);
 
-/// What round shapes add to the capacitances of their polyhedra.
+/// The differences between the capacitances of round shapes and of the polyhedra that stand for them.
 struct FacetEffects {
   Eigen::MatrixXd added;  ///< between conductors, where the effect is known well enough to be added
   /// Roots of the errors: three rows for each panel, a column for each conductor at unit potential.

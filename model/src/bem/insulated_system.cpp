@@ -190,11 +190,10 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
   std::vector<std::vector<Triangle>> surfaces = divided_surfaces(bodies);
   PanelGrading of_body = grading;
   of_body.most_panels /= std::max<std::size_t>(surfaces.size(), 1);
-  const std::vector<bool> are_apart = standing_apart(bodies);
-  // Between panels that follow a shape and neighbours that do not yet, the surface is not closed, which
-  // charges a body the more the higher its permittivity is.
+  // A panel that follows a shape leaves a crack beside a neighbour that is not divided yet. The crack charges
+  // a dielectric body, the more the higher its permittivity is.
   const auto followed_by = [&](std::size_t body) -> const RoundShape* {
-    if (!are_apart[body])
+    if (!surroundings_.front().is_apart(body))
       return nullptr;
     if (body < conductors)
       return round_shape_of(bodies.conductors.bodies[body].surface);

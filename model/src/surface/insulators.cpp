@@ -91,6 +91,26 @@ double distance_of_touching(const AlignedBox3d& own, const AlignedBox3d& other) 
   return 2 * touching_surfaces * std::max(own.diagonal().norm(), other.diagonal().norm());
 }
 
+/// Tells for each body whether the box around it meets that of no other.
+std::vector<bool> standing_apart(const InsulatedBodies& bodies) {
+  std::vector<AlignedBox3d> boxes;
+  const auto add = [&](AlignedBox3d box, const RoundShape* round) {
+    boxes.push_back(round != nullptr ? box.merged(round->box()) : box);
+  };
+  for (const ChargedBody& body : bodies.conductors.bodies)
+    add(bounds_of(body), round_shape_of(body.surface));
+  for (const Insulator& insulator : bodies.insulators)
+    add(insulator.box, insulator.round ? &*insulator.round : nullptr);
+  for (const ThinFilm& film : bodies.films)
+    add(film.box, nullptr);
+  std::vector<bool> result(boxes.size(), true);
+  for (std::size_t k = 0; k < boxes.size(); ++k)
+    for (std::size_t other = 0; other < k; ++other)
+      if (boxes[k].intersects(boxes[other]))
+        result[k] = result[other] = false;
+  return result;
+}
+
 }  // namespace
 
 Scene without_insulators(const Scene& scene) {
@@ -203,25 +223,6 @@ Presence sensors_alone(const InsulatedBodies& bodies) {
   return result;
 }
 
-std::vector<bool> standing_apart(const InsulatedBodies& bodies) {
-  std::vector<AlignedBox3d> boxes;
-  const auto add = [&](AlignedBox3d box, const RoundShape* round) {
-    boxes.push_back(round != nullptr ? box.merged(round->box()) : box);
-  };
-  for (const ChargedBody& body : bodies.conductors.bodies)
-    add(bounds_of(body), round_shape_of(body.surface));
-  for (const Insulator& insulator : bodies.insulators)
-    add(insulator.box, insulator.round ? &*insulator.round : nullptr);
-  for (const ThinFilm& film : bodies.films)
-    add(film.box, nullptr);
-  std::vector<bool> result(boxes.size(), true);
-  for (std::size_t k = 0; k < boxes.size(); ++k)
-    for (std::size_t other = 0; other < k; ++other)
-      if (boxes[k].intersects(boxes[other]))
-        result[k] = result[other] = false;
-  return result;
-}
-
 Surroundings::Surroundings(const InsulatedBodies& bodies, Presence presence)
     : bodies_(bodies), presence_(std::move(presence)), are_apart_(standing_apart(bodies)) {
   for (std::size_t k = 0; k < bodies.conductors.bodies.size(); ++k) {
@@ -325,7 +326,7 @@ PartState Surroundings::state(const Triangle& part, std::size_t body) const {
   const Vector3d centre = centre_of(part), normal = unit_normal(part);
   const double size = std::sqrt(twice_area(part));
   const Vector3d away = beside_part * size * normal;
-  // A part of a round surface lies beside the triangles.
+  // Panels that follow a round shape lie outside of its triangles, and nothing else is near.
   const Ratios ratios = are_apart_[body]
                             ? Ratios{is_conductor ? 1 : bodies_.insulators[body - conductors].ratio, 1}
                             : Ratios{ratio_at(centre - away), ratio_at(centre + away)};

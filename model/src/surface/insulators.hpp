@@ -85,10 +85,6 @@ Presence everything(const InsulatedBodies& bodies);
 Presence without_targets(const InsulatedBodies& bodies);
 Presence sensors_alone(const InsulatedBodies& bodies);
 
-/// Tells for each body, in the order of Surroundings, whether the box around it meets that of no other. So
-/// its surface may be the round one for which its triangles stand.
-std::vector<bool> standing_apart(const InsulatedBodies& bodies);
-
 /// The relative permittivities behind a panel and before it, where its normal points to.
 struct Ratios {
   double behind;
@@ -117,6 +113,10 @@ class Surroundings {
   Surroundings(const InsulatedBodies& bodies, Presence presence);
 
   PartState state(const Triangle& part, std::size_t body) const;
+
+  /// Tells whether the box around a body meets that of no other body. The panels of such a body may leave its
+  /// triangles for the round shape that these stand for.
+  bool is_apart(std::size_t body) const { return are_apart_[body]; }
 
   /// Returns the thin film that lies on a part of a conductor's surface, and whether it lies on the side to
   /// which the part's normal points.
