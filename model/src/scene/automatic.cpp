@@ -23,7 +23,7 @@ constexpr double most_unreached_error = 0.1;
 /// preparation of some ten thousand triangles takes.
 constexpr double seconds_of_grace = 10;
 
-/// Part of the time given that a better answer than a bad one gets where it is over.
+/// Part of the time limit by which a search for a better answer may exceed it, if the answer so far is bad.
 constexpr double part_of_grace = 0.1;
 
 /// Seconds that boundary elements take for an unknown, on two cores of 2020: nine arms of 2,800 to 108,000

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <map>
-#include <string>
 #include <variant>
 #include <vector>
 
@@ -47,12 +45,12 @@ FirstUnknowns first_unknowns(ChargedBodies bodies, int least) {
 }
 
 /// Returns what boundary elements take for their functions. Fitted, with the panels, to 318 random scenes of
-/// conductors (`analysis honesty`, seeds 0 to 415) at 1e-2; of the next 208 scenes, some with insulators, 71
-/// % took half to twice as long. The functions that would resolve the charge twice tell how many refinements
-/// there are.
+/// conductors (`analysis honesty`, seeds 0 to 415) at 1e-2. Of 104 other scenes (seeds 624 to 727), some with
+/// insulators, 71 % took half to twice as long. The functions that would resolve the charge twice tell how
+/// many refinements there are.
 double seconds_of_functions(const SceneSize& size) {
   constexpr double of_some = 0.021, some = 300, by_functions = 1.16, by_features = 2.7;
-  const FirstUnknowns first = size.unknowns.value_or(FirstUnknowns{});
+  const FirstUnknowns& first = size.unknowns;
   return first.functions > 0 ? of_some * std::pow(first.functions / some, by_functions) *
                                    std::pow(first.finer_functions / first.functions, by_features)
                              : 0;
@@ -64,8 +62,7 @@ double seconds_of_boundary_elements(const SceneSize& size, const Effort& effort)
   constexpr double of_panels = 0.125, many = 1000, by_panels = 1.2, of_coupling = 0.107, some = 300;
   constexpr double of_insulators = 10;
   constexpr double usual_rtol = 1e-2, by_rtol = 0.4;
-  const FirstUnknowns first = size.unknowns.value_or(FirstUnknowns{});
-  const double panels = first.panels / many, functions = first.functions / some;
+  const double panels = size.unknowns.panels / many, functions = size.unknowns.functions / some;
   double seconds =
       seconds_of_functions(size) + of_panels * std::pow(panels, by_panels) + of_coupling * functions * panels;
   if (size.has_insulators)
@@ -83,9 +80,8 @@ double seconds_of_reduction(const SceneSize& size, const Effort& effort) {
   if (effort.is_rough)
     return rough_machine + rough_triangle * size.prepared_triangles;
   if (effort.is_by_matrix) {
-    const double surfaces = size.unknowns ? size.unknowns->surfaces : size.curved + size.joined_conductors;
     const double preparation = per_solution * seconds_of_functions(size) + per_curved_body * size.curved +
-                               per_joined_body * std::max(surfaces - size.curved, 0.0);
+                               per_joined_body * std::max(size.unknowns.surfaces - size.curved, 0.0);
     return per_pair * size.bodies() * size.bodies() + (effort.is_prepared ? 0 : preparation);
   }
   return effort.is_prepared ? per_pose : machine + per_triangle * size.prepared_triangles;
@@ -97,10 +93,6 @@ SceneSize::SceneSize(const Scene& scene)
     : sensors(static_cast<double>(scene.sensors.size())), has_insulators(detail::has_insulators(scene)) {
   for (const Sensor& sensor : scene.sensors)
     plates += static_cast<double>(sensor.plates.size());
-  std::map<std::string, std::size_t> members;
-  for (const Object& object : scene.objects)
-    if (object.conductor && ++members[*object.conductor] == 2)
-      ++joined_conductors;
   for (const Object& object : scene.objects) {
     const auto count = static_cast<double>(triangulate(object.shape).size());
     triangles += count;
@@ -119,12 +111,12 @@ void SceneSize::count_unknowns(const Scene& scene) {
   /// Number of faces above which counting would take as long as the first solution.
   constexpr double most_faces = 200, faces_of_box = 6;
   constexpr int least = 5;
-  if (unknowns)
+  if (are_counted)
     return;
+  are_counted = true;
   const double faces = plates + faces_of_box * boxes;
-  unknowns = FirstUnknowns{least * least * faces, least * least * faces,
-                           std::min(prepared_triangles, static_cast<double>(Simplification::few_triangles)),
-                           curved + joined_conductors};
+  unknowns = {least * least * faces, least * least * faces,
+              std::min(prepared_triangles, static_cast<double>(Simplification::few_triangles)), curved};
   if (faces > most_faces || has_insulators || prepared_triangles > Simplification::few_triangles)
     return;
   try {

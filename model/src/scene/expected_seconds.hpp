@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "fringe/method.hpp"
 #include "fringe/scene.hpp"
 
@@ -12,7 +10,7 @@ struct FirstUnknowns {
   double functions = 0;        ///< on plates and boxes, one for each length over which the charge changes
   double finer_functions = 0;  ///< the same with two
   double panels = 0;           ///< on surfaces of triangles
-  double surfaces = 0;         ///< how many these are
+  double surfaces = 0;         ///< how many these are; bodies that touch at one potential share one
 };
 
 /// What of a scene decides how long its methods take.
@@ -26,12 +24,12 @@ struct SceneSize {
   double prepared_triangles = 0;  ///< of those that are neither plates nor boxes
   double curved = 0;              ///< how many these are
   double boxes = 0;
-  double plates = 0;             ///< those of sensors, too
-  double joined_conductors = 0;  ///< those of more than one object
+  double plates = 0;  ///< those of sensors, too
   double sensors = 0;
   bool has_insulators = false;
 
-  std::optional<FirstUnknowns> unknowns;  ///< none before they are counted
+  FirstUnknowns unknowns;  ///< none before they are counted
+  bool are_counted = false;
 
   double bodies() const { return curved + boxes + plates; }
 };
