@@ -111,7 +111,7 @@ def _wrong() -> Iterator[Case]:
             # The parser of C++ knows no such integer, and so no key either.
             place = "" if "64" in name else str(path[-1])
             made = _changed(f"{_told(path)}: {name}", path, wrong, place)
-            # What asks for a type refuses all others: two of them, which are not the same for every key, tell by day that it does.
+            # A reader that checks the type of a key refuses all others. Two of them, which differ from key to key, show that by day.
             by_day = [list(types)[(at + shift) % len(types)] for shift in (0, 1)]
             yield replace(made, by_night=name in types and name not in by_day)
 
