@@ -1,5 +1,6 @@
 #include "bem/adaptive.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <queue>
 #include <tuple>
@@ -87,6 +88,33 @@ std::vector<int> mark_for_refinement(const std::vector<PanelGroup>& groups, cons
 }
 
 }  // namespace
+
+void PanelGrowth::measure(double excess, std::size_t unknowns) {
+  /// Powers between which it falls: 1.8 to 4 were measured for a patient under an X-ray arm. A larger power
+  /// is not believed: where the first solution misses a feature, the error falls by far more once, and not
+  /// again (nine robot arms).
+  constexpr double least = 1.7, most = 5;
+  is_first_ = unknowns_ == 0;
+  if (!is_first_) {
+    const double growth = static_cast<double>(unknowns) / static_cast<double>(unknowns_);
+    power_ = growth > 1 ? std::clamp(std::log(excess_ / excess) / std::log(growth), least, most) : least;
+  }
+  excess_ = excess;
+  unknowns_ = unknowns;
+}
+
+std::size_t PanelGrowth::most_added(std::size_t panels) const {
+  /// Part of the first estimated errors that is stated, as a rule, once it is known how much of them a
+  /// refinement uses up: with this caution 0.25 to 0.54 on eight of nine robot arms.
+  constexpr double expected_use = 0.4;
+  constexpr double least_growth = 0.1, first_growth = 0.25, later_growth = 0.6;
+  /// Number of panels that a refinement may always add.
+  constexpr std::size_t few_panels = 1000;
+  const double most_growth = is_first_ ? first_growth : later_growth;
+  const double excess = excess_margin * excess_ * (is_first_ ? expected_use : 1);
+  const double growth = std::clamp(std::pow(excess, 1 / power_) - 1, least_growth, most_growth);
+  return std::max(static_cast<std::size_t>(growth * static_cast<double>(panels)), few_panels);
+}
 
 void solve_adaptively(AdaptiveProblem& problem) {
   while (true) {

@@ -120,18 +120,14 @@ MaxwellMatrix solve_with_insulators(const Scene& scene, const BoundaryElementOpt
     throw InputError("boundary elements know no derivatives in scenes with dielectric bodies");
   detail::InsulatedBodies bodies = detail::insulated_bodies(scene, options.entries == Entries::of_readings);
   choose_asked(options.entries, bodies.conductors);
-  std::optional<MaxwellMatrix> answer =
-      detail::insulated_maxwell(bodies, Simplification(bodies.conductors), true, options);
-  if (!answer) {
-    std::vector<Eigen::AlignedBox3d> insulators;
-    for (const detail::Insulator& insulator : bodies.insulators)
-      insulators.push_back(insulator.box);
-    const Simplification simplification(bodies.conductors, simplification_part * options.rtol,
-                                        detail::most_triangles_beside_insulators(options),
-                                        std::move(insulators));
-    bodies.conductors = simplification.bodies();
-    answer = detail::insulated_maxwell(bodies, simplification, false, options);
-  }
+  std::vector<Eigen::AlignedBox3d> insulators;
+  for (const detail::Insulator& insulator : bodies.insulators)
+    insulators.push_back(insulator.box);
+  const Simplification simplification(bodies.conductors, simplification_part * options.rtol,
+                                      detail::most_triangles_beside_insulators(options),
+                                      std::move(insulators));
+  bodies.conductors = simplification.bodies();
+  std::optional<MaxwellMatrix> answer = detail::insulated_maxwell(bodies, simplification, false, options);
   answer->reached = detail::largest_error(*answer, bodies.conductors) <= options.rtol;
   return *std::move(answer);
 }

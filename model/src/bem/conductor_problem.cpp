@@ -70,10 +70,6 @@ constexpr double iteration_share = 0.005;
 /// smaller: panels by themselves have a small part of the energy.
 constexpr double ridge_per_rtol = 10, most_ridge = 0.1;
 
-/// Part of the first estimated errors that is stated, as a rule, once it is known how much of them a
-/// refinement uses up: with this caution 0.25 to 0.54 on eight of nine robot arms.
-constexpr double expected_use = 0.4;
-
 /// Assumed change of a reading, as a part of its value, before it is known.
 constexpr double first_change_part = 1e-2;
 
@@ -335,13 +331,12 @@ class ConductorProblem : public AdaptiveProblem {
     const double per_change = weighted_error_per_change();
     write(per_change);
     // The estimates stay as cautious as the last ones turned out to be.
-    is_first_ = answer_.unknowns == 0;
+    const bool is_first = answer_.unknowns == 0;
     const double believed = believed_.next(answer_, surfaces_.entries.lasting_errors,
                                            reading_effects(surfaces_.readings.lasting_errors), bodies_);
-    if (panels() > 0 && !is_first_)
+    if (panels() > 0 && !is_first)
       write(per_change * believed);
-    const std::size_t unknowns_before =
-        std::exchange(answer_.unknowns, count_unknowns(begun_.functions) + panels());
+    answer_.unknowns = count_unknowns(begun_.functions) + panels();
     if (!bodies_.readings.empty())
       change_part_ = smallest_part(answer_.readings);
     const GeometryErrors geometry{surfaces_.entries.lasting_errors,
@@ -349,10 +344,8 @@ class ConductorProblem : public AdaptiveProblem {
                                   !simplification_.is_changed()};
     has_given_up_ = may_give_up_ && simplification_.is_changed() &&
                     largest_geometry_error(answer_, bodies_, geometry) > too_simple * options_.rtol;
-    const double excess_before =
-        std::exchange(excess_, excess_error(answer_, bodies_, geometry, options_.rtol));
-    if (!is_first_)
-      measure_power(excess_before, unknowns_before);
+    excess_ = excess_error(answer_, bodies_, geometry, options_.rtol);
+    growth_.measure(excess_, answer_.unknowns);
     if (has_given_up_ || excess_ <= 1 || progress_.is_in_vain(excess_, answer_.unknowns))
       return last();
     if (options_.before_refinement)
@@ -469,38 +462,11 @@ class ConductorProblem : public AdaptiveProblem {
   double allowed() const { return allowed_energy(solution_, excess_) / (panels() == 0 ? 1 : 2); }
 
   Assessment assessed() const {
-    /// Largest number of steps in which a triangle is refined before the next solution. Charges that grow
-    /// towards an edge are met by triangles that are far smaller there; with three steps instead, nine robot
-    /// arms took up to 1.4 times as long.
-    constexpr int most_steps = 5;
-    /// Number of panels that a refinement may always add.
-    constexpr std::size_t few_panels = 1000;
     if (panels() == 0)
       return {false, {}, 0, 0};
     const std::size_t most = most_unknowns(), left = most - std::min(answer_.unknowns, most);
-    return {false, solution_.error_indicators, allowed(), std::min(std::max(most_added(), few_panels), left),
-            most_steps};
-  }
-
-  /// Returns the number of panels that a refinement adds at most: as many as the error requires, if it falls
-  /// with them as it did in the refinement before. The first adds few: errors are large at few places then,
-  /// where many steps are better than many panels (nine robot arms).
-  std::size_t most_added() const {
-    constexpr double least_growth = 0.1, first_growth = 0.25, later_growth = 0.6;
-    const double most_growth = is_first_ ? first_growth : later_growth;
-    const double excess = excess_margin * excess_ * (is_first_ ? expected_use : 1);
-    const double growth = std::clamp(std::pow(excess, 1 / power_) - 1, least_growth, most_growth);
-    return static_cast<std::size_t>(growth * static_cast<double>(panels()));
-  }
-
-  /// Finds the power of the number of unknowns with which the error has fallen since the solution before:
-  /// 1.8 to 4 for a patient under an X-ray arm. A larger power is not believed: where the first solution
-  /// misses a feature, the error falls by far more once, and not again (nine robot arms).
-  void measure_power(double excess_before, std::size_t unknowns_before) {
-    constexpr double least = 1.7, most = 5;
-    const double growth = static_cast<double>(answer_.unknowns) / static_cast<double>(unknowns_before);
-    power_ =
-        growth > 1 ? std::clamp(std::log(excess_before / excess_) / std::log(growth), least, most) : least;
+    return {false, solution_.error_indicators, allowed(), std::min(growth_.most_added(panels()), left),
+            most_steps_at_once};
   }
 
   /// Makes the quadratures finer if their errors matter. Their possible effect grows with the charges,
@@ -528,10 +494,9 @@ class ConductorProblem : public AdaptiveProblem {
   BelievedError believed_{1};
   double per_change_ = 0;  ///< the estimated error per change between the two spaces
   Progress progress_;
-  double change_part_;    ///< the smallest change of a reading, as a part of its value
-  double excess_ = 0;     ///< the error over what is allowed
-  double power_ = 5;      ///< of the number of unknowns, with which the error falls
-  bool is_first_ = true;  ///< if there is one solution only
+  PanelGrowth growth_;
+  double change_part_;  ///< the smallest change of a reading, as a part of its value
+  double excess_ = 0;   ///< the error over what is allowed
   bool is_interrupted_ = false;
   bool has_given_up_ = false;
 };

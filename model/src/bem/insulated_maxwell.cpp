@@ -296,17 +296,6 @@ void write_delta_self(const Solved& all, const Solved& alone, double believed, d
   }
 }
 
-/// Tells if what is asked for is out of reach, even if errors fall like the square of the number of panels,
-/// as those of changes do at best. Few panels are refined nevertheless, and all a few times: their error says
-/// little, and most panels may be those of bodies that hardly matter.
-bool is_in_vain(double excess, std::size_t panels, std::size_t most, std::size_t refinements) {
-  /// Panels from which on a refinement takes seconds.
-  constexpr std::size_t many = 2000;
-  constexpr std::size_t few = 3;
-  return refinements >= few && panels >= many &&
-         std::sqrt(excess) * static_cast<double>(panels) > static_cast<double>(most);
-}
-
 /// The Maxwell matrix and the readings of conductors and dielectric bodies.
 class InsulatedProblem : public AdaptiveProblem {
  public:
@@ -352,21 +341,19 @@ class InsulatedProblem : public AdaptiveProblem {
     }
     GeometryErrors geometry =
         errors_by_surfaces(all, background, all.lasting_facets, background.lasting_facets);
-    // The error of undivided triangles ends when they are divided; it does not fall with the number of
-    // panels.
-    GeometryErrors lasting = geometry;
     geometry.are_of_facets = !films_ && !simplification_.is_changed();
-    lasting.are_of_facets = true;
     GeometryErrors stated = errors_by_surfaces(all, background, all.facets, background.facets);
-    for (GeometryErrors* const each : {&lasting, &stated})
-      add_undivided(all, background, *each);
+    stated.entries += errors_of_roots(all.undivided);
+    if (has_readings())
+      stated.readings +=
+          errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors_);
     write(all, alone, background, stated.readings, 1, 1);
     const double believed = believed_.next(answer_, stated.entries, stated.readings, conductors_);
     const double caution =
         refinements_ < factors_of_first_solutions.size() ? factors_of_first_solutions[refinements_] : 1;
     if (believed < 1 || caution > 1)
       write(all, alone, background, stated.readings, believed, caution * believed);
-    return assessed(geometry, lasting, caution);
+    return assessed(geometry, caution);
   }
 
   bool refine(const std::vector<int>& steps) override {
@@ -403,13 +390,6 @@ class InsulatedProblem : public AdaptiveProblem {
     return result;
   }
 
-  void add_undivided(const Solved& all, const Solved& background, GeometryErrors& errors) const {
-    errors.entries += errors_of_roots(all.undivided);
-    if (has_readings())
-      errors.readings +=
-          errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors_);
-  }
-
   /// Writes the answer. `believed` is the part of the estimated errors that is stated, of those of changes
   /// `believed_of_changes`; `others` are errors of readings beside them.
   void write(const Solved& all, const Solved& alone, const Solved& background, const ReadingEffects& others,
@@ -427,17 +407,16 @@ class InsulatedProblem : public AdaptiveProblem {
 
   /// `caution` is the factor of the errors of changes; that of a first solution says nothing of how much
   /// refinement they need.
-  Assessment assessed(const GeometryErrors& geometry, const GeometryErrors& lasting, double caution) const {
+  Assessment assessed(const GeometryErrors& geometry, double caution) {
     const double excess = excess_error(answer_, conductors_, geometry, options_.rtol);
-    if (excess <= 1 || system_.panels() >= most_ ||
-        is_in_vain(excess_error(answer_, conductors_, lasting, options_.rtol), system_.panels(), most_,
-                   refinements_))
+    if (excess <= 1 || system_.panels() >= most_ || progress_.is_in_vain(excess, system_.panels()))
       return {true, {}, 0, 0};
     if (options_.before_refinement)
       options_.before_refinement({answer_.unknowns, excess * options_.rtol});
-    return {false, solution_.error_indicators,
-            solution_.error_indicators.sum() / (excess_margin * std::max(excess / caution, 1.0)),
-            std::min(system_.panels(), most_ - system_.panels())};
+    const double estimated = std::max(excess / caution, 1.0);
+    growth_.measure(estimated, system_.panels());
+    return {false, solution_.error_indicators, solution_.error_indicators.sum() / (excess_margin * estimated),
+            std::min(growth_.most_added(system_.panels()), most_ - system_.panels()), most_steps_at_once};
   }
 
   const ChargedBodies& conductors_;
@@ -449,6 +428,8 @@ class InsulatedProblem : public AdaptiveProblem {
   MaxwellMatrix answer_;
   InsulatedSolution solution_;
   BelievedError believed_{remembered_refinements};
+  Progress progress_;
+  PanelGrowth growth_;
   std::size_t refinements_ = 0;
 };
 

@@ -131,6 +131,21 @@ TEST(SolveAdaptively, CountsThePanelsOfRepeatedSteps) {
   EXPECT_THAT(marked(quartered_groups(4), energies, 0, 27, 3), ElementsAre(2, 0, 0, 0));
 }
 
+TEST(PanelGrowth, AddsAsManyPanelsAsTheErrorCallsFor) {
+  constexpr std::size_t panels = 100'000;
+  detail::PanelGrowth growth;
+  growth.measure(1000, panels);
+  EXPECT_EQ(growth.most_added(panels), panels / 4) << "where the error falls with them is not known yet";
+  EXPECT_EQ(growth.most_added(100), 1000U) << "few cost nothing";
+  // The error falls with the square of their number.
+  growth.measure(1.28, 2 * panels / 3);
+  growth.measure(1.28 * 4 / 9, panels);
+  EXPECT_NEAR(static_cast<double>(growth.most_added(panels)), 0.1 * panels, 1) << "it is nearly small enough";
+  growth.measure(1.28, 3 * panels / 2);
+  EXPECT_NEAR(static_cast<double>(growth.most_added(panels)), (std::pow(1.6, 1 / 1.7) - 1) * panels, 1)
+      << "it grew";
+}
+
 TEST(SolveAdaptively, QuartersTrianglesOfGroupsBeforeItHalvesThem) {
   // Three triangles are quartered by nine panels more, and halved by twelve more.
   const std::vector<PanelGroup> groups{{0, 3, 0, false}, {3, 4, 0, true}};
