@@ -296,6 +296,17 @@ void write_delta_self(const Solved& all, const Solved& alone, double believed, d
   }
 }
 
+/// Tells if what is asked for is out of reach, even if errors fall like the square of the number of panels,
+/// as those of changes do at best. Few panels are refined nevertheless, and all a few times: their error says
+/// little, and most panels may be those of bodies that hardly matter.
+bool is_in_vain(double excess, std::size_t panels, std::size_t most, std::size_t refinements) {
+  /// Panels from which on a refinement takes seconds.
+  constexpr std::size_t many = 2000;
+  constexpr std::size_t few = 3;
+  return refinements >= few && panels >= many &&
+         std::sqrt(excess) * static_cast<double>(panels) > static_cast<double>(most);
+}
+
 /// The Maxwell matrix and the readings of conductors and dielectric bodies.
 class InsulatedProblem : public AdaptiveProblem {
  public:
@@ -341,19 +352,21 @@ class InsulatedProblem : public AdaptiveProblem {
     }
     GeometryErrors geometry =
         errors_by_surfaces(all, background, all.lasting_facets, background.lasting_facets);
+    // The error of undivided triangles ends when they are divided; it does not fall with the number of
+    // panels.
+    GeometryErrors lasting = geometry;
     geometry.are_of_facets = !films_ && !simplification_.is_changed();
+    lasting.are_of_facets = true;
     GeometryErrors stated = errors_by_surfaces(all, background, all.facets, background.facets);
-    stated.entries += errors_of_roots(all.undivided);
-    if (has_readings())
-      stated.readings +=
-          errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors_);
+    for (GeometryErrors* const each : {&lasting, &stated})
+      add_undivided(all, background, *each);
     write(all, alone, background, stated.readings, 1, 1);
     const double believed = believed_.next(answer_, stated.entries, stated.readings, conductors_);
     const double caution =
         refinements_ < factors_of_first_solutions.size() ? factors_of_first_solutions[refinements_] : 1;
     if (believed < 1 || caution > 1)
       write(all, alone, background, stated.readings, believed, caution * believed);
-    return assessed(geometry, caution);
+    return assessed(geometry, lasting, caution);
   }
 
   bool refine(const std::vector<int>& steps) override {
@@ -390,6 +403,13 @@ class InsulatedProblem : public AdaptiveProblem {
     return result;
   }
 
+  void add_undivided(const Solved& all, const Solved& background, GeometryErrors& errors) const {
+    errors.entries += errors_of_roots(all.undivided);
+    if (has_readings())
+      errors.readings +=
+          errors_of_readings(all.undivided, background.undivided, rows_per_triangle, conductors_);
+  }
+
   /// Writes the answer. `believed` is the part of the estimated errors that is stated, of those of changes
   /// `believed_of_changes`; `others` are errors of readings beside them.
   void write(const Solved& all, const Solved& alone, const Solved& background, const ReadingEffects& others,
@@ -407,9 +427,11 @@ class InsulatedProblem : public AdaptiveProblem {
 
   /// `caution` is the factor of the errors of changes; that of a first solution says nothing of how much
   /// refinement they need.
-  Assessment assessed(const GeometryErrors& geometry, double caution) {
+  Assessment assessed(const GeometryErrors& geometry, const GeometryErrors& lasting, double caution) {
     const double excess = excess_error(answer_, conductors_, geometry, options_.rtol);
-    if (excess <= 1 || system_.panels() >= most_ || progress_.is_in_vain(excess, system_.panels()))
+    if (excess <= 1 || system_.panels() >= most_ ||
+        is_in_vain(excess_error(answer_, conductors_, lasting, options_.rtol), system_.panels(), most_,
+                   refinements_))
       return {true, {}, 0, 0};
     if (options_.before_refinement)
       options_.before_refinement({answer_.unknowns, excess * options_.rtol});
@@ -428,7 +450,6 @@ class InsulatedProblem : public AdaptiveProblem {
   MaxwellMatrix answer_;
   InsulatedSolution solution_;
   BelievedError believed_{remembered_refinements};
-  Progress progress_;
   PanelGrowth growth_;
   std::size_t refinements_ = 0;
 };
