@@ -33,7 +33,7 @@ constexpr int most_steps_at_once = 5;
 /// are better than many panels (nine robot arms).
 class PanelGrowth {
  public:
-  /// Takes the error of the next solution over what is allowed.
+  /// Takes the error of the next solution, over what is allowed, and its number of unknowns.
   void measure(double excess, std::size_t unknowns);
 
   std::size_t most_added(std::size_t panels) const;

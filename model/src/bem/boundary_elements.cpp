@@ -127,9 +127,9 @@ MaxwellMatrix solve_with_insulators(const Scene& scene, const BoundaryElementOpt
                                       detail::most_triangles_beside_insulators(options),
                                       std::move(insulators));
   bodies.conductors = simplification.bodies();
-  std::optional<MaxwellMatrix> answer = detail::insulated_maxwell(bodies, simplification, false, options);
-  answer->reached = detail::largest_error(*answer, bodies.conductors) <= options.rtol;
-  return *std::move(answer);
+  MaxwellMatrix answer = detail::insulated_maxwell(bodies, simplification, options);
+  answer.reached = detail::largest_error(answer, bodies.conductors) <= options.rtol;
+  return answer;
 }
 
 }  // namespace

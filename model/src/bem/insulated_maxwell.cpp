@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
 #include <utility>
 #include <vector>
 
@@ -454,16 +453,11 @@ class InsulatedProblem : public AdaptiveProblem {
   std::size_t refinements_ = 0;
 };
 
-/// Gives up as insulated_maxwell() does.
-std::optional<MaxwellMatrix> refined_answer(const InsulatedBodies& bodies,
-                                            const Simplification& simplification, bool may_give_up,
-                                            const BoundaryElementOptions& options) {
+MaxwellMatrix refined_answer(const InsulatedBodies& bodies, const Simplification& simplification,
+                             const BoundaryElementOptions& options) {
   InsulatedProblem problem(bodies, simplification, options);
-  if (problem.is_too_large()) {
-    if (!may_give_up)
-      problem.refuse_size();
-    return std::nullopt;
-  }
+  if (problem.is_too_large())
+    problem.refuse_size();
   solve_adaptively(problem);
   return problem.answer();
 }
@@ -474,18 +468,20 @@ std::size_t most_triangles_beside_insulators(const BoundaryElementOptions& optio
   return most_panels(options) / most_simplified_part;
 }
 
-std::optional<MaxwellMatrix> insulated_maxwell(const InsulatedBodies& bodies,
-                                               const Simplification& simplification, bool may_give_up,
-                                               const BoundaryElementOptions& options) {
+MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const Simplification& simplification,
+                                const BoundaryElementOptions& options) {
   const InsulatedBodies with_films = with_thin_films(bodies);
-  std::optional<MaxwellMatrix> answer = refined_answer(with_films, simplification, may_give_up, options);
-  if (!answer || with_films.films.empty() || largest_error(*answer, bodies.conductors) <= options.rtol)
+  MaxwellMatrix answer = refined_answer(with_films, simplification, options);
+  if (with_films.films.empty() || largest_error(answer, bodies.conductors) <= options.rtol)
     return answer;
   // Panels on both faces resolve the thickness, which the sheet has to first order only.
   try {
-    std::optional<MaxwellMatrix> other = refined_answer(bodies, simplification, true, options);
-    if (other && largest_error(*other, bodies.conductors) < largest_error(*answer, bodies.conductors))
-      return other;
+    InsulatedProblem other(bodies, simplification, options);
+    if (!other.is_too_large()) {
+      solve_adaptively(other);
+      if (largest_error(other.answer(), bodies.conductors) < largest_error(answer, bodies.conductors))
+        return other.answer();
+    }
   } catch (const Interrupted&) {
     return answer;
   }

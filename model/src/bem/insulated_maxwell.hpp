@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 
 #include "fringe/boundary_elements.hpp"
 #include "surface/insulators.hpp"
@@ -12,10 +11,9 @@ namespace fringe::detail {
 /// Computes the Maxwell matrix of conductors beside dielectric bodies, refined until the estimated errors are
 /// within rtol or the matrices too large (model/BOUNDARY_ELEMENTS.md, section 13). In metres, to be
 /// multiplied by 4πε. No entry is a lower bound. The surfaces of the conductors are those of a
-/// simplification. If these have too many panels, gives up where it may and throws InputError elsewhere.
-std::optional<MaxwellMatrix> insulated_maxwell(const InsulatedBodies& bodies,
-                                               const Simplification& simplification, bool may_give_up,
-                                               const BoundaryElementOptions& options);
+/// simplification. Throws InputError if these have too many panels.
+MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const Simplification& simplification,
+                                const BoundaryElementOptions& options);
 
 /// Returns the largest number of triangles of simplified conductors beside dielectric bodies.
 std::size_t most_triangles_beside_insulators(const BoundaryElementOptions& options);

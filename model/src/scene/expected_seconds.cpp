@@ -61,14 +61,14 @@ double seconds_of_functions(const SceneSize& size) {
 double seconds_of_boundary_elements(const SceneSize& size, const Effort& effort) {
   constexpr double of_panels = 0.125, many = 1000, by_panels = 1.2, of_coupling = 0.107, some = 300;
   /// Of 22 random scenes whose dielectric bodies are boxes (seeds 4 to 199) 17 took half to twice as long as
-  /// that; ten with round ones took 6 to 20 s, or more.
-  constexpr double of_boxes = 1.6, of_round_insulators = 10;
+  /// that; ten with curved ones took 6 to 20 s, or more.
+  constexpr double of_boxes = 1.6, of_curved = 10;
   constexpr double usual_rtol = 1e-2, by_rtol = 0.4;
   const double panels = size.unknowns.panels / many, functions = size.unknowns.functions / some;
   double seconds =
       seconds_of_functions(size) + of_panels * std::pow(panels, by_panels) + of_coupling * functions * panels;
   if (size.has_insulators)
-    seconds += size.has_round_insulators ? of_round_insulators : of_boxes;
+    seconds += size.has_curved_insulators ? of_curved : of_boxes;
   return seconds * std::pow(usual_rtol / effort.rtol, by_rtol);
 }
 
@@ -103,7 +103,7 @@ SceneSize::SceneSize(const Scene& scene)
     else if (std::holds_alternative<Cuboid>(object.shape))
       ++boxes;
     else {
-      has_round_insulators |= std::holds_alternative<Dielectric>(object.role);
+      has_curved_insulators |= std::holds_alternative<Dielectric>(object.role);
       prepared_triangles += count;
       ++curved;
     }

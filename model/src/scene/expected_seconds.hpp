@@ -27,7 +27,7 @@ struct SceneSize {
   double plates = 0;  ///< those of sensors, too
   double sensors = 0;
   bool has_insulators = false;
-  bool has_round_insulators = false;  ///< whether one is no box
+  bool has_curved_insulators = false;  ///< whether one is no box
 
   FirstUnknowns unknowns;  ///< none before they are counted
   bool are_counted = false;
