@@ -295,15 +295,15 @@ void write_delta_self(const Solved& all, const Solved& alone, double believed, d
   }
 }
 
-/// Tells if what is asked for is out of reach, even if errors fall like the square of the number of panels,
-/// as those of changes do at best. Few panels are refined nevertheless, and all a few times: their error says
-/// little, and most panels may be those of bodies that hardly matter.
+/// Tells if what is asked for is out of reach, even if errors fall like the third power of the number of
+/// panels, as those of changes do at best. Few panels are refined nevertheless, and all a few times: their
+/// error says little, and most panels may be those of bodies that hardly matter.
 bool is_in_vain(double excess, std::size_t panels, std::size_t most, std::size_t refinements) {
   /// Panels from which on a refinement takes seconds.
   constexpr std::size_t many = 2000;
   constexpr std::size_t few = 3;
   return refinements >= few && panels >= many &&
-         std::sqrt(excess) * static_cast<double>(panels) > static_cast<double>(most);
+         std::cbrt(excess) * static_cast<double>(panels) > static_cast<double>(most);
 }
 
 /// The Maxwell matrix and the readings of conductors and dielectric bodies.
@@ -468,8 +468,9 @@ std::size_t most_triangles_beside_insulators(const BoundaryElementOptions& optio
   return most_panels(options) / most_simplified_part;
 }
 
-MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const Simplification& simplification,
+MaxwellMatrix insulated_maxwell(const InsulatedBodies& given, const Simplification& simplification,
                                 const BoundaryElementOptions& options) {
+  const InsulatedBodies bodies = with_few_facets(given);
   const InsulatedBodies with_films = with_thin_films(bodies);
   MaxwellMatrix answer = refined_answer(with_films, simplification, options);
   if (with_films.films.empty() || largest_error(answer, bodies.conductors) <= options.rtol)

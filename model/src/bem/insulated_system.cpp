@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -72,11 +73,21 @@ void add_energies_within_groups(const MatrixXd& single_layer, const std::vector<
               .matrix();
 }
 
-/// Returns the energies that the coarse space misses in the groups (rows), for every column of the details.
-MatrixXd missed_energies(const PanelMesh& mesh, const InsulatedUnknowns& unknowns,
-                         const MatrixXd& single_layer, const MatrixXd& details) {
+/// Energies that the coarse space misses in the groups of panels (rows), for every column of the details and
+/// of the charges that dielectric bodies miss which are almost conductors.
+struct MissedEnergies {
+  MatrixXd by_charges;
+  MatrixXd by_potentials;  ///< of interfaces
+
+  MatrixXd all() const { return by_charges + by_potentials; }
+};
+
+MissedEnergies missed_energies(const PanelMesh& mesh, const InsulatedUnknowns& unknowns,
+                               const MatrixXd& single_layer, const MatrixXd& details,
+                               const MatrixXd& almost_conductors) {
   const std::vector<Index> group_of = mesh.group_of_panels();
-  MatrixXd energies = MatrixXd::Zero(index_of(mesh.groups().size()), details.cols());
+  const MatrixXd none = MatrixXd::Zero(index_of(mesh.groups().size()), details.cols());
+  MissedEnergies energies{none, none};
   std::vector<Index> charges, panels;
   for (Index k = 0; k < unknowns.size(); ++k) {
     const auto at = static_cast<std::size_t>(k);
@@ -87,12 +98,32 @@ MatrixXd missed_energies(const PanelMesh& mesh, const InsulatedUnknowns& unknown
       continue;
     }
     const Ratios& ratios = unknowns.states[at].ratios;
-    energies.row(group_of[static_cast<std::size_t>(panel)]) +=
+    energies.by_potentials.row(group_of[static_cast<std::size_t>(panel)]) +=
         energy_of_potential_step * (ratios.behind + ratios.before) / 2 *
         std::sqrt(mesh.panels()[static_cast<std::size_t>(panel)].area) * details.row(k).cwiseAbs2();
   }
-  add_energies_within_groups(single_layer, group_of, panels, details(charges, Eigen::all), energies);
-  return energies.cwiseAbs();
+  add_energies_within_groups(single_layer, group_of, panels, details(charges, Eigen::all),
+                             energies.by_charges);
+  energies.by_charges = energies.by_charges.cwiseAbs();
+  MatrixXd implied = none;
+  std::vector<Index> all(mesh.panels().size());
+  std::iota(all.begin(), all.end(), 0);
+  add_energies_within_groups(single_layer, group_of, all, almost_conductors, implied);
+  energies.by_potentials += implied.cwiseMax(0);
+  return energies;
+}
+
+/// Returns how much a change between the spaces is of the energies that go with it, for each. By the steps of
+/// a potential a capacitance errs far less than these have energy: by their squares, where the panels resolve
+/// the potential, so that the energies tell where panels are missing, but not beside those of charges.
+VectorXd share_of_energies(const VectorXd& changes, const VectorXd& energies) {
+  /// Least share: contributions may cancel in a change by chance. Largest one: potentials of bodies that are
+  /// almost conductors hardly vary.
+  constexpr double least = 3e-3, largest = 10;
+  VectorXd result(changes.size());
+  for (Index k = 0; k < changes.size(); ++k)
+    result[k] = energies[k] > 0 ? std::clamp(std::abs(changes[k]) / energies[k], least, largest) : 1;
+  return result;
 }
 
 /// Returns what the conductors' charges of the whole space add to the capacitances of the coarse one. These
@@ -133,17 +164,15 @@ void add_flux_into_films(const ChargedBodies& bodies, const InsulatedEquations& 
   }
 }
 
-/// Returns the energies that the coarse space misses in the groups (rows) of dielectric bodies that are
-/// almost conductors, for every column of a solution. Their potential hardly varies, whatever the panels. So
-/// their errors are those of the charges that would bring the potential of everything else there to their
-/// own.
-MatrixXd missed_energies_of_almost_conductors(const PanelMesh& mesh, const InsulatedBodies& bodies,
-                                              const InsulatedEquations& equations,
-                                              const MatrixXd& single_layer, const MatrixXd& values,
-                                              std::size_t threads) {
+/// Returns the charges on the panels (rows) of dielectric bodies that are almost conductors which the coarse
+/// space misses, for every column of a solution. Their potential hardly varies, whatever the panels. So their
+/// errors are those of the charges that would bring the potential of everything else there to their own.
+MatrixXd missed_charges_of_almost_conductors(const PanelMesh& mesh, const InsulatedBodies& bodies,
+                                             const InsulatedEquations& equations,
+                                             const MatrixXd& single_layer, const MatrixXd& values,
+                                             std::size_t threads) {
   const InsulatedUnknowns& unknowns = equations.unknowns;
-  const std::vector<Index> group_of = mesh.group_of_panels();
-  MatrixXd result = MatrixXd::Zero(index_of(mesh.groups().size()), values.cols());
+  MatrixXd result = MatrixXd::Zero(index_of(mesh.panels().size()), values.cols());
   for (std::size_t body = 0; body < bodies.insulators.size(); ++body) {
     if (bodies.insulators[body].ratio < almost_conductor)
       continue;
@@ -169,9 +198,9 @@ MatrixXd missed_energies_of_almost_conductors(const PanelMesh& mesh, const Insul
     for (std::size_t k = 0; k < own.size(); ++k)
       charges.row(index_of(k)) -=
           unknowns.shares[own[k]] * sums.row(unknowns.coarse[static_cast<std::size_t>(own[k])]);
-    add_energies_within_groups(single_layer, group_of, panels, charges, result);
+    result(panels, Eigen::all) = charges;
   }
-  return result.cwiseMax(0);
+  return result;
 }
 
 }  // namespace
@@ -190,8 +219,8 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
   std::vector<std::vector<Triangle>> surfaces = divided_surfaces(bodies);
   PanelGrading of_body = grading;
   of_body.most_panels /= std::max<std::size_t>(surfaces.size(), 1);
-  // A panel that follows a shape leaves a crack beside a neighbour that is not divided yet. The crack charges
-  // a dielectric body, the more the higher its permittivity is.
+  // A panel that follows a shape leaves a crack beside a neighbour that is not divided with it. The crack
+  // charges a dielectric body, the more the higher its permittivity is.
   const auto followed_by = [&](std::size_t body) -> const RoundShape* {
     if (!surroundings_.front().is_apart(body))
       return nullptr;
@@ -200,7 +229,7 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
     if (body >= conductors + bodies.insulators.size())
       return nullptr;
     const Insulator& insulator = bodies.insulators[body - conductors];
-    return insulator.round && insulator.ratio < almost_conductor ? &*insulator.round : nullptr;
+    return insulator.round && surfaces[body].size() <= PanelMesh::few_triangles ? &*insulator.round : nullptr;
   };
   for (std::size_t body = 0; body < surfaces.size(); ++body) {
     std::erase_if(surfaces[body], [&](const Triangle& part) {
@@ -213,8 +242,13 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
         surroundings_.front().is_inside_conductor(body - conductors))
       throw InputError(fmt::format("{} is dielectric and wholly inside a conductor, where there is no field",
                                    bodies.insulators[body - conductors].name));
-    if (!surfaces[body].empty())
-      mesh_.add(body, surfaces[body], of_body, followed_by(body));
+    if (surfaces[body].empty())
+      continue;
+    const RoundShape* const followed = followed_by(body);
+    const bool is_closed = followed != nullptr && body >= conductors;
+    mesh_.add(body, surfaces[body], is_closed ? PanelGrading{} : of_body, followed);
+    if (is_closed)
+      mesh_.keep_closed(body);
   }
   ChargedBodies all = bodies.conductors;
   for (const Insulator& insulator : bodies.insulators)
@@ -299,7 +333,10 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   if (equations.films)
     add_flux_into_films(bodies, equations, found, result);
   result.half_refined = result.matrix.coarse + gains_by_charges(equations, found);
-  MatrixXd energies = missed_energies(mesh_, unknowns, single_layer_, found.details);
+  result.almost_conductors =
+      missed_charges_of_almost_conductors(mesh_, bodies_, equations, single_layer_, found.fine, threads_);
+  const MissedEnergies missed =
+      missed_energies(mesh_, unknowns, single_layer_, found.details, result.almost_conductors);
   const FilmEffects films =
       film_effects(mesh_, bodies_, surroundings_[set], equations, double_layer_, found.fine);
   for (const auto& [panel, side] : films.bent) {
@@ -310,21 +347,25 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
     result.panels(first + index_of(side), 0) = size;
     result.panels(first + index_of((side + 1) % 3), 0) = -size;
   }
-  energies += films.group_energies;
-  energies +=
-      missed_energies_of_almost_conductors(mesh_, bodies_, equations, single_layer_, found.fine, threads_);
   result.extrapolated = result.matrix.fine + still_missing * (result.matrix.fine - result.matrix.coarse) +
                         films.across - films.crowding - still_too_stiff * films.energies;
   result.film_effects = films.across + films.crowding;
-  result.missed_energies = energies.colwise().sum();
+  result.missed_energies = (missed.all() + films.group_energies).colwise().sum();
   UndividedGain undivided = undivided_gain(mesh_, bodies_, equations, quarters_, found.fine, tolerance_);
   result.undivided = std::move(undivided.roots);
   FacetEffects facets = facet_effects(mesh_, bodies_, equations, facets_, found.fine, tolerance_);
   result.extrapolated += facets.added;
   result.facets = std::move(facets.errors);
   result.lasting_facets = std::move(facets.lasting);
+  const auto weighted = [&](const MatrixXd& energies, const MatrixXd& change) {
+    const VectorXd shares = share_of_energies(change.diagonal(), energies.colwise().sum());
+    return MatrixXd(energies * shares.asDiagonal());
+  };
   result.error_indicators =
-      largest_parts(energies + undivided.groups + facets.groups, result.matrix.fine.diagonal());
+      largest_parts(weighted(missed.by_charges, result.half_refined - result.matrix.coarse) +
+                        weighted(missed.by_potentials, result.matrix.fine - result.half_refined) +
+                        films.group_energies + undivided.groups + facets.groups,
+                    result.matrix.fine.diagonal());
   result.unknowns = unknowns;
   return result;
 }
@@ -334,11 +375,33 @@ VectorXd InsulatedSystem::change_indicators(const InsulatedSolution& all,
   const ChargedBodies& bodies = bodies_.conductors;
   const NestedMatrix with{symmetric(all.matrix.fine), symmetric(all.matrix.coarse)},
       without{symmetric(background.matrix.fine), symmetric(background.matrix.coarse)};
-  const MatrixXd details =
-      reading_charges(all.details, with.fine, background.details, without.fine, bodies).all();
-  const MatrixXd energies =
-      missed_energies(mesh_, all.unknowns, single_layer_, details(all.unknowns.panels, Eigen::all));
-  return largest_parts_of_change(energies, change_scales(with, without, bodies));
+  const auto of_readings = [&](const MatrixXd& charges, const MatrixXd& charges_alone) {
+    return reading_charges(charges, with.fine, charges_alone, without.fine, bodies).all();
+  };
+  const MatrixXd details = of_readings(all.details, background.details);
+  const MissedEnergies missed =
+      missed_energies(mesh_, all.unknowns, single_layer_, details(all.unknowns.panels, Eigen::all),
+                      of_readings(all.almost_conductors, background.almost_conductors));
+  const VectorXd scales = change_scales(with, without, bodies);
+  const auto changes_by = [&](const auto& matrix_of) {
+    const MatrixXd change = without_floating(symmetric(matrix_of(all)), bodies) -
+                            without_floating(symmetric(matrix_of(background)), bodies);
+    VectorXd result(scales.size());
+    for (Index k = 0; k < scales.size(); ++k) {
+      const ChargedReading& reading = bodies.readings[static_cast<std::size_t>(k)];
+      result[k] = reading.sense.head(change.rows()).dot(change * reading.drive.head(change.rows()));
+    }
+    return result;
+  };
+  const VectorXd coarse = changes_by([](const auto&solution) { return solution.matrix.coarse; }),
+                 half_refined = changes_by([](const auto&solution) { return solution.half_refined; }),
+                 fine = changes_by([](const auto&solution) { return solution.matrix.fine; });
+  const auto weighted = [&](const MatrixXd& energies, const VectorXd& changes) {
+    const VectorXd sums = reading_effects(energies_of_pairs(energies)).change;
+    return largest_parts_of_change(energies, scales.cwiseQuotient(share_of_energies(changes, sums)));
+  };
+  return weighted(missed.by_charges, half_refined - coarse) +
+         weighted(missed.by_potentials, fine - half_refined);
 }
 
 InsulatedResponse InsulatedSystem::respond(const MatrixXd& outer, const VectorXd& own) const {
@@ -362,7 +425,10 @@ InsulatedResponse InsulatedSystem::respond(const MatrixXd& outer, const VectorXd
     result.potentials.row(panel) = found.fine.row(index_of(k));
     result.coarse_potentials.row(panel) = found.coarse.row(index_of(k));
   }
-  result.energies = largest_parts(missed_energies(mesh_, unknowns, single_layer_, found.details), own);
+  result.energies = largest_parts(missed_energies(mesh_, unknowns, single_layer_, found.details,
+                                                  MatrixXd::Zero(index_of(panels()), outer.cols()))
+                                      .all(),
+                                  own);
   return result;
 }
 

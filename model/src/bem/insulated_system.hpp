@@ -22,7 +22,8 @@ struct InsulatedSolution {
   Eigen::MatrixXd half_refined;
   Eigen::MatrixXd extrapolated;  ///< beyond the whole space
   Eigen::MatrixXd panels;
-  Eigen::MatrixXd details;  ///< what panels carry beyond the coarse space
+  Eigen::MatrixXd details;            ///< what panels carry beyond the coarse space
+  Eigen::MatrixXd almost_conductors;  ///< charges beyond it of dielectric bodies that are almost conductors
   InsulatedUnknowns unknowns;
   Eigen::MatrixXd body_charges;      ///< on each body of a conductor, in the whole space
   Eigen::VectorXd error_indicators;  ///< of the groups of panels, relative to each conductor's own entry

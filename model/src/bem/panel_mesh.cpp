@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 #include <utility>
 
 #include <Eigen/Geometry>
@@ -188,8 +189,12 @@ std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t
   if (!follows_shape(body))
     return straight;
   std::array<Vector3d, 3> result;
-  for (std::size_t side = 0; side < 3; ++side)
-    result[side] = followed_[body]->middle(triangle[side], triangle[(side + 1) % 3]);
+  for (std::size_t side = 0; side < 3; ++side) {
+    // The same order on both sides of an edge, so that rounding is the same too.
+    const Vector3d &a = triangle[side], &b = triangle[(side + 1) % 3];
+    const bool is_turned = std::lexicographical_compare(b.begin(), b.end(), a.begin(), a.end());
+    result[side] = is_turned ? followed_[body]->middle(b, a) : followed_[body]->middle(a, b);
+  }
   const auto is_sliver = [&](const Triangle& part, int parts) {
     return parts * twice_area(part) < least_area * twice_area(triangle);
   };
@@ -208,7 +213,8 @@ std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t
 std::array<double, 3> PanelMesh::bends(const Triangle& triangle, const std::array<Vector3d, 3>& middles,
                                        std::size_t body) const {
   std::array<double, 3> result{};
-  if (!follows_shape(body))
+  // Potentials of interfaces are no charges.
+  if (!follows_shape(body) || is_kept_closed(body))
     return result;
   const std::array<Vector3d, 3> straight = middles_of_sides(triangle);
   const double per_distance =
@@ -315,7 +321,54 @@ std::vector<Triangle> PanelMesh::triangles(const PanelGroup& group) const {
   return triangles;
 }
 
+void PanelMesh::keep_closed(std::size_t body) {
+  if (follows_shape(body))
+    closed_.push_back(body);
+}
+
+/// Returns how to divide triangles of closed bodies of which a neighbour's side has been halved, so that its
+/// middle is off their own side.
+std::vector<PanelMesh::Division> PanelMesh::cracks() const {
+  const auto comes_before = [](const Vector3d& a, const Vector3d& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  std::set<Vector3d, decltype(comes_before)> corners(comes_before);
+  for (const PanelGroup& group : groups_)
+    if (is_kept_closed(group.body)) {
+      const Triangle whole = quartered_triangle(panels_, group);
+      corners.insert(whole.begin(), whole.end());
+    }
+  std::vector<Division> result(groups_.size());
+  bool are_there = false;
+  for (std::size_t k = 0; k < groups_.size(); ++k) {
+    if (!is_kept_closed(groups_[k].body))
+      continue;
+    const std::array<Vector3d, 3> middles = middles_of_quartered(panels_, groups_[k]);
+    for (std::size_t side = 0; side < 3; ++side)
+      if (corners.contains(middles[side]))
+        result[k] = {1, side};
+    are_there = are_there || result[k].steps > 0;
+  }
+  return are_there ? result : std::vector<Division>{};
+}
+
 MatrixXd PanelMesh::refine(const std::vector<int>& steps, const MatrixXd& charges, const MatrixXd& carried) {
+  std::vector<Division> divisions;
+  for (const int count : steps)
+    divisions.push_back({count});
+  MatrixXd moved = divide(divisions, charges, carried);
+  for (divisions = cracks(); !divisions.empty(); divisions = cracks()) {
+    const std::vector<Index> before = std::move(places_before_);
+    moved = divide(divisions, MatrixXd(index_of(panels_.size()), 0), moved);
+    for (Index& place : places_before_)
+      if (place != no_place)
+        place = before[static_cast<std::size_t>(place)];
+  }
+  return moved;
+}
+
+MatrixXd PanelMesh::divide(const std::vector<Division>& divisions, const MatrixXd& charges,
+                           const MatrixXd& carried) {
   const std::vector<Panel> panels = std::move(panels_);
   const std::vector<PanelGroup> groups = std::move(groups_);
   panels_.clear();
@@ -324,7 +377,8 @@ MatrixXd PanelMesh::refine(const std::vector<int>& steps, const MatrixXd& charge
   Carried moving(charges, carried);
   for (std::size_t k = 0; k < groups.size(); ++k) {
     const PanelGroup& group = groups[k];
-    if (steps[k] == 0) {
+    const auto& [steps, chosen] = divisions[k];
+    if (steps == 0) {
       groups_.push_back({panels_.size(), group.count, group.body, group.is_quartered});
       for (std::size_t member = group.first; member < group.first + group.count; ++member) {
         panels_.push_back(panels[member]);
@@ -334,14 +388,15 @@ MatrixXd PanelMesh::refine(const std::vector<int>& steps, const MatrixXd& charge
     } else if (group.is_quartered) {
       const Triangle whole = quartered_triangle(panels, group);
       const std::array<Vector3d, 3> middles = middles_of_quartered(panels, group);
-      const std::size_t side = side_to_halve(whole, charges.middleRows(index_of(group.first), 4),
-                                             bends(whole, middles, group.body));
+      const std::size_t side = chosen ? *chosen
+                                      : side_to_halve(whole, charges.middleRows(index_of(group.first), 4),
+                                                      bends(whole, middles, group.body));
       moving.begin(panels, group.first, true);
-      add_halves(whole, Matrix3d::Identity(), side, middles[side], group.body, steps[k] - 1, moving);
+      add_halves(whole, Matrix3d::Identity(), side, middles[side], group.body, steps - 1, moving);
     } else {
       for (std::size_t member = group.first; member < group.first + group.count; ++member) {
         moving.begin(panels, member, false);
-        add_parts(panels[member].corners, Matrix3d::Identity(), group.body, steps[k] - 1, moving);
+        add_parts(panels[member].corners, Matrix3d::Identity(), group.body, steps - 1, moving);
       }
     }
   }

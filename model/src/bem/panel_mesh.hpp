@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <memory>
@@ -61,6 +62,10 @@ class PanelMesh {
   void add(std::size_t body, std::span<const Triangle> surface, const PanelGrading& grading = {},
            const RoundShape* round = nullptr, std::size_t threads = 1);
 
+  /// Divides the panels of a body that follow a round shape together with their neighbours from now on, so
+  /// that no cracks open between them. All of its groups have to be quarters.
+  void keep_closed(std::size_t body);
+
   const std::vector<Panel>& panels() const { return panels_; }
   const std::vector<PanelGroup>& groups() const { return groups_; }
   /// Tells whether the panels of a body that are divided follow a round shape.
@@ -86,6 +91,18 @@ class PanelMesh {
 
  private:
   class Carried;
+  /// How a group is refined: in so many steps, of which the first one halves its triangle across a given side
+  /// if there is one.
+  struct Division {
+    int steps = 0;
+    std::optional<std::size_t> side = {};
+  };
+  Eigen::MatrixXd divide(const std::vector<Division>& divisions, const Eigen::MatrixXd& charges,
+                         const Eigen::MatrixXd& carried);
+  std::vector<Division> cracks() const;
+  bool is_kept_closed(std::size_t body) const {
+    return std::find(closed_.begin(), closed_.end(), body) != closed_.end();
+  }
   void add_group(const std::array<Triangle, 4>& quarters, std::size_t body);
   void add_quartered(const Triangle& triangle, std::size_t body);
   void add_parts(const Triangle& triangle, const Eigen::Matrix3d& places, std::size_t body, int steps,
@@ -101,6 +118,7 @@ class PanelMesh {
 
   std::shared_ptr<const HiddenSurface> hidden_;
   std::vector<std::optional<RoundShape>> followed_;  ///< of each body
+  std::vector<std::size_t> closed_;                  ///< the bodies that are kept closed
 
   std::vector<Panel> panels_;
   std::vector<PanelGroup> groups_;

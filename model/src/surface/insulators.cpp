@@ -94,15 +94,19 @@ double distance_of_touching(const AlignedBox3d& own, const AlignedBox3d& other) 
 /// Tells for each body whether the box around it meets that of no other.
 std::vector<bool> standing_apart(const InsulatedBodies& bodies) {
   std::vector<AlignedBox3d> boxes;
-  const auto add = [&](AlignedBox3d box, const RoundShape* round) {
-    boxes.push_back(round != nullptr ? box.merged(round->box()) : box);
+  /// A facet may be deeper than at its middle.
+  constexpr double deeper = 2;
+  const auto add = [&](const AlignedBox3d& box, const RoundShape* round, std::span<const Triangle> surface) {
+    const Vector3d margin =
+        Vector3d::Constant(round != nullptr ? deeper * round->greatest_depth(surface) : 0);
+    boxes.emplace_back(box.min() - margin, box.max() + margin);
   };
   for (const ChargedBody& body : bodies.conductors.bodies)
-    add(bounds_of(body), round_shape_of(body.surface));
+    add(bounds_of(body), round_shape_of(body.surface), triangles_of(body.surface));
   for (const Insulator& insulator : bodies.insulators)
-    add(insulator.box, insulator.round ? &*insulator.round : nullptr);
+    add(insulator.box, insulator.round ? &*insulator.round : nullptr, insulator.surface);
   for (const ThinFilm& film : bodies.films)
-    add(film.box, nullptr);
+    add(film.box, nullptr, {});
   std::vector<bool> result(boxes.size(), true);
   for (std::size_t k = 0; k < boxes.size(); ++k)
     for (std::size_t other = 0; other < k; ++other)
@@ -196,6 +200,31 @@ InsulatedBodies insulated_bodies(const Scene& scene, bool with_readings) {
       refuse_conductors_inside(result.insulators.back(), conductors);
   }
   return result;
+}
+
+InsulatedBodies with_few_facets(InsulatedBodies bodies) {
+  /// Largest number of triangles of a round body: a ball of 12 segments has 120.
+  constexpr std::size_t most = 160;
+  const std::size_t conductors = bodies.conductors.bodies.size();
+  const std::vector<Insulator> given = bodies.insulators;
+  const std::vector<bool> were_apart = standing_apart(bodies);
+  for (std::size_t k = 0; k < given.size(); ++k) {
+    Insulator& insulator = bodies.insulators[k];
+    if (!were_apart[conductors + k] || !insulator.round || insulator.surface.size() <= most)
+      continue;
+    const RoundShape fewer = insulator.round->with_fewer_triangles(most);
+    if (!fewer.is_followed())
+      continue;
+    insulator.round = fewer;
+    insulator.surface = fewer.triangles();
+    insulator.box = axis_aligned_box(insulator.surface);
+  }
+  // A box around fewer facets and what they lack is larger.
+  const std::vector<bool> are_apart = standing_apart(bodies);
+  for (std::size_t k = 0; k < given.size(); ++k)
+    if (!are_apart[conductors + k])
+      bodies.insulators[k] = given[k];
+  return bodies;
 }
 
 Presence everything(const InsulatedBodies& bodies) {

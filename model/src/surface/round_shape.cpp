@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fringe/triangulation.hpp"
+
 namespace fringe::detail {
 namespace {
 
@@ -171,6 +173,28 @@ RoundShape RoundShape::in_unit(const Vector3d& origin, double unit) const {
   return result;
 }
 
+RoundShape RoundShape::with_fewer_triangles(std::size_t most) const {
+  constexpr int least_segments = 8;
+  RoundShape result = *this;
+  std::visit(
+      [&](auto& shape) {
+        if constexpr (requires { shape.segments; })
+          while (shape.segments > least_segments && triangulate(shape).size() > most)
+            shape.segments = std::max(least_segments, shape.segments * 3 / 4);
+      },
+      result.shape_);
+  return result;
+}
+
+std::vector<Triangle> RoundShape::triangles() const {
+  std::vector<Triangle> result = triangulate(shape_);
+  const Eigen::Affine3d to_body = to_shape_.inverse();
+  for (Triangle& triangle : result)
+    for (Vector3d& corner : triangle)
+      corner = to_body * corner;
+  return result;
+}
+
 bool RoundShape::is_followed() const {
   const auto* const arc = std::get_if<Arc>(&shape_);
   if (arc == nullptr)
@@ -228,6 +252,18 @@ Eigen::AlignedBox3d RoundShape::box() const {
   const Vector3d reach = (from_shape.linear() * own.axes.transpose()).cwiseAbs() * own.half_widths;
   const Vector3d centre = from_shape * own.centre;
   return {centre - reach, centre + reach};
+}
+
+double RoundShape::greatest_depth(std::span<const Triangle> parts) const {
+  double result = 0;
+  for (const Triangle& part : parts) {
+    const Triangle own{to_shape_ * part[0], to_shape_ * part[1], to_shape_ * part[2]};
+    const Vector3d centre = centre_of(own), normal = unit_normal(own);
+    const std::array<Vector3d, 3> middles = middles_of_sides(own);
+    for (const Vector3d& point : {centre, middles[0], middles[1], middles[2]})
+      result = std::max(result, std::abs(std::visit(Depth{centre, normal, point}, shape_)));
+  }
+  return result / unit_;
 }
 
 double RoundShape::depth(const Triangle& part) const {

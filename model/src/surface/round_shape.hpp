@@ -30,6 +30,13 @@ class RoundShape {
   /// Returns the shape about another origin, in another unit (m).
   RoundShape in_unit(const Eigen::Vector3d& origin, double unit) const;
 
+  /// Returns the same shape for which fewer triangles stand: at most so many, as far as its segments are not
+  /// below eight.
+  RoundShape with_fewer_triangles(std::size_t most) const;
+
+  /// Returns the triangles that stand for the shape, in the frame of the body.
+  std::vector<Triangle> triangles() const;
+
   /// Returns true if the polyhedron lies within the shape, so that its capacitance is the smaller one.
   bool contains_polyhedron() const { return !std::holds_alternative<Arc>(shape_); }
 
@@ -57,6 +64,10 @@ class RoundShape {
   /// Returns the shape's convex pieces, and a box around it, in the frame of the body, which has to be in m.
   std::vector<ConvexPiece> pieces() const;
   Eigen::AlignedBox3d box() const;
+
+  /// Returns the greatest distance from the middles of parts of the polyhedron's surface, and of their sides,
+  /// to the shape's surface, along the parts' normals.
+  double greatest_depth(std::span<const Triangle> parts) const;
 
   /// Returns the mean distance from a part of the polyhedron's surface to the shape's surface, along the
   /// part's normal.
