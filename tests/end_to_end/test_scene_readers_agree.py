@@ -11,6 +11,7 @@ import pytest
 from analysis.pipeline.model_stage import model_module
 from fem_reference.bodies.remarks import remarks
 from geometries.scene import reader
+from geometries.scene.person import BUILDS, POSTURES
 from geometries.scene.writer import canonical
 from geometries.studies import study
 from tests import scenes
@@ -66,11 +67,13 @@ SHAPES = {
     "polygon": 'type = "polygon", vertices = [[0, 0], [0.2, 0], [0.2, 0.2], [0.1, 0.2], [0.1, 0.1], [0, 0.1]]',
     "clockwise": 'type = "polygon", vertices = [[0, 0.1], [0.1, 0.13], [0.1, 0.2], [0.2, 0.2], [0.2, 0], [0.1, 0]]',
     "person": 'type = "person", height = 1.75',
-    "child": 'type = "person", height = 1.15, age = "child", posture = "arm_stretched"',
-    "infant": 'type = "person", height = 0.36, age = "infant", posture = "lying"',
     "obj": 'type = "mesh", file = "body.obj", scale = 0.001',
     "stl": 'type = "mesh", file = "body.stl"',
     "ply": 'type = "mesh", file = "body.ply", scale = 2',
+}
+SHAPES |= {
+    f"{age}, {posture}": f'type = "person", height = 1.2, age = "{age}", posture = "{posture}"'
+    for age, posture in product(BUILDS, POSTURES)
 }
 _TURNS = np.linspace(0, 2 * np.pi, 30, endpoint=False)
 _RADII = np.random.default_rng(1).uniform(0.02, 0.2, 30)

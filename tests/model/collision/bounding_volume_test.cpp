@@ -231,39 +231,6 @@ TEST(BoxAxes, AreThoseOfABoxHoweverItIsTurned) {
   }
 }
 
-TEST(BoxAxes, TightOnesGiveNoLargerBoxThanTheOthers) {
-  Random random(2);
-  for (int i = 0; i < 30; ++i) {
-    std::vector<Vector3d> points;
-    for (int k = 0; k < 12; ++k)
-      points.push_back(random.in_box({-1, -0.5, -0.2}, {1, 0.5, 0.2}));
-    const double tight = volume_of_box(points, detail::tight_axes(points, {}));
-    EXPECT_LE(tight, volume_of_box(points, detail::axes_of_vertices(points)) * (1 + 1e-12));
-    EXPECT_LE(tight, volume_of_box(points, Matrix3d::Identity()) * (1 + 1e-12));
-  }
-}
-
-TEST(ScaledPoints, AreWithinOneAndGiveBackThePoints) {
-  Random random(4);
-  for (const double size : {1e-300, 1e-3, 1.0, 1e300}) {
-    std::vector<Vector3d> points;
-    for (int k = 0; k < 5; ++k)
-      points.push_back(size * random.in_box({-1, -1, -1}, {1, 1, 1}));
-    const detail::ScaledPoints scaled = detail::scaled_points(points);
-    double largest = 0;
-    for (std::size_t k = 0; k < points.size(); ++k) {
-      for (int axis = 0; axis < 3; ++axis)
-        EXPECT_EQ(std::ldexp(scaled.points[k][axis], scaled.exponent), points[k][axis]);
-      largest = std::max(largest, scaled.points[k].cwiseAbs().maxCoeff());
-    }
-    EXPECT_LE(largest, 1);
-    EXPECT_GT(largest, 0.25);
-    EXPECT_LE(scaled.middle.cwiseAbs().maxCoeff(), 1);
-  }
-  EXPECT_THROW(detail::scaled_points({}), InputError);
-  EXPECT_THROW(detail::scaled_points(std::vector{Vector3d(0, NAN, 0)}), InputError);
-}
-
 /// Tells whether a point is in a piece of a shape.
 bool is_in_pieces(const detail::ConvexPieces& pieces, const Vector3d& point) {
   const ConvexShape one_point = ConvexShape::hull(std::vector{point});

@@ -172,38 +172,18 @@ TEST(GjkDistance, OfSweptBoxesIsThatOfTheirInnerBoxesLessTheirRadii) {
   EXPECT_GT(apart, 200);
 }
 
-/// Computes the distance of a point outside of an ellipsoid: the nearest point is aᵢ²pᵢ/(aᵢ² + t) with the
-/// positive t for which it lies on the surface.
-Real distance_to_ellipsoid(const Vector3d& semi_axes, const Vector3d& point) {
-  const RealVector p = point.cast<Real>(), squares = semi_axes.cast<Real>().cwiseAbs2();
-  const auto nearest = [&](const Real& t) {
-    return RealVector(squares.cwiseProduct(p).cwiseQuotient(squares + RealVector::Constant(t)));
-  };
-  const auto is_outside = [&](const Real& t) {
-    return nearest(t).cwiseAbs2().cwiseQuotient(squares).sum() > 1;
-  };
-  Real low = 0, high = 1;
-  while (is_outside(high))
-    high *= 2;
-  for (int i = 0; i < 150; ++i) {
-    const Real middle = (low + high) / 2;
-    (is_outside(middle) ? low : high) = middle;
-  }
-  return (p - nearest(low)).norm();
-}
-
-TEST(GjkDistance, OfAnEllipsoidAndABallIsThatOfThePointLessTheRadius) {
+/// From a point of the surface along its normal, which is that of the gradient of Σ(pᵢ/aᵢ)².
+TEST(GjkDistance, OfAnEllipsoidAndABallBeforeAPointOfItIsTheGapBetweenThem) {
   Random random(8);
   for (int i = 0; i < 200; ++i) {
     const Vector3d semi_axes = random.in_box({0.05, 0.05, 0.05}, {1, 1, 1}),
-                   outwards = random.in_box({-1, -1, -1}, {1, 1, 1}).normalized();
-    const Vector3d centre = random.uniform(1.2, 3) * outwards;
-    const double from_centre = static_cast<double>(distance_to_ellipsoid(semi_axes, centre));
-    const double radius = from_centre * random.uniform(0.1, 0.9);
-    const Isometry3d motion = random.rigid_motion();
-    const GjkDistance found = gjk_distance(ConvexShape::ellipsoid(semi_axes), motion,
-                                           ConvexShape::ball(radius), motion * Eigen::Translation3d(centre));
-    expect_enclosed(found, from_centre - radius, 3 + motion.translation().norm(), i);
+                   unit = random.in_box({-1, -1, -1}, {1, 1, 1}).normalized();
+    const Vector3d point = unit.cwiseProduct(semi_axes), normal = unit.cwiseQuotient(semi_axes).normalized();
+    const double radius = random.uniform(0.1, 1), gap = random.uniform(0.05, 1);
+    const Isometry3d motion = random.rigid_motion(),
+                     place = motion * Eigen::Translation3d(point + (radius + gap) * normal);
+    expect_enclosed(gjk_distance(ConvexShape::ellipsoid(semi_axes), motion, ConvexShape::ball(radius), place),
+                    gap, 3 + motion.translation().norm(), i);
   }
 }
 

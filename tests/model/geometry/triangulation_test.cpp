@@ -11,7 +11,6 @@
 #include "fringe/shape.hpp"
 #include "fringe/triangulation.hpp"
 #include "geometry.hpp"
-#include "geometry/person.hpp"
 #include "geometry/surface_mesh.hpp"
 #include "geometry/winding_number.hpp"
 
@@ -255,28 +254,6 @@ TEST(WindingNumber, IsKnownOnCornersAndEdgesOfAShellInsideAnother) {
   shells.insert(shells.end(), inner.begin(), inner.end());
   for (const Vector3d& point : {Vector3d(0.125, 0.125, 0.125), Vector3d(0.125, 0.125, 0.0625)})
     EXPECT_TRUE(is_in_polyhedron(shells, point)) << point.transpose();
-}
-
-TEST(WindingNumber, PersonsAreClosedAndGrowWithTheirHeight) {
-  for (const PersonAge age : {PersonAge::adult, PersonAge::child, PersonAge::infant})
-    for (const Posture posture : {Posture::standing, Posture::lying, Posture::arm_stretched}) {
-      const std::vector<Triangle> person = triangles_of_person(1.7, age, posture),
-                                  half = triangles_of_person(0.85, age, posture);
-      const double volume = signed_volume(person);
-      EXPECT_GT(volume, 0);
-      EXPECT_TRUE(is_closed(person));
-      EXPECT_NEAR(signed_volume(half), volume / 8, 1e-9 * volume);
-      const Eigen::AlignedBox3d box = axis_aligned_box(person);
-      EXPECT_NEAR(box.center()[posture == Posture::lying ? 0 : 2], 0, 1e-9);
-      EXPECT_NEAR(box.sizes().maxCoeff(), 1.7, 1e-9);
-      // The trunk is above the middle of the body.
-      const Vector3d chest = posture == Posture::lying ? Vector3d(-0.3, 0, 0) : Vector3d(0, 0, 0.3);
-      const Vector3d beside = Vector3d(0, 1.7, 0);
-      if (posture != Posture::arm_stretched) {
-        EXPECT_TRUE(is_in_polyhedron(person, chest));
-      }
-      EXPECT_FALSE(is_in_polyhedron(person, beside));
-    }
 }
 
 }  // namespace

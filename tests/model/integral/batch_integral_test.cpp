@@ -19,7 +19,6 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using test::Random;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -151,32 +150,6 @@ TEST(SurfaceIntegral, MeasuresTheSurface) {
     return 2 * a * b * ((a * a + b * b) / 12 + c * c / 4);
   };
   EXPECT_NEAR(surface.squared_radius_moment, of_face(1, 2, 3) + of_face(2, 3, 1) + of_face(3, 1, 2), 1e-12);
-}
-
-TEST(SurfaceIntegral, StatesWhatATreeMayMiss) {
-  Surface surface = make_surface(triangulate(Sphere{0.3, 64}));
-  const std::vector<Rectangle> plate{{{-0.5, -0.4, -1}, {1, 0, 0}, {0, 0.8, 0}}};
-  const double exact = surface_integral(surface, plate, {}, 0).value;
-  surface.tree.emplace(surface.triangles);
-  const SurfaceIntegral rough =
-      surface_integral(surface, plate, {Exact{}, PlateRule::sum, FaceRule::all, 1e-3}, 0);
-  EXPECT_LE(std::abs(rough.value - exact), rough.bound + 1e-13 * exact);
-  EXPECT_LE(rough.bound, 1e-3 * rough.value);
-  EXPECT_LT(rough.counts.triangles_evaluated, surface.triangles.size());
-}
-
-// By central differences, the ball turned and shifted.
-TEST(SurfaceIntegral, HasTheDerivativesOfARigidMotion) {
-  const Wrench wrench = surface_wrench(make_surface(ball), plates, {});
-  constexpr double step = 1e-4;
-  for (int coordinate = 0; coordinate < 6; ++coordinate) {
-    const auto integral = [&](double amount) {
-      const Isometry3d motion = test::motion_along(coordinate, amount, Vector3d::Zero());
-      return surface_integral(make_surface(test::moved(ball, motion)), plates, {}, 0).value;
-    };
-    const double difference = (integral(step) - integral(-step)) / (2 * step);
-    EXPECT_NEAR(coordinate < 3 ? wrench.force[coordinate] : wrench.torque[coordinate - 3], difference, 1e-6);
-  }
 }
 
 // Splitting is of second order: from one level to the next, a quarter of the error is left.

@@ -1,13 +1,11 @@
 #include "integral/tree/moments.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <vector>
 
 #include <gtest/gtest.h>
 
-#include "fringe/triangulation.hpp"
 #include "geometry.hpp"
 #include "integral/edge_moment.hpp"
 #include "integral/tree/compression.hpp"
@@ -68,61 +66,6 @@ TEST(Moments, OfASquareAreThoseOfItsClosedFormUpToDegreeFive) {
       .add_up(sums);
   for (std::size_t k = 0; k < all_monomials; ++k)
     EXPECT_NEAR(sums[k], found[k], 1e-15) << k;
-}
-
-TEST(Moments, MoveWithTheirFrame) {
-  const std::vector<WeightedPoint> points = points_on(triangulate(Cone{1, 2, 8}));
-  const MomentFrame here{{0.1, -0.2, 0.3}, 1.5}, there{{-0.4, 0.2, -0.5}, 2.5};
-  const Moments direct = moments_of(points, there);
-  Moments moved{};
-  add_translated(moments_of(points, here), here, there, moved);
-  for (std::size_t k = 0; k < all_monomials; ++k)
-    EXPECT_NEAR(moved[k], direct[k], 1e-13) << k;
-}
-
-TEST(Compression, KeepsTheMomentsWithFewPoints) {
-  const std::vector<WeightedPoint> all = points_on(triangulate(Sphere{1, 12}));
-  double area = 0;
-  for (const WeightedPoint& point : all)
-    area += point.weight;
-  const CompressionFrame frame{Vector3d::Zero(), Eigen::Matrix3d::Identity(), 1};
-  std::size_t before = 0;
-  for (const int degree : {2, 3, 5}) {
-    const std::vector<WeightedPoint> few = compress(all, frame, degree);
-    EXPECT_GE(few.size(), before);
-    EXPECT_LE(few.size(), monomial_count(degree));
-    before = few.size();
-    const Moments kept = moments_of(few, {}), expected = moments_of(all, {});
-    for (std::size_t k = 0; k < monomial_count(degree); ++k)
-      EXPECT_NEAR(kept[k], expected[k], 1e-3 * area) << degree << ": " << k;
-    for (const WeightedPoint& point : few)
-      EXPECT_GT(point.weight, -0.01 * area / static_cast<double>(few.size()));
-  }
-}
-
-TEST(Partition, HasEveryTriangleOfPositiveAreaInOneLeaf) {
-  std::vector<Triangle> triangles = triangulate(Sphere{1, 16});
-  const std::size_t count = triangles.size();
-  triangles.push_back({Vector3d(1, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0)});
-  const Partition found = partition(triangles);
-  ASSERT_EQ(found.triangles.size(), count);
-  std::vector<int> leaves(count);
-  for (const Node& node : found.nodes) {
-    if (node.first_child != no_child) {
-      // Two children share the triangles.
-      const Range &left = found.nodes[node.first_child].triangles,
-                  &right = found.nodes[node.first_child + 1].triangles;
-      EXPECT_EQ(left.first, node.triangles.first);
-      EXPECT_EQ(left.first + left.count, right.first);
-      EXPECT_EQ(left.count + right.count, node.triangles.count);
-      continue;
-    }
-    EXPECT_LE(node.triangles.count, most_triangles_in_leaf);
-    for (std::size_t k = 0; k < node.triangles.count; ++k)
-      ++leaves[node.triangles.first + k];
-  }
-  EXPECT_TRUE(std::all_of(leaves.begin(), leaves.end(), [](int times) { return times == 1; }));
-  EXPECT_NEAR(area(found.triangles), area(triangles), 1e-12);
 }
 
 constexpr double infinity = std::numeric_limits<double>::infinity();

@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include "fringe/capacitance.hpp"
 #include "fringe/plate_integral.hpp"
 #include "geometry.hpp"
 #include "integral/facing.hpp"

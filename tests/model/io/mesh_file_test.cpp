@@ -5,7 +5,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -87,17 +86,6 @@ TEST_F(MeshFile, OfEveryFormatKeepsTheOrderOfTheFile) {
               ElementsAre(Triangle{a, b, c}, Triangle{a, c, d}, Triangle{c, b, a}));
   EXPECT_THAT(read_mesh_file(write("five.obj", obj)),
               ElementsAre(Triangle{a, b, c}, Triangle{a, c, e}, Triangle{a, e, d}, Triangle{c, b, a}));
-}
-
-TEST_F(MeshFile, PolygonsThatAreNotConvexKeepTheirArea) {
-  const std::string corners = "2 0 0\n1 0.2 0\n1 2 0\n0 0 0\n";
-  std::string ply = ascii_ply;
-  ply.replace(ply.find("face 2"), 6, "face 1");
-  EXPECT_DOUBLE_EQ(
-      area(read_mesh_file(write("dart.ply", ply.substr(0, ply.find("0 0 0\n")) + corners + "4 0 1 2 3\n"))),
-      1.1);
-  EXPECT_DOUBLE_EQ(
-      area(read_mesh_file(write("dart.obj", "v 2 0 0\nv 1 0.2 0\nv 1 2 0\nv 0 0 0\nf 1 2 3 4\n"))), 1.1);
 }
 
 TEST_F(MeshFile, ObjMayBeInUtf16AndHaveAMarkAndCarriageReturnsOnly) {

@@ -1,7 +1,6 @@
 #include "reduced/charge_functions.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -10,7 +9,6 @@
 
 #include <gtest/gtest.h>
 
-#include "fringe/pose.hpp"
 #include "reduced/charge_skeleton.hpp"
 #include "surface/bodies.hpp"
 

@@ -4,8 +4,6 @@
 #include "reduced/link_couplings.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <vector>
 
 #include <gtest/gtest.h>
 

@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
-#include "fringe/capacitance.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/reading.hpp"
 #include "reduced/link_tables.hpp"

@@ -1,6 +1,5 @@
 #include "reduced/packed_factor.hpp"
 
-#include <cmath>
 #include <random>
 #include <vector>
 

@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 
 #include "fringe/error.hpp"
-#include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
 #include "reduced/reduced_capacitance.hpp"
 #include "scene/expected_seconds.hpp"

@@ -1,7 +1,6 @@
 #include "truth.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 

@@ -1,8 +1,5 @@
 #include "surface/panel.hpp"
 
-#include <array>
-#include <cmath>
-
 #include <gtest/gtest.h>
 
 namespace fringe::detail::FRINGE_TEST_FILE {

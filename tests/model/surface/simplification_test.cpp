@@ -11,7 +11,6 @@
 
 #include "fringe/boundary_elements.hpp"
 #include "fringe/interruption.hpp"
-#include "fringe/triangulation.hpp"
 #include "scenes.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {

@@ -5,8 +5,6 @@
 #include <fstream>
 #include <limits>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
