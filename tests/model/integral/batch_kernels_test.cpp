@@ -13,7 +13,6 @@
 #include "integral/batch/chunks.hpp"
 #include "integral/batch/kernels.hpp"
 #include "integral/tree/kernels.hpp"
-#include "numeric/triangle_rules.hpp"
 
 /// Compares the kernels of every instruction set that the machine can run: those of batches with the code for
 /// single triangles, those of surface trees with plain loops.
@@ -253,56 +252,6 @@ TEST_P(TreeKernelsTest, MeasureHeightsOfAnyNumberOfPoints) {
 
 INSTANTIATE_TEST_SUITE_P(InstructionSets, TreeKernelsTest, testing::ValuesIn(available_instruction_sets()),
                          test::name_of_set);
-
-/// Computes the mean of λ₁^a·λ₂^b over a triangle.
-double moment(int a, int b) {
-  return 2 * std::exp(std::lgamma(a + 1) + std::lgamma(b + 1) - std::lgamma(a + b + 3));
-}
-
-TEST(TriangleRules, IntegratePolynomialsUpToTheirDegreeByPositiveWeightsAtPointsInside) {
-  for (const TriangleRule& rule : triangle_rules()) {
-    for (int a = 0; a <= rule.degree; ++a)
-      for (int b = 0; a + b <= rule.degree; ++b) {
-        double sum = 0;
-        for (int i = 0; i < rule.points; ++i)
-          sum += rule.nodes[i].weight * std::pow(rule.nodes[i].second, a) * std::pow(rule.nodes[i].third, b);
-        EXPECT_NEAR(sum, moment(a, b), 1e-15) << "degree " << rule.degree << ", λ₁^" << a << " λ₂^" << b;
-      }
-    for (int i = 0; i < rule.points; ++i) {
-      const TriangleNode& node = rule.nodes[i];
-      EXPECT_TRUE(node.weight > 0 && node.second > 0 && node.third > 0 && node.second + node.third < 1) << i;
-    }
-  }
-}
-
-TEST(TriangleRules, StateABoundThatNoTriangleExceeds) {
-  // The mean of |δ|^k is computed by a rule of much higher order: 2500 points of a collapsed product rule.
-  const GaussRule gauss = gauss_rule(50);
-  Random random(6);
-  for (const TriangleRule& rule : triangle_rules()) {
-    const int k = rule.degree + 1;
-    double largest = 0;
-    for (int repetition = 0; repetition < 200; ++repetition) {
-      const Vector3d a = random.in_box({-1, -1, 0}, {1, 1, 0}), b = random.in_box({-1, -1, 0}, {1, 1, 0});
-      const double size = std::max({a.norm(), b.norm(), (a + b).norm()});
-      // The centroid is the origin: the third vertex is −a − b.
-      const auto power = [&](double second, double third) {
-        return std::pow(((1 - second - third) * a + second * b - third * (a + b)).norm() / size, k);
-      };
-      double total = 0;
-      for (const GaussNode& u : gauss)
-        for (const GaussNode& v : gauss)
-          total += 2 * u.weight * v.weight * u.position *
-                   power(u.position * (1 - v.position), u.position * v.position);
-      for (int i = 0; i < rule.points; ++i)
-        total += rule.nodes[i].weight * power(rule.nodes[i].second, rule.nodes[i].third);
-      largest = std::max(largest, total);
-    }
-    EXPECT_LE(largest, rule.bound_constant) << "degree " << rule.degree;
-    // Random triangles come close to the worst one, so the constant is not much larger than necessary.
-    EXPECT_GT(largest, 0.6 * rule.bound_constant) << "degree " << rule.degree;
-  }
-}
 
 }  // namespace
 }  // namespace fringe::FRINGE_TEST_FILE
