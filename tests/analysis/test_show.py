@@ -32,14 +32,6 @@ MOTION = scenes.table("frame") + scenes.table(
 )
 
 
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "a scene.toml"
-    path.write_text(SCENE)
-    path.with_name("a scene.motion.toml").write_text(MOTION)
-    return path
-
-
 def test_bodies_are_where_the_model_has_them_in_every_frame(scene: Path, tmp_path: Path) -> None:
     data = data_of(show.make(str(scene), None, tmp_path / "page.html"))
     live = model_module().Scene.load(str(scene))
@@ -111,7 +103,7 @@ def test_contact_is_no_number(scene: Path, tmp_path: Path) -> None:
 
 
 def test_a_scene_without_a_motion_has_one_frame(scene: Path, tmp_path: Path) -> None:
-    scene.with_name("a scene.motion.toml").unlink()
+    scene.with_suffix(".motion.toml").unlink()
     data = data_of(show.make(str(scene), None, tmp_path / "page.html"))
     assert [frame["name"] for frame in data["frames"]] == ["as in the scene"]
 

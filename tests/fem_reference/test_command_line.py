@@ -41,13 +41,6 @@ def answered(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 @pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "a scene.toml"
-    path.write_text(SCENE)
-    return path
-
-
-@pytest.fixture
 def centred(scene: Path) -> Path:
     """With its target before the sensor's centre, where a quarter of space is half the work."""
     scene.write_text(SCENE.replace("[0.01, 0, 0.03]", "[0, 0, 0.03]"))

@@ -15,39 +15,18 @@ import numpy as np
 import pytest
 
 from fem_reference.__main__ import main
+from tests import scenes
 from tests.by_night import all_but
-from tests.scenes import SENSOR
 
 ROOT = Path(__file__).resolve().parents[2]
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n"]
-IN_A_ROOM = """
-[room]
-size = [3, 3, 3]
-
-[[object]]
-name = "dust"
-shape = { type = "cube", size = 1e-4 }
-translation = [1, 1, 1]
-potential = "floating"
-
-[[object]]
-name = "plate"
-shape = { type = "plate", size = [0.06, 0.06] }
-translation = [0, 0, 0.03]
-
-[[object]]
-name = "ball"
-shape = { type = "sphere", radius = 0.02 }
-translation = [0, 0, 0.08]
-potential = "floating"
-"""
-
-
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "scene.toml"
-    path.write_text(IN_A_ROOM + SENSOR)
-    return path
+SCENE = (
+    "[room]\nsize = [3, 3, 3]\n"
+    + scenes.body("dust", "cube", size=1e-4, translation=[1, 1, 1], potential="floating")
+    + scenes.body("plate", "plate", size=[0.06, 0.06], translation=[0, 0, 0.03])
+    + scenes.body("ball", "sphere", radius=0.02, translation=[0, 0, 0.08], potential="floating")
+    + scenes.SENSOR
+)
 
 
 def run(count: int, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
@@ -91,7 +70,7 @@ def test_several_processes_enclose_as_one_does_on_the_same_mesh(scene: Path, pro
 @pytest.mark.night
 def test_two_processes_adapt_the_mesh_and_enclose_what_one_does(scene: Path) -> None:
     """The mesh is divided between them in another way in every run, and with it the adapted one and the number of its levels differ."""
-    scene.write_text(SENSOR)
+    scene.write_text(scenes.SENSOR)
     alone, together = answers(scene, "5e-4", 2)
     assert together["reached"] and len(together["levels"]) >= 2
     ((lower,),), ((upper,),) = together["lower"], together["upper"]

@@ -36,13 +36,6 @@ SCENE = (
 )
 
 
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE)
-    return path
-
-
 def scene_of(case: dict[str, Any]) -> str:
     """Every conductor as a sensor, which may have several plates."""
     plates: list[list[list[list[float]]]] = [[] for _ in case["conductors"]]

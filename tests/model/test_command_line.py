@@ -20,21 +20,14 @@ Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 STATING = ("reduced", "boundary-elements", "auto")
 
-TARGET = scenes.body("target", "plate", size=[0.1, 0.1], translation=[0, 0, 0.02])
-
-
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    """A 10 cm sensor with a plate of the same size 2 cm in front of it."""
-    path = tmp_path / "a scene.toml"
-    path.write_text(scenes.SENSOR + TARGET)
-    return path
+# A 10 cm sensor with a plate of the same size 2 cm in front of it.
+SCENE = scenes.SENSOR + scenes.body("target", "plate", size=[0.1, 0.1], translation=[0, 0, 0.02])
 
 
 @pytest.fixture
 def touching(tmp_path: Path) -> Path:
     path = tmp_path / "touching.toml"
-    path.write_text(scenes.SENSOR + TARGET.replace("0.02", "0"))
+    path.write_text(SCENE.replace("0.02", "0"))
     return path
 
 

@@ -39,13 +39,6 @@ SCENE = (
 SENSORS = ['a "quoted" <name> & more', "back"]
 
 
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE)
-    return path
-
-
 @pytest.mark.parametrize(
     "options", [[], ["--method", "split:2"], ["--method", "exact+nearest"], ["--method", "exact+facing"]]
 )
@@ -139,7 +132,7 @@ def test_a_file_that_cannot_be_written_is_told_and_leaves_nothing(
         done = fringe_command("capacitance", scene, "--output", target)
         assert (done.returncode, done.stdout) == (1, "")
         assert done.stderr == f"fringe: {target}: cannot be written\n"
-    assert {path.name for path in scene.parent.iterdir()} == {"scene.toml", "taken.vtu"}
+    assert {path.name for path in scene.parent.iterdir()} == {scene.name, "taken.vtu"}
 
 
 TWO = scenes.body("ball", "sphere", radius=0.1, segments=24, potential="electrode") + scenes.body(

@@ -33,14 +33,6 @@ MOTION = scenes.table("frame", name="far") + scenes.table(
 )
 
 
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE)
-    path.with_suffix(".motion.toml").write_text(MOTION)
-    return path
-
-
 def names(folder: Path) -> list[str]:
     """The kinds of the files in a folder."""
     return sorted(file.name.rpartition("-")[0] for file in folder.iterdir())

@@ -15,7 +15,7 @@ import fringe
 import numpy as np
 import pytest
 
-from geometries.scene import motion, reader
+from geometries.scene import reader
 from tests import scenes
 
 REPOSITORY = Path(reader.__file__).parents[2]
@@ -35,14 +35,6 @@ MOTION = "".join(
     f'[[frame]]\nname = "{name}"\nposes = [ {{ link = "wrist", translation = [0, 0, {height}] }} ]\n'
     for name, height in zip(("far", "near", "near"), HEIGHTS, strict=True)
 )
-
-
-@pytest.fixture()
-def scene(tmp_path: Path) -> Path:
-    (tmp_path / "scene.motion.toml").write_text(MOTION)
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE)
-    return path
 
 
 def rows(text: str) -> list[dict[str, str]]:
@@ -65,7 +57,7 @@ def test_every_frame_has_the_reading_of_the_scene_in_its_poses(fringe_command: C
     assert (done.returncode, done.stderr) == (0, "")
     found = rows(done.stdout)
     in_python = fringe.Scene.load(str(scene)).readings_of(
-        str(scene.with_name("scene.motion.toml")), "boundary-elements", rtol=1e-2
+        str(scene.with_suffix(".motion.toml")), "boundary-elements", rtol=1e-2
     )
     assert [row["name"] for row in found] == in_python.frames == ["far", "near", "near"]
     for number, (row, height) in enumerate(zip(found, HEIGHTS, strict=True)):
@@ -142,7 +134,7 @@ def test_several_methods_have_a_row_each_in_every_frame(fringe_command: Command,
     found = rows(done.stdout)
     asked = [*methods.split(","), *more.split(",")]
     assert [row["method"] for row in found] == 3 * asked
-    motion_file = str(scene.with_name("scene.motion.toml"))
+    motion_file = str(scene.with_suffix(".motion.toml"))
     for number, method in enumerate(methods.split(",")):
         options = {"rtol": 0.03} if method == "reduced" else {}
         expected = fringe.Scene.load(str(scene)).readings_of(motion_file, method, **options)
@@ -173,10 +165,10 @@ MESH = "v 0 0 0\nv .05 0 0\nv .05 .05 0\nv 0 .05 0\nf 1 2 3 4\n"
 @pytest.mark.parametrize(
     ("file", "old", "new", "kept"),
     [
-        ("scene.toml", "[0.3, 0.3, 0.02]", "[0.3, 0.3, 0.03]", 0),
-        ("scene.toml", "1e-13", "9e-14", 0),
+        ("a scene.toml", "[0.3, 0.3, 0.02]", "[0.3, 0.3, 0.03]", 0),
+        ("a scene.toml", "1e-13", "9e-14", 0),
         ("hand.obj", "v 0 0 0", "v 0 0 0.01", 0),
-        ("scene.motion.toml", "0.03", "0.04", 2),
+        ("a scene.motion.toml", "0.03", "0.04", 2),
     ],
 )
 def test_what_changed_is_computed_again_and_the_other_frames_are_kept(
@@ -213,7 +205,7 @@ def test_a_file_that_is_no_table_of_a_sweep_is_not_replaced(fringe_command: Comm
 def test_a_place_that_cannot_be_written_is_told_before_a_frame_is_answered(
     fringe_command: Command, scene: Path
 ) -> None:
-    scene.with_name("scene.motion.toml").write_text(MOTION.replace("0.3]", "0]"))
+    scene.with_suffix(".motion.toml").write_text(MOTION.replace("0.3]", "0]"))
     done = fringe_command("sweep", scene, "--method", "boundary-elements", "--output", "/proc/s.csv")
     assert done.returncode == 1 and "/proc/s.csv: cannot be written" in done.stderr
     assert "frame" not in done.stderr
@@ -232,7 +224,7 @@ def test_a_row_that_is_less_accurate_than_asked_for_ends_with_status_3_also_when
 def test_a_method_without_an_answer_leaves_its_row_empty_and_says_why_once(
     fringe_command: Command, scene: Path
 ) -> None:
-    scene.with_name("scene.motion.toml").write_text(MOTION.replace("0.03", "-0.005").replace("0.1]", "0]"))
+    scene.with_suffix(".motion.toml").write_text(MOTION.replace("0.03", "-0.005").replace("0.1]", "0]"))
     done = fringe_command("sweep", scene, "--method", "exact,boundary-elements", "--rtol", "0.1")
     assert done.returncode == 0
     (line,) = told(done)
@@ -243,7 +235,7 @@ def test_a_method_without_an_answer_leaves_its_row_empty_and_says_why_once(
 
 
 def test_frames_without_any_answer_are_empty_unless_all_are(fringe_command: Command, scene: Path) -> None:
-    motion_file = scene.with_name("scene.motion.toml")
+    motion_file = scene.with_suffix(".motion.toml")
     motion_file.write_text(MOTION.replace("0.1]", "0]"))
     asked = ("sweep", scene, "--method", "boundary-elements", "--rtol", "0.1")
     done = fringe_command(*asked)
@@ -303,8 +295,8 @@ def test_a_sweep_takes_the_options_of_the_method_and_a_motion(
     python: dict[str, Any],
 ) -> None:
     monkeypatch.chdir(scene.parent)
-    (scene.parent / "other.toml").write_text(MOTION.replace("0.03", "0.2"))
-    file = "other.toml" if options[0] == "--motion" else "scene.motion.toml"
+    scene.with_name("other.toml").write_text(MOTION.replace("0.03", "0.2"))
+    file = "other.toml" if options[0] == "--motion" else "a scene.motion.toml"
     found = [float(row["change_F"]) for row in rows(fringe_command("sweep", scene, *options).stdout)]
     expected = fringe.Scene.load(str(scene)).readings_of(file, **python)
     assert found == list(expected.change[:, 0])
@@ -313,7 +305,7 @@ def test_a_sweep_takes_the_options_of_the_method_and_a_motion(
 def test_a_sweep_ends_after_its_time_with_the_frames_that_are_finished(
     fringe_command: Command, scene: Path
 ) -> None:
-    scene.with_name("scene.motion.toml").write_text("[[frame]]\n" * 400)
+    scene.with_suffix(".motion.toml").write_text("[[frame]]\n" * 400)
     words = ("--method", "boundary-elements", "--rtol", "1e-3", "--max-seconds", "2")
     done = fringe_command("sweep", scene, *words)
     assert done.returncode == 3
@@ -326,7 +318,7 @@ def test_a_method_that_is_none_and_a_scene_without_a_motion_are_refused(
     fringe_command: Command, scene: Path
 ) -> None:
     unknown = fringe_command("sweep", scene, "--method", "exact,bem")
-    scene.with_name("scene.motion.toml").unlink()
+    scene.with_suffix(".motion.toml").unlink()
     missing = fringe_command("sweep", scene)
     for done, told in (
         (unknown, "method 'bem' is not known: it must be exact, split:N"),
@@ -335,24 +327,9 @@ def test_a_method_that_is_none_and_a_scene_without_a_motion_are_refused(
         assert (done.returncode, done.stdout) == (2, "") and told in done.stderr
 
 
-def test_both_readers_put_the_links_of_a_motion_in_the_same_places() -> None:
-    path = Path(reader.__file__).parents[1] / "scenes" / "x_ray_arm.toml"
-    motion_file = path.with_suffix(".motion.toml")
-    found = fringe.Scene.load(str(path)).readings_of(str(motion_file), "exact")
-    frames = motion.load(motion_file, reader.load(path))
-    assert len(found) == len(frames)
-    for changes, frame in zip(found.change, frames, strict=True):
-        placed = fringe.Scene.load(str(path))
-        for link, pose in frame.poses.items():
-            placed.set_pose(link, np.array(pose.translation), pose.rotation.matrix())
-        expected = placed.readings("exact")
-        values = [expected[reading].change for reading in found.readings]
-        np.testing.assert_allclose(changes, values, rtol=1e-12)
-
-
 def test_a_motion_may_be_an_array_of_poses(scene: Path) -> None:
     live = fringe.Scene.load(str(scene))
-    found = live.readings_of(str(scene.with_name("scene.motion.toml")), "reduced", rtol=0.1)
+    found = live.readings_of(str(scene.with_suffix(".motion.toml")), "reduced", rtol=0.1)
     assert (found.frames, found.readings, len(found)) == (["far", "near", "near"], ["self, front"], 3)
     assert found.answered_by == 3 * [["reduced"]] and (found.error["background"] > 0).all()
     poses = np.tile(np.eye(4), (len(HEIGHTS), 1, 1, 1))

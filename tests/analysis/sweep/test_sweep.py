@@ -70,14 +70,6 @@ MOTION = "".join(
 )
 
 
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "arm.toml"
-    path.write_text(SCENE)
-    path.with_name("arm.motion.toml").write_text(MOTION)
-    return path
-
-
 def row(frame: int, method: str, change: float | None, error: float | None, noticed: str) -> str:
     """A row of the table, in fF; an answer without a change is that of a method that refused."""
     numbers = ["" if number is None else f"{number}e-15" for number in (change, error)]
@@ -92,7 +84,7 @@ def sweep_of(folder: Path, *rows: str) -> series.Sweep:
 
 
 def frames_of(scene: Path) -> tuple[motion.Frame, ...]:
-    return motion.load(scene.with_name("arm.motion.toml"), reader.load(scene))
+    return motion.load(scene.with_suffix(".motion.toml"), reader.load(scene))
 
 
 def test_the_truth_is_the_answer_with_the_least_error_in_every_frame(tmp_path: Path) -> None:
@@ -185,6 +177,6 @@ def test_the_page_of_a_scene_elsewhere_is_in_the_current_folder(
 
 
 def test_a_scene_without_a_motion_is_refused(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    scene.with_name("arm.motion.toml").unlink()
+    scene.with_suffix(".motion.toml").unlink()
     assert command_line.main(["sweep", str(scene)]) == 2
     assert "has no motion beside it: name one by --motion" in capsys.readouterr().err
