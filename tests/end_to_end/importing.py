@@ -13,9 +13,9 @@ import pytest
 from analysis.pipeline import model_stage
 from geometries.scene import reader
 from geometries.scene.scene import Scene
+from tests.programs import FRINGE
 from tests.waiting import DEADLINE
 
-ROOT = Path(__file__).resolve().parents[2]
 SINGLE_PRECISION = 2e-7
 
 # A corner of a cube; two of its faces are enough to see order, scale and reflection.
@@ -74,7 +74,7 @@ def fringe_import(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     # tests/clean/run lets valgrind watch.
     command = [
         *os.environ.get("FRINGE_WATCHED_BY", "").split(),
-        ROOT / "build/bin/fringe",
+        FRINGE,
         "import",
         *arguments,
     ]

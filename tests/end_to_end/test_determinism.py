@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests import scenes
-from tests.waiting import DEADLINE
+from tests.programs import ROOT, fringe_command
 
-ROOT = Path(__file__).resolve().parents[2]
 ARM = ROOT / "geometries" / "scenes" / "x_ray_arm.toml"
 # A sphere of so many triangles is evaluated in batches by several threads.
 SPHERE = (
@@ -46,11 +44,10 @@ QUESTIONS = {
 
 def answer(words: list[str], scene: Path, processors: set[int]) -> dict[str, Any]:
     """What the command answers on these processors, without the time it took."""
-    command = [ROOT / "build" / "bin" / "fringe", *words, scene, "--json"]
     before = os.sched_getaffinity(0)
     os.sched_setaffinity(0, processors)
     try:
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=DEADLINE)
+        done = fringe_command(*words, scene, "--json")
     finally:
         os.sched_setaffinity(0, before)
     document: dict[str, Any] = json.loads(done.stdout)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import os
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,9 @@ import pytest
 
 from analysis.pipeline import model_stage
 from tests import scenes
-from tests.end_to_end.importing import ROOT, fringe_import
+from tests.end_to_end.importing import fringe_import
+from tests.programs import fringe_command
 from tests.scenes import GUARDED_SENSOR
-from tests.waiting import DEADLINE
 
 # A sensor of two plates before a guard, a hand of two bodies that touch, and a floating foil.
 SCENE = (
@@ -50,17 +49,12 @@ def scene(tmp_path: Path) -> Path:
     return path
 
 
-def export(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    command = [ROOT / "build/bin/fringe", "export", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
-
-
 def matrix_of(scene: Path) -> dict[str, Any]:
     return dict(model_stage.model_module().Scene.load(str(scene)).maxwell(rtol=1e-2))
 
 
 def test_a_list_has_a_file_for_every_body_and_a_group_for_every_conductor(scene: Path) -> None:
-    done = export(scene, scene.with_name("machine.lst"))
+    done = fringe_command("export", scene, scene.with_name("machine.lst"))
     assert (done.returncode, done.stderr) == (0, ""), done
     assert "5 conductors, 22 panels in 6 files beside it" in done.stdout
     assert scene.with_name("machine.lst").read_text().splitlines()[1:] == [
@@ -95,7 +89,7 @@ def test_names_in_a_list_are_plain_and_differ(tmp_path: Path) -> None:
     body = '[[object]]\nname = "{}"\nshape = {{ type = "sphere", radius = 0.1, segments = 3 }}\ntranslation = [{}, 0, 0]\n'
     names = ("left arm", "Left_arm", "left-arm", "é", "n" * 600)
     scene.write_text("".join(body.format(name, k) for k, name in enumerate(names)))
-    assert export(scene, tmp_path / "my list.lst").returncode == 0
+    assert fringe_command("export", scene, tmp_path / "my list.lst").returncode == 0
     lines = (tmp_path / "my list.lst").read_text().splitlines()
     files = [line.split()[1] for line in lines if line.startswith("C ")]
     assert files[:4] == [
@@ -116,7 +110,7 @@ def test_a_mesh_is_without_duplicates_and_triangles_without_area(tmp_path: Path)
     (tmp_path / "soup.obj").write_text(corners + "f 1 2 3\nf 1 2 2\nf 3 1 2\nf 1 2 4\n")
     scene = tmp_path / "scene.toml"
     scene.write_text('[[object]]\nname = "soup"\nshape = { type = "mesh", file = "soup.obj", scale = 0.1 }\n')
-    assert "1 conductors, 2 panels in 1 files" in export(scene, tmp_path / "x.lst").stdout
+    assert "1 conductors, 2 panels in 1 files" in fringe_command("export", scene, tmp_path / "x.lst").stdout
     panels = (tmp_path / "x_soup.qui").read_text().splitlines()[1:]
     assert panels == ["T soup 0 0 0 0.1 0 0 0 0.1 0", "T soup 0 0 0 0.1 0 0 0 0 0.1"]
 
@@ -124,7 +118,7 @@ def test_a_mesh_is_without_duplicates_and_triangles_without_area(tmp_path: Path)
 def test_what_is_exported_and_imported_has_the_same_matrix(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(PLAIN)
-    assert export(scene, tmp_path / "list/scene.lst").returncode == 0
+    assert fringe_command("export", scene, tmp_path / "list/scene.lst").returncode == 0
     assert fringe_import(tmp_path / "list/scene.lst", tmp_path / "again.toml").returncode == 0
     before, after = matrix_of(scene), matrix_of(tmp_path / "again.toml")
     assert after["conductors"] == ["front", "guard__left", "palm"]
@@ -149,7 +143,7 @@ def capacitors_of(file: Path) -> tuple[list[str], Any]:
 def test_the_capacitors_of_a_circuit_are_the_matrix(plain: Path) -> None:
     """That ngspice agrees with it is shown by the tests of the function that writes it."""
     target = plain.with_name("machine.cir")
-    done = export(plain, target, "--rtol", "1e-2")
+    done = fringe_command("export", plain, target, "--rtol", "1e-2")
     assert (done.returncode, done.stderr) == (0, ""), done
     nodes, capacitances = capacitors_of(target)
     assert nodes == ["0", "front", "guard__left"]
@@ -162,7 +156,7 @@ def test_the_capacitors_of_a_circuit_are_the_matrix(plain: Path) -> None:
 
 
 def test_the_table_is_the_matrix_with_its_errors(plain: Path) -> None:
-    assert export(plain, plain.with_name("machine.csv"), "--rtol", "1e-2").returncode == 0
+    assert fringe_command("export", plain, plain.with_name("machine.csv"), "--rtol", "1e-2").returncode == 0
     with plain.with_name("machine.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
     answer = matrix_of(plain)
@@ -182,7 +176,7 @@ def test_the_method_and_the_error_asked_for_are_the_users(plain: Path) -> None:
         (plain, ["--rtol", "0.03"], 0, "boundary-elements, rtol 0.03 reached"),
         (near, ["--method", "reduced", "--rtol", "1e-4"], 3, "reduced, rtol 0.0001 NOT reached"),
     ):
-        done = export(scene, target, *options)
+        done = fringe_command("export", scene, target, *options)
         assert done.returncode == status and ("was not reached" in done.stderr) == (status == 3), done
         assert target.read_text().startswith(f"* Maxwell matrix by {told}\n")
 
@@ -213,7 +207,7 @@ def test_what_cannot_be_exported_is_refused(
 ) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(SCENE + more)
-    done = export(scene, tmp_path / "new" / target, *options)
+    done = fringe_command("export", scene, tmp_path / "new" / target, *options)
     assert (done.returncode, done.stdout) == (2, "") and told in done.stderr, done
     assert len(done.stderr.splitlines()) == 1
     assert list(tmp_path.iterdir()) == [scene]
@@ -222,10 +216,10 @@ def test_what_cannot_be_exported_is_refused(
 def test_a_scene_of_grounded_conductors_is_no_circuit(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text('[[object]]\nname = "ball"\nshape = { type = "cube", size = 0.1 }\n')
-    done = export(scene, tmp_path / "x.cir")
+    done = fringe_command("export", scene, tmp_path / "x.cir")
     assert done.returncode == 2 and "scene.toml: all conductors are grounded" in done.stderr
     # The command tries the file before it computes, so that this error comes first.
-    done = export(scene, Path("/proc/x.cir"))
+    done = fringe_command("export", scene, Path("/proc/x.cir"))
     assert done.returncode == 1 and "/proc/x.cir: cannot be written" in done.stderr
 
 
@@ -236,16 +230,16 @@ def test_files_are_written_whole_or_not_at_all(scene: Path) -> None:
     blocked = scene.with_name("machine_foil.qui")
     blocked.mkdir()
     before = sorted(scene.parent.iterdir())
-    done = export(scene, target)
+    done = fringe_command("export", scene, target)
     assert done.returncode == 1 and f"{blocked}: cannot be written" in done.stderr
     assert sorted(scene.parent.iterdir()) == before and target.read_text() == "of before"
     blocked.rmdir()
-    assert export(scene, target).returncode == 0
+    assert fringe_command("export", scene, target).returncode == 0
     assert target.read_text() != "of before"
 
 
 def test_a_folder_that_cannot_be_made_is_told(scene: Path) -> None:
     scene.with_name("taken").write_text("")
-    done = export(scene, scene.with_name("taken") / "x.lst")
+    done = fringe_command("export", scene, scene.with_name("taken") / "x.lst")
     assert done.returncode == 1 and "the folder cannot be made" in done.stderr
     assert sorted(os.listdir(scene.parent)) == ["scene.toml", "taken"]

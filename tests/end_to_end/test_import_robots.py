@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +13,6 @@ from tests.end_to_end.importing import (
     MESH,
     OBJ,
     ROBOT,
-    ROOT,
     SINGLE_PRECISION,
     TRIANGLES,
     assert_refused,
@@ -23,6 +21,7 @@ from tests.end_to_end.importing import (
     robot_in,
     written,
 )
+from tests.programs import fringe_command
 
 
 def test_collision_geometries_are_objects_on_their_links(tmp_path: Path) -> None:
@@ -68,8 +67,7 @@ def test_a_sensor_added_as_the_comment_says_makes_a_scene(tmp_path: Path) -> Non
         sensors = reader.load(path).sensors
         assert [sensor.name for sensor in sensors] == names
         assert {sensor.link for sensor in sensors} == {"nail"}
-        done = subprocess.run([ROOT / "build/bin/fringe", "info", path], capture_output=True, check=False)
-        assert done.returncode == 0
+        assert fringe_command("info", path).returncode == 0
 
 
 WRONG_ROBOTS = {

@@ -19,9 +19,9 @@ from analysis.pipeline.model_stage import model_module
 from analysis.topics.corrections import set_ups as corrections_set_ups
 from tests.bad_input import corpus
 from tests.end_to_end.test_options import COMMANDS, options_of
+from tests.programs import ROOT, fringe_command
 from tests.waiting import DEADLINE
 
-ROOT = Path(__file__).resolve().parents[2]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 GUIDE = (ROOT / "model" / "GUIDE.md").read_text(encoding="utf-8")
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
@@ -55,8 +55,7 @@ def printed_after(command: str, text: str = README) -> list[str]:
 
 
 def test_the_model_prints_what_the_readme_shows(tmp_path: Path) -> None:
-    command = [ROOT / "build/bin/fringe", "capacitance", example(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = fringe_command("capacitance", example(tmp_path))
     printed = [line.strip() for line in done.stdout.splitlines()]
     for line in printed_after("build/bin/fringe capacitance hand.toml"):
         assert line in printed
@@ -76,8 +75,7 @@ def test_the_reference_agrees_with_what_the_readme_shows(tmp_path: Path) -> None
 
 def test_boundary_elements_print_what_the_guide_shows(tmp_path: Path) -> None:
     """Every value within the error beside it, as for the reference: the last digits belong to the machine."""
-    command = [ROOT / "build/bin/fringe", "capacitance", example(tmp_path), "--method", "boundary-elements"]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    done = fringe_command("capacitance", example(tmp_path), "--method", "boundary-elements")
     shown = "\n".join(
         printed_after("build/bin/fringe capacitance hand.toml --method boundary-elements", GUIDE)
     )
@@ -108,8 +106,7 @@ def test_the_guide_tells_every_option_of_the_command_and_its_keyword() -> None:
     table = GUIDE.split("| option |")[1].split("\n\n")[0]
     rows = re.findall(r"^\| (`--[^|]+) \|([^|]*)\|", table, re.MULTILINE)
     told = {option: keywords for options, keywords in rows for option in re.findall(r"--[\w-]+", options)}
-    command = [ROOT / "build/bin/fringe", "capacitance", "--help"]
-    helped = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    helped = fringe_command("capacitance", "--help").stdout
     known = set(re.findall(r"^ +(?:-\w,)?(--[\w-]+)", helped, re.MULTILINE))
     assert set(told) == known - {"--help", "--version", "--json"}
     signature = model_module().Scene.capacitance.__doc__.split("->")[0]

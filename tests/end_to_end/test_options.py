@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import io
 import re
-import subprocess
 from contextlib import redirect_stderr, redirect_stdout
 from functools import cache
 from importlib import import_module
@@ -20,9 +19,8 @@ from geometries.common.errors import InputError
 from geometries.studies import study
 from tests import scenes
 from tests.analysis.synthetic import HEAD, PARALLEL
-from tests.waiting import DEADLINE
+from tests.programs import ROOT, fringe_command
 
-ROOT = Path(__file__).resolve().parents[2]
 COMMANDS = {
     "fringe": ("capacitance", "collide", "export", "import", "info", "sense", "sweep"),
     "fem_reference": (),
@@ -41,8 +39,8 @@ every_command = pytest.mark.parametrize("command", EACH, ids=" ".join)
 def printed(*words: str) -> str:
     """What a command prints that ends well and says nothing else. Those of Python are called in this process, which is faster."""
     if words[0] == "fringe":
-        command = [ROOT / "build" / "bin" / "fringe", *words[1:]]
-        done = subprocess.run(command, capture_output=True, text=True, check=True, timeout=DEADLINE)
+        done = fringe_command(*words[1:])
+        assert done.returncode == 0
         output, errors = done.stdout, done.stderr
     else:
         told, complained = io.StringIO(), io.StringIO()
@@ -175,8 +173,7 @@ OF_STUDIES = [("recommended", "write auto"), ("reduced:3", "write reduced")]
 @pytest.mark.parametrize(("words", "now"), FORMER_OPTIONS, ids=str)
 def test_the_command_says_what_to_write(words: tuple[str, ...], now: str, tmp_path: Path) -> None:
     (tmp_path / "scene.toml").write_text(FORMER_SCENE)
-    asked = [ROOT / "build/bin/fringe", "capacitance", tmp_path / "scene.toml", *words]
-    done = subprocess.run(asked, capture_output=True, text=True, check=False, timeout=DEADLINE)
+    done = fringe_command("capacitance", tmp_path / "scene.toml", *words)
     assert (done.returncode, done.stdout) == (2, "")
     assert now in done.stderr and done.stderr.count("\n") == 1
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +14,8 @@ from analysis.pipeline import model_stage
 from fem_reference import __main__ as fem_reference
 from tests.geometries import schemas
 from tests.geometries.schemas import PLATE, Document
-from tests.waiting import DEADLINE
+from tests.programs import fringe_command
 
-ROOT = Path(__file__).resolve().parents[2]
 TWO_PLATES: Document = {
     "sensor": [{"name": "front", "plates": [PLATE]}],
     "distance_sensor": [
@@ -55,9 +53,8 @@ def scene(tmp_path: Path) -> Path:
     return path
 
 
-def printed(command: list[Any]) -> Document:
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=True, timeout=DEADLINE)
-    document: Document = json.loads(done.stdout)
+def printed(*words: str | Path) -> Document:
+    document: Document = json.loads(fringe_command(*words).stdout)
     return document
 
 
@@ -72,7 +69,7 @@ def test_the_command_prints_what_the_schema_says_and_the_module_returns(
 ) -> None:
     """The schema describes every key of every table, and requires it."""
     command, *texts = options
-    document = printed([ROOT / "build/bin/fringe", command, scene, "--json", *texts])
+    document = printed(command, scene, "--json", *texts)
     validator = schemas.validator(name)
     validator.validate(document)
     for place, changed in [*schemas.with_unknown_keys(document), *schemas.without_keys(document)]:
@@ -97,7 +94,7 @@ def test_infinite_capacitances_at_a_contact_are_numbers_to_the_schema(scene: Pat
     scene.write_text(
         tomli_w.dumps(schemas.changed(TWO_PLATES, ("object", 0, "translation"), [0.05, 0.05, 0]))
     )
-    document = printed([ROOT / "build/bin/fringe", "capacitance", scene, "--json"])
+    document = printed("capacitance", scene, "--json")
     assert document["sensors"][0]["contact"]
     schemas.validator("capacitance").validate(document)
 

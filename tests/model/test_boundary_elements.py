@@ -3,8 +3,6 @@ command, the Python module."""
 
 import json
 import math
-import subprocess
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -19,8 +17,8 @@ from fem_reference.answer.reference import solve_conductors
 from fem_reference.bodies.conductors import conductors
 from geometries.scene import reader
 from tests import scenes
+from tests.programs import fringe_command
 
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 SET_UPS = json.loads(
     (
@@ -94,9 +92,7 @@ def test_the_errors_that_the_table_states(rtol: float) -> None:
         assert math.isclose(measured, stated, rel_tol=0.05)
 
 
-def test_only_of_readings_an_accuracy_is_asked_without_more_words(
-    fringe_command: Command, scene: Path
-) -> None:
+def test_only_of_readings_an_accuracy_is_asked_without_more_words(scene: Path) -> None:
     asked = ("capacitance", scene, "--method", "boundary-elements", "--rtol", "1e-2")
     answer = json.loads(fringe_command(*asked, "--json").stdout)
     assert answer["options"] == {"method": "boundary-elements", "rtol": 1e-2}
@@ -107,7 +103,7 @@ def test_only_of_readings_an_accuracy_is_asked_without_more_words(
     assert (same.value, same.change) == (reading["value"], reading["change"])
 
 
-def test_the_table_for_people(fringe_command: Command, scene: Path) -> None:
+def test_the_table_for_people(scene: Path) -> None:
     done = fringe_command("capacitance", scene, "--method", "boundary-elements")
     assert done.returncode == 0
     for text in (
@@ -121,17 +117,7 @@ def test_the_table_for_people(fringe_command: Command, scene: Path) -> None:
         assert text in done.stdout
 
 
-def test_meshes_that_touch_are_refused_by_name(fringe_command: Command, tmp_path: Path) -> None:
-    path = tmp_path / "ball.toml"
-    path.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.03]', '"sphere", radius = 0.051'))
-    done = fringe_command("capacitance", path, "--method", "boundary-elements")
-    assert (done.returncode, done.stdout) == (2, "")
-    assert f'{path}: sensor "front" plates[0] and object "palm" touch or cross' in done.stderr
-
-
-def test_an_error_that_is_not_reached_is_status_3_and_answered(
-    fringe_command: Command, tmp_path: Path
-) -> None:
+def test_an_error_that_is_not_reached_is_status_3_and_answered(tmp_path: Path) -> None:
     # The edges of a small plate stand six millimetres above the middle of the sensor: functions leave less than 1e-3, for which
     # triangles are not tried.
     path = tmp_path / "narrow.toml"

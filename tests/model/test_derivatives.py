@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import json
-import subprocess
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
-import geometries
 from analysis.pipeline import model_stage
 from tests import scenes
 from tests.end_to_end.importing import about
+from tests.programs import fringe_command
 from tests.waiting import DEADLINE
 
-COMMAND = Path(geometries.__file__).parents[1] / "build/bin/fringe"
 ARM = (
     scenes.link("arm", translation=[0.1, 0.05, 0.2], rotation={"axis": [1, 2, 3], "degrees": 40})
     + scenes.link(
@@ -232,11 +230,8 @@ def test_none_are_told_of_a_change_that_the_reduced_method_cannot_find(module: A
 
 def test_the_command_prints_them(module: Any, tmp_path: Path) -> None:
     (tmp_path / "arm.toml").write_text(ARM)
-    command = [str(COMMAND), "capacitance", str(tmp_path / "arm.toml"), "--derivatives"]
-    table, document = (
-        subprocess.run([*command, *more], capture_output=True, text=True, check=True).stdout
-        for more in ((), ("--json",))
-    )
+    words = ("capacitance", tmp_path / "arm.toml", "--derivatives")
+    table, document = (fringe_command(*words, *more).stdout for more in ((), ("--json",)))
     described = json.loads(document)["readings"][0]
     expected = module.Scene.loads(ARM).readings("exact", derivatives=True)["front"].derivatives
     for link in LINKS:

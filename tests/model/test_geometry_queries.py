@@ -5,7 +5,6 @@ from __future__ import annotations
 
 
 import json
-import subprocess
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -15,6 +14,7 @@ import numpy as np
 import pytest
 
 from tests import scenes
+from tests.programs import fringe_command
 
 CUBE = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
 STEP = np.array([1.0, 0, 0])
@@ -205,11 +205,8 @@ def test_sense_names_what_every_sensor_sees(scene: fringe.Scene, method: str) ->
     assert back == {"name": "back", "distance": None, "point": None, "object": None, "triangle": None}
 
 
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
-
-
 @pytest.mark.parametrize("method", METHODS)
-def test_sense_as_table(fringe_command: Command, path: Path, method: str) -> None:
+def test_sense_as_table(path: Path, method: str) -> None:
     done = fringe_command("sense", path, "--method", method)
     assert (done.returncode, done.stderr) == (0, "")
     _, _, eye, back = done.stdout.splitlines()
@@ -217,7 +214,7 @@ def test_sense_as_table(fringe_command: Command, path: Path, method: str) -> Non
     assert back.split() == ["back", "sees", "nothing"]
 
 
-def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Command, path: Path) -> None:
+def test_a_scene_without_distance_sensors_has_no_readings(path: Path) -> None:
     path.write_text(scenes.body("floor", "plate", size=[2, 2]))
     assert json.loads(fringe_command("sense", path, "--json").stdout) == {
         "format": 1,
@@ -227,7 +224,7 @@ def test_a_scene_without_distance_sensors_has_no_readings(fringe_command: Comman
     assert fringe_command("sense", path).stdout == "the scene has no distance sensors\n"
 
 
-def test_unknown_method_and_missing_file(fringe_command: Command, path: Path, tmp_path: Path) -> None:
+def test_unknown_method_and_missing_file(path: Path, tmp_path: Path) -> None:
     for arguments, reason in [
         ((path, "--method", "echo"), 'unknown method "echo"'),
         ((tmp_path / "none.toml",), "the file does not exist"),

@@ -25,12 +25,10 @@ import numpy as np
 import pytest
 
 from tests import scenes
+from tests.programs import FRINGE, ROOT, fringe_command, shown_on_a_terminal
 from tests.waiting import DEADLINE
 
-ROOT = Path(__file__).resolve().parents[2]
-COMMAND = ROOT / "build/bin/fringe"
 Done = subprocess.CompletedProcess[str]
-Command = Callable[..., Done]
 
 SENSOR = scenes.sensor("front", [[-0.03, -0.02, 0], [0.06, 0, 0], [0, 0.04, 0]])
 # Minutes by every method at its finest.
@@ -160,7 +158,7 @@ class Whole:
 
 
 @pytest.fixture(scope="module")
-def whole(fringe_command: Command, tmp_path_factory: pytest.TempPathFactory) -> Whole:
+def whole(tmp_path_factory: pytest.TempPathFactory) -> Whole:
     path = tmp_path_factory.mktemp("refined") / "scene.toml"
     path.write_text(REFINED)
     begun = time.monotonic()
@@ -168,7 +166,7 @@ def whole(fringe_command: Command, tmp_path_factory: pytest.TempPathFactory) -> 
     return Whole(path, answer, time.monotonic() - begun)
 
 
-def test_after_the_limit_of_time_the_best_matrix_is_printed(fringe_command: Command, whole: Whole) -> None:
+def test_after_the_limit_of_time_the_best_matrix_is_printed(whole: Whole) -> None:
     """Its errors are those reached, and hold what the finest matrix is."""
     words = ("capacitance", whole.scene, *ENTRIES, "--json", "--max-seconds")
     done = whole.first_that_answers(lambda seconds: fringe_command(*words, f"{seconds:g}"))
@@ -183,7 +181,7 @@ def test_after_the_limit_of_time_the_best_matrix_is_printed(fringe_command: Comm
 
 def interrupted(seconds: float, *words: str | Path) -> Done:
     """What came of the command that Ctrl-C ends after so many seconds."""
-    process = subprocess.Popen([COMMAND, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    process = subprocess.Popen([FRINGE, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     time.sleep(seconds)
     process.send_signal(signal.SIGINT)
     output, errors = process.communicate(timeout=DEADLINE)
@@ -211,9 +209,7 @@ def test_an_interrupted_sweep_keeps_the_frames_that_are_finished(tmp_path: Path)
     assert done.stderr.startswith(f"fringe: {path}: interrupted after {finished} of {frames} frames\n")
 
 
-def test_on_a_terminal_the_progress_is_shown_and_erased(
-    shown_on_a_terminal: Callable[..., str], tmp_path: Path
-) -> None:
+def test_on_a_terminal_the_progress_is_shown_and_erased(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     path.write_text(REFINED)
     shown = shown_on_a_terminal("capacitance", path, "--method", "boundary-elements", "--entries")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import meshio
@@ -14,8 +12,8 @@ import pytest
 
 from analysis.pipeline.model_stage import model_module
 from tests import scenes
+from tests.programs import fringe_command
 
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 # Everything is moved, so that a frame that is mistaken for another one shows.
 SCENE = (
@@ -42,9 +40,7 @@ SENSORS = ['a "quoted" <name> & more', "back"]
 @pytest.mark.parametrize(
     "options", [[], ["--method", "split:2"], ["--method", "exact+nearest"], ["--method", "exact+facing"]]
 )
-def test_the_triangles_of_an_object_add_up_to_its_capacitance(
-    fringe_command: Command, scene: Path, options: list[str]
-) -> None:
+def test_the_triangles_of_an_object_add_up_to_its_capacitance(scene: Path, options: list[str]) -> None:
     target = scene.with_name("shares.vtu")
     done = fringe_command("capacitance", scene, "--json", *options, "--output", target)
     assert done.returncode == 0
@@ -63,7 +59,7 @@ def test_the_triangles_of_an_object_add_up_to_its_capacitance(
     assert not list(scene.parent.glob(".*"))
 
 
-def test_the_triangles_are_where_the_conductors_are(fringe_command: Command, scene: Path) -> None:
+def test_the_triangles_are_where_the_conductors_are(scene: Path) -> None:
     import fringe
 
     target = scene.with_name("shares.vtu")
@@ -74,9 +70,7 @@ def test_the_triangles_are_where_the_conductors_are(fringe_command: Command, sce
         np.testing.assert_array_equal(corners[body == number], triangles)
 
 
-def test_a_triangle_in_contact_is_infinite_and_the_others_are_not(
-    fringe_command: Command, tmp_path: Path
-) -> None:
+def test_a_triangle_in_contact_is_infinite_and_the_others_are_not(tmp_path: Path) -> None:
     path = tmp_path / "scene.toml"
     back = scenes.sensor("back", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
     path.write_text(back + scenes.body("box", "cube", size=0.02, translation=[0.02, 0.02, 0.01]))
@@ -87,9 +81,7 @@ def test_a_triangle_in_contact_is_infinite_and_the_others_are_not(
     assert shares.max() == math.inf
 
 
-def test_more_triangles_than_are_evaluated_at_once_come_in_their_order(
-    fringe_command: Command, scene: Path
-) -> None:
+def test_more_triangles_than_are_evaluated_at_once_come_in_their_order(scene: Path) -> None:
     scene.write_text(SCENE.replace("segments = 9", "segments = 150"))
     target = scene.with_name("shares.vtu")
     done = fringe_command("capacitance", scene, "--json", "--output", target)
@@ -115,18 +107,14 @@ def test_more_triangles_than_are_evaluated_at_once_come_in_their_order(
         (["--output", "shares.txt"], "'shares.txt' does not end in .vtu"),
     ],
 )
-def test_what_would_have_no_meaning_is_refused(
-    fringe_command: Command, scene: Path, options: list[str], told: str
-) -> None:
+def test_what_would_have_no_meaning_is_refused(scene: Path, options: list[str], told: str) -> None:
     output = [] if "--output" in options else ["--output", scene.with_name("shares.vtu")]
     done = fringe_command("capacitance", scene, *options, *output)
     assert (done.returncode, done.stdout) == (2, "") and told in done.stderr
     assert list(scene.parent.iterdir()) == [scene]
 
 
-def test_a_file_that_cannot_be_written_is_told_and_leaves_nothing(
-    fringe_command: Command, scene: Path
-) -> None:
+def test_a_file_that_cannot_be_written_is_told_and_leaves_nothing(scene: Path) -> None:
     (scene.parent / "taken.vtu").mkdir()
     for target in (scene.parent / "missing" / "shares.vtu", scene.parent / "taken.vtu"):
         done = fringe_command("capacitance", scene, "--output", target)
@@ -146,7 +134,9 @@ def test_the_potential_is_that_of_the_conductors_on_them_and_of_their_charge_far
     assert found["conductors"] == ["ball", "wall"] and found["error"] < 0.02
     charges = found["charges"][:, 0]
     points = np.array([[0.0, 0.0, 0.0], [0.3, 0.0, 0.0], [0.0, 50.0, 0.0]])
-    potentials = fringe.triangle_potentials(points, found["panels"]) @ charges
+    means = fringe.triangle_potentials(points, found["panels"])
+    assert means.dtype == np.float32
+    potentials = means @ charges
     assert potentials[:2] == pytest.approx([1, 0], abs=6e-3)
     assert potentials[2] == pytest.approx(charges.sum() / 50, rel=1e-3)
 
@@ -161,16 +151,3 @@ def test_the_charges_have_the_potentials_asked_for_far_more_exactly_than_their_e
     potentials = fringe.single_layer(found["panels"], 1e-6) @ found["charges"][:, 0]
     errors = potentials - (np.array(found["conductor_of"]) == found["conductors"].index("front"))
     assert np.sqrt((errors**2).mean()) < 0.02 * rtol
-
-
-def test_means_of_1_over_r_are_those_of_the_single_layer() -> None:
-    """The mean over all pairs of points of an equilateral triangle is 4 ln 3 over its side."""
-    fringe = model_module()
-    side = np.array([[0, 0, 0], [1, 0, 0], [0.5, np.sqrt(3) / 2, 0]])
-    apart = np.array([side, side + [0, 0, 0.5], side + [9, 0, 0]])
-    matrix = fringe.single_layer(apart)
-    np.testing.assert_allclose(matrix, matrix.T)
-    assert matrix[0, 0] == pytest.approx(4 * np.log(3), rel=1e-12)
-    centres = apart.mean(axis=1)
-    means = fringe.triangle_potentials(centres, apart)
-    assert means.dtype == np.float32 and means[0, 2] == pytest.approx(matrix[0, 2], rel=2e-3)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-import subprocess
-from collections.abc import Callable
 from pathlib import Path
 
 import fringe
 import pytest
 
 from tests import scenes
+from tests.programs import fringe_command, shown_on_a_terminal
 
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 SCENE = (
     scenes.link("hand", translation=[0, 0, 0.1])
@@ -38,7 +36,7 @@ def names(folder: Path) -> list[str]:
     return sorted(file.name.rpartition("-")[0] for file in folder.iterdir())
 
 
-def test_the_command_finds_what_it_has_prepared(fringe_command: Command, scene: Path, tmp_path: Path) -> None:
+def test_the_command_finds_what_it_has_prepared(scene: Path, tmp_path: Path) -> None:
     words = ("capacitance", scene, "--method", "reduced", "--rtol", "0.2")
     folder = tmp_path / "a" / "folder"
     first = fringe_command(*words, "--prepared", folder)
@@ -55,9 +53,7 @@ def test_the_command_finds_what_it_has_prepared(fringe_command: Command, scene: 
     assert {file: file.stat().st_mtime_ns for file in folder.iterdir()} == times
 
 
-def test_a_sweep_gives_the_folder_to_the_methods_that_have_it(
-    fringe_command: Command, scene: Path, tmp_path: Path
-) -> None:
+def test_a_sweep_gives_the_folder_to_the_methods_that_have_it(scene: Path, tmp_path: Path) -> None:
     words = ("sweep", scene, "--rtol", "0.2", "--method")
     done = fringe_command(*words, "reduced", "--prepared", tmp_path / "folder")
     assert done.returncode in (0, 3) and done.stdout
@@ -68,7 +64,7 @@ def test_a_sweep_gives_the_folder_to_the_methods_that_have_it(
     assert not (tmp_path / "other").exists()
 
 
-def test_a_folder_that_cannot_be_is_refused(fringe_command: Command, scene: Path, tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_is_refused(scene: Path, tmp_path: Path) -> None:
     (tmp_path / "file").write_text("")
     done = fringe_command(
         "capacitance", scene, "--method", "reduced", "--rtol", "0.2", "--prepared", tmp_path / "file"
@@ -77,15 +73,13 @@ def test_a_folder_that_cannot_be_is_refused(fringe_command: Command, scene: Path
     assert done.returncode == 2 and done.stderr == f"fringe: {scene}: {told}\n"
 
 
-def test_on_a_terminal_preparations_say_how_far_they_are(
-    shown_on_a_terminal: Callable[..., str], scene: Path
-) -> None:
+def test_on_a_terminal_preparations_say_how_far_they_are(scene: Path) -> None:
     shown = shown_on_a_terminal("capacitance", scene, "--method", "reduced", "--rtol", "0.2")
     for part in ("machine", "targets"):
         assert re.search(rf"\r\x1b\[K{part}: \d+ panels, error [\d.e-]+ of [\d.]+ asked for, [\d.]+ s", shown)
 
 
-def test_auto_answers_within_the_time_by_what_it_has(fringe_command: Command, scene: Path) -> None:
+def test_auto_answers_within_the_time_by_what_it_has(scene: Path) -> None:
     """A machine that is prepared roughly where there is no time for more."""
     done = fringe_command(
         "capacitance", scene, "--method", "auto", "--rtol", "1e-6", "--max-seconds", "0.001"
@@ -98,7 +92,7 @@ def test_auto_answers_within_the_time_by_what_it_has(fringe_command: Command, sc
     assert reading.change and reading.error["change"] and reading.error["change"] > 1e-6 * abs(reading.change)
 
 
-def test_the_reduced_method_ends_without_an_answer(fringe_command: Command, scene: Path) -> None:
+def test_the_reduced_method_ends_without_an_answer(scene: Path) -> None:
     words = ("capacitance", scene, "--method", "reduced", "--rtol", "0.01", "--max-seconds", "0.01")
     done = fringe_command(*words)
     assert (done.returncode, done.stdout) == (3, "")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,12 +13,12 @@ import pytest
 
 import geometries
 from tests import scenes
+from tests.programs import fringe_command
 
 SCENES = Path(geometries.__file__).parent / "scenes"
 SCENE = SCENES / "guarded_sensor.toml"
 PARTS = ("value", "background", "change")
 ASKED = ("--method", "boundary-elements", "--rtol", "0.01")
-Command = Callable[..., "subprocess.CompletedProcess[str]"]
 
 
 @pytest.fixture(scope="module")
@@ -35,7 +33,7 @@ def test_the_change_is_the_value_less_the_background(readings: Any) -> None:
         assert reading.answered_by == "boundary-elements"
 
 
-def test_the_command_prints_the_same_readings(fringe_command: Command, readings: Any) -> None:
+def test_the_command_prints_the_same_readings(readings: Any) -> None:
     document = json.loads(fringe_command("capacitance", SCENE, *ASKED, "--json").stdout)
     for described in document["readings"]:
         reading = readings[described["name"]]
@@ -47,9 +45,7 @@ def test_the_command_prints_the_same_readings(fringe_command: Command, readings:
     assert [line.split()[0] for line in table.splitlines()[1:]] == ["guarded", "unguarded", "transmitted"]
 
 
-def test_long_names_and_large_errors_keep_the_tables_columns_apart(
-    fringe_command: Command, tmp_path: Path
-) -> None:
+def test_long_names_and_large_errors_keep_the_tables_columns_apart(tmp_path: Path) -> None:
     text = SCENE.read_text().replace("[0, 0, -0.07]", "[0, 0, -0.062]")
     text = text.replace("housing", "housing of the whole machine").replace("unguarded", "without the guard")
     (tmp_path / "scene.toml").write_text(text)
@@ -62,7 +58,7 @@ def test_long_names_and_large_errors_keep_the_tables_columns_apart(
     assert all(line.startswith("  without the guard  ") for line in done.stdout.splitlines()[-2:-1])
 
 
-def test_info_lists_the_readings_and_what_objects_are_to_them(fringe_command: Command) -> None:
+def test_info_lists_the_readings_and_what_objects_are_to_them() -> None:
     document = json.loads(fringe_command("info", SCENE, "--json").stdout)
     by_name = {
         kind: {described.pop("name"): described for described in listed}
@@ -74,7 +70,7 @@ def test_info_lists_the_readings_and_what_objects_are_to_them(fringe_command: Co
     assert "object guard, electrode" in table and "object hand, target, 100 pF to ground" in table
 
 
-def test_an_error_that_a_method_cannot_tell_is_null(fringe_command: Command, tmp_path: Path) -> None:
+def test_an_error_that_a_method_cannot_tell_is_null(tmp_path: Path) -> None:
     scene = tmp_path / "scene.toml"
     scene.write_text(
         scenes.SENSOR + scenes.body("wall", "plate", size=[10, 10], translation=[0, 0, 0.06], target=True)

@@ -7,7 +7,6 @@ import io
 import json
 import os
 import subprocess
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -17,9 +16,9 @@ import pytest
 
 from geometries.scene import reader
 from tests import scenes
+from tests.programs import fringe_command
 
 REPOSITORY = Path(reader.__file__).parents[2]
-Command = Callable[..., subprocess.CompletedProcess[str]]
 
 SCENE = (
     scenes.link("wrist", translation=[0, 0, 0.05])
@@ -52,7 +51,7 @@ def answer_at(scene: Path, height: float) -> fringe.Reading:
     return fringe.Scene.load(str(there)).readings("boundary-elements", rtol=1e-2)["self, front"]
 
 
-def test_every_frame_has_the_reading_of_the_scene_in_its_poses(fringe_command: Command, scene: Path) -> None:
+def test_every_frame_has_the_reading_of_the_scene_in_its_poses(scene: Path) -> None:
     done = fringe_command("sweep", scene, "--method", "boundary-elements", "--rtol", "0.01")
     assert (done.returncode, done.stderr) == (0, "")
     found = rows(done.stdout)
@@ -72,9 +71,7 @@ def test_every_frame_has_the_reading_of_the_scene_in_its_poses(fringe_command: C
         assert row["noticed"] == ("yes" if noticed else "no")
 
 
-def test_the_voltage_is_that_of_the_divider_with_and_without_the_target(
-    fringe_command: Command, scene: Path
-) -> None:
+def test_the_voltage_is_that_of_the_divider_with_and_without_the_target(scene: Path) -> None:
     coupling, input_voltage = 27e-12, 2.5
     scene.write_text(
         SCENE.replace(
@@ -88,15 +85,13 @@ def test_the_voltage_is_that_of_the_divider_with_and_without_the_target(
         assert float(row["delta_voltage_V"]) == pytest.approx(without - with_target, rel=1e-9)
 
 
-def test_what_the_model_does_not_know_is_empty(fringe_command: Command, scene: Path) -> None:
+def test_what_the_model_does_not_know_is_empty(scene: Path) -> None:
     for row in rows(fringe_command("sweep", scene).stdout):
         assert row["value_F"] == row["background_F"] == row["delta_voltage_V"] == row["change_error_F"] == ""
         assert float(row["change_F"]) > 0
 
 
-def test_with_a_file_the_command_says_where_the_threshold_is_crossed(
-    fringe_command: Command, scene: Path
-) -> None:
+def test_with_a_file_the_command_says_where_the_threshold_is_crossed(scene: Path) -> None:
     target = scene.parent / "new folder" / "sweep.csv"
     done = fringe_command(
         "sweep", scene, "--method", "boundary-elements", "--rtol", "0.03", "--output", target
@@ -109,7 +104,7 @@ def test_with_a_file_the_command_says_where_the_threshold_is_crossed(
     assert [row["noticed"] for row in rows(target.read_text())] == ["no", "yes", "yes"]
 
 
-def test_the_guide_shows_what_the_command_prints(fringe_command: Command, tmp_path: Path) -> None:
+def test_the_guide_shows_what_the_command_prints(tmp_path: Path) -> None:
     guide = (REPOSITORY / "model" / "GUIDE.md").read_text().replace("\n    ", "\n")
     options = ("--method", "boundary-elements", "--rtol", "0.02", "--output", tmp_path / "sweep.csv")
     done = fringe_command("sweep", REPOSITORY / "geometries/scenes/guarded_sensor.toml", *options)
@@ -117,7 +112,7 @@ def test_the_guide_shows_what_the_command_prints(fringe_command: Command, tmp_pa
     assert done.stdout.replace(f"{tmp_path}/", "") in guide
 
 
-def test_an_error_around_the_threshold_leaves_it_open(fringe_command: Command, scene: Path) -> None:
+def test_an_error_around_the_threshold_leaves_it_open(scene: Path) -> None:
     change = answer_at(scene, HEIGHTS[1]).change
     scene.write_text(SCENE.replace("1e-13", repr(change * (1 + 1e-6))))
     found = rows(fringe_command("sweep", scene, "--method", "boundary-elements", "--rtol", "0.01").stdout)
@@ -127,7 +122,7 @@ def test_an_error_around_the_threshold_leaves_it_open(fringe_command: Command, s
 METHODS = "exact,formula,exact+facing"
 
 
-def test_several_methods_have_a_row_each_in_every_frame(fringe_command: Command, scene: Path) -> None:
+def test_several_methods_have_a_row_each_in_every_frame(scene: Path) -> None:
     methods, more = "exact,reduced,exact+facing", "auto,boundary-elements"
     done = fringe_command("sweep", scene, "--method", methods, "--method", more, "--rtol", "0.03")
     assert (done.returncode, told(done)) == (0, [])
@@ -145,7 +140,7 @@ def test_several_methods_have_a_row_each_in_every_frame(fringe_command: Command,
         assert row["reached"] == ("" if row["method"].startswith("exact") else "yes")
 
 
-def test_a_stopped_sweep_is_completed_and_its_rows_are_kept(fringe_command: Command, scene: Path) -> None:
+def test_a_stopped_sweep_is_completed_and_its_rows_are_kept(scene: Path) -> None:
     target = scene.with_name("sweep.csv")
     asked = ("sweep", scene, "--method", METHODS, "--output", target)
     whole = fringe_command(*asked) and target.read_text()
@@ -172,7 +167,7 @@ MESH = "v 0 0 0\nv .05 0 0\nv .05 .05 0\nv 0 .05 0\nf 1 2 3 4\n"
     ],
 )
 def test_what_changed_is_computed_again_and_the_other_frames_are_kept(
-    fringe_command: Command, scene: Path, file: str, old: str, new: str, kept: int
+    scene: Path, file: str, old: str, new: str, kept: int
 ) -> None:
     scene.write_text(SCENE.replace('"cuboid", size = [0.08, 0.1, 0.02]', '"mesh", file = "hand.obj"'))
     scene.with_name("hand.obj").write_text(MESH)
@@ -191,7 +186,7 @@ def test_what_changed_is_computed_again_and_the_other_frames_are_kept(
         assert "of another scene, motion or options, and are replaced" in done.stderr
 
 
-def test_a_file_that_is_no_table_of_a_sweep_is_not_replaced(fringe_command: Command, scene: Path) -> None:
+def test_a_file_that_is_no_table_of_a_sweep_is_not_replaced(scene: Path) -> None:
     target = scene.with_name("notes.csv")
     target.write_text("my,notes\n")
     done = fringe_command("sweep", scene, "--output", target)
@@ -202,9 +197,7 @@ def test_a_file_that_is_no_table_of_a_sweep_is_not_replaced(fringe_command: Comm
     assert done.returncode == 2 and "pipe is no file" in done.stderr
 
 
-def test_a_place_that_cannot_be_written_is_told_before_a_frame_is_answered(
-    fringe_command: Command, scene: Path
-) -> None:
+def test_a_place_that_cannot_be_written_is_told_before_a_frame_is_answered(scene: Path) -> None:
     scene.with_suffix(".motion.toml").write_text(MOTION.replace("0.3]", "0]"))
     done = fringe_command("sweep", scene, "--method", "boundary-elements", "--output", "/proc/s.csv")
     assert done.returncode == 1 and "/proc/s.csv: cannot be written" in done.stderr
@@ -212,7 +205,7 @@ def test_a_place_that_cannot_be_written_is_told_before_a_frame_is_answered(
 
 
 def test_a_row_that_is_less_accurate_than_asked_for_ends_with_status_3_also_when_it_is_kept(
-    fringe_command: Command, scene: Path
+    scene: Path,
 ) -> None:
     asked = ("sweep", scene, "--method", "reduced", "--rtol", "1e-5", "--output", scene.with_name("s.csv"))
     first = fringe_command(*asked)
@@ -221,9 +214,7 @@ def test_a_row_that_is_less_accurate_than_asked_for_ends_with_status_3_also_when
     assert again.returncode == 3 and "3 of which were there" in again.stdout
 
 
-def test_a_method_without_an_answer_leaves_its_row_empty_and_says_why_once(
-    fringe_command: Command, scene: Path
-) -> None:
+def test_a_method_without_an_answer_leaves_its_row_empty_and_says_why_once(scene: Path) -> None:
     scene.with_suffix(".motion.toml").write_text(MOTION.replace("0.03", "-0.005").replace("0.1]", "0]"))
     done = fringe_command("sweep", scene, "--method", "exact,boundary-elements", "--rtol", "0.1")
     assert done.returncode == 0
@@ -234,7 +225,7 @@ def test_a_method_without_an_answer_leaves_its_row_empty_and_says_why_once(
     assert of_bem[1]["change_F"] == of_bem[1]["key"] == ""
 
 
-def test_frames_without_any_answer_are_empty_unless_all_are(fringe_command: Command, scene: Path) -> None:
+def test_frames_without_any_answer_are_empty_unless_all_are(scene: Path) -> None:
     motion_file = scene.with_suffix(".motion.toml")
     motion_file.write_text(MOTION.replace("0.1]", "0]"))
     asked = ("sweep", scene, "--method", "boundary-elements", "--rtol", "0.1")
@@ -255,7 +246,7 @@ def test_frames_without_any_answer_are_empty_unless_all_are(fringe_command: Comm
 
 
 @pytest.mark.parametrize("frame", ["far", "1"])
-def test_capacitance_answers_in_one_frame(fringe_command: Command, scene: Path, frame: str) -> None:
+def test_capacitance_answers_in_one_frame(scene: Path, frame: str) -> None:
     of_frame = json.loads(fringe_command("capacitance", scene, "--frame", frame, "--json").stdout)
     there = scene.with_name("there.toml")
     there.write_text(SCENE.replace("[0, 0, 0.05]", "[0, 0, 0.3]"))
@@ -271,9 +262,7 @@ def test_capacitance_answers_in_one_frame(fringe_command: Command, scene: Path, 
         (("--motion", "no.toml"), "--motion without --frame"),
     ],
 )
-def test_a_frame_that_is_none_is_refused(
-    fringe_command: Command, scene: Path, options: tuple[str, ...], reason: str
-) -> None:
+def test_a_frame_that_is_none_is_refused(scene: Path, options: tuple[str, ...], reason: str) -> None:
     done = fringe_command("capacitance", scene, *options)
     assert (done.returncode, done.stdout) == (2, "")
     assert reason in done.stderr
@@ -288,11 +277,7 @@ def test_a_frame_that_is_none_is_refused(
     ],
 )
 def test_a_sweep_takes_the_options_of_the_method_and_a_motion(
-    fringe_command: Command,
-    scene: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    options: tuple[str, ...],
-    python: dict[str, Any],
+    scene: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], python: dict[str, Any]
 ) -> None:
     monkeypatch.chdir(scene.parent)
     scene.with_name("other.toml").write_text(MOTION.replace("0.03", "0.2"))
@@ -302,9 +287,7 @@ def test_a_sweep_takes_the_options_of_the_method_and_a_motion(
     assert found == list(expected.change[:, 0])
 
 
-def test_a_sweep_ends_after_its_time_with_the_frames_that_are_finished(
-    fringe_command: Command, scene: Path
-) -> None:
+def test_a_sweep_ends_after_its_time_with_the_frames_that_are_finished(scene: Path) -> None:
     scene.with_suffix(".motion.toml").write_text("[[frame]]\n" * 400)
     words = ("--method", "boundary-elements", "--rtol", "1e-3", "--max-seconds", "2")
     done = fringe_command("sweep", scene, *words)
@@ -314,9 +297,7 @@ def test_a_sweep_ends_after_its_time_with_the_frames_that_are_finished(
     assert f"stopped after 2 s after {finished} of 400 frames" in done.stderr
 
 
-def test_a_method_that_is_none_and_a_scene_without_a_motion_are_refused(
-    fringe_command: Command, scene: Path
-) -> None:
+def test_a_method_that_is_none_and_a_scene_without_a_motion_are_refused(scene: Path) -> None:
     unknown = fringe_command("sweep", scene, "--method", "exact,bem")
     scene.with_suffix(".motion.toml").unlink()
     missing = fringe_command("sweep", scene)
