@@ -95,9 +95,7 @@ using detail::ChargedBody;
 using detail::ChargedFace;
 using detail::EdgeKind;
 using detail::InducedCharge;
-using detail::most_functions;
 using Eigen::Vector3d;
-using Eigen::VectorXd;
 
 constexpr std::size_t plenty = 1000;
 
@@ -155,7 +153,7 @@ TEST(SolveAdaptively, QuartersTrianglesOfGroupsBeforeItHalvesThem) {
 
 constexpr double large = 1;  ///< half a side, metres
 constexpr double seen =
-    large / (most_functions / 2.0);  ///< width of the narrowest charge that a face so large resolves
+    large / (detail::most_functions / 2.0);  ///< width of the narrowest charge that a face so large resolves
 constexpr double close = seen / 100;
 
 /// Returns a face in the plane z = height, turned about the z axis.

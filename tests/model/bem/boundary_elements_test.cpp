@@ -23,7 +23,6 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using test::above_sensor;
 using test::at;
-using test::covers;
 using test::object;
 using test::plate_above_sensor;
 using test::sensor;
@@ -46,7 +45,7 @@ TEST(BoundaryElementsAtLength, StateErrorsThatHoldWhereEdgesComeCloseToAFace) {
     const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-4});
     for (const double rtol : {1e-2, 3e-3, 1e-3}) {
       const MaxwellMatrix answer = maxwell(scene, {.rtol = rtol});
-      EXPECT_TRUE(covers(answer, truth)) << rtol;
+      EXPECT_TRUE(test::covers(answer, truth)) << rtol;
     }
   }
 }

@@ -23,8 +23,6 @@ using test::box;
 using test::object;
 using test::sensor;
 using test::square;
-using ::testing::HasSubstr;
-using ::testing::ThrowsMessage;
 
 constexpr double unit = 4 * std::numbers::pi * vacuum_permittivity;
 
@@ -352,9 +350,9 @@ TEST(FilmSheets, AStripBetweenTwoConductorsHasTheCapacitanceOfItsLengthWhateverI
 
 TEST(Insulators, OneInsideAConductorIsRefused) {
   const Scene scene = below_a_box({box("glass", {-1, -1, 4}, {1, 1, 5}, Dielectric{4})});
-  EXPECT_THAT(
-      [&] { maxwell(scene, loose); },
-      ThrowsMessage<InputError>(HasSubstr(R"(object "glass" is dielectric and wholly inside a conductor)")));
+  EXPECT_THAT([&] { maxwell(scene, loose); },
+              testing::ThrowsMessage<InputError>(
+                  testing::HasSubstr(R"(object "glass" is dielectric and wholly inside a conductor)")));
 }
 
 TEST(DoubleLayer, TheFacesOfABodyAddUpToTheWholeSolidAngle) {

@@ -16,7 +16,6 @@ namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
-using test::draws;
 using test::Points;
 using test::Random;
 using test::ShapePair;
@@ -35,7 +34,7 @@ TEST(GjkIntersects, AnswersTheSameInTheSmallestAndTheLargestUnitsOfLength) {
   Random random(2);
   for (const test::PairClass& pair_class : test::pair_classes()) {
     SCOPED_TRACE(pair_class.name);
-    constexpr int pairs = draws(100);
+    constexpr int pairs = test::draws(100);
     int intersecting = 0;
     for (int i = 0; i < pairs; ++i) {
       const ShapePair pair = pair_class.make(random);

@@ -16,12 +16,10 @@ namespace {
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using test::corners_of_box;
-using test::draws;
 using test::moved;
 using test::Points;
 using test::Random;
 using test::Real;
-using test::RealVector;
 
 constexpr double promised = 1e-12;
 
@@ -50,7 +48,7 @@ Points rounded(Points points) {
 /// Computes the smallest (direction·b − direction·a)/|direction| over all vertices in their unrounded poses.
 Real separation(const Vector3d& direction, const Points& a, const Isometry3d& pose_a, const Points& b,
                 const Isometry3d& pose_b) {
-  const RealVector along = direction.cast<Real>();
+  const test::RealVector along = direction.cast<Real>();
   const auto height = [&](const Vector3d& point, const Isometry3d& pose) {
     return Real(along.dot(pose.linear().cast<Real>() * point.cast<Real>() + pose.translation().cast<Real>()));
   };
@@ -98,7 +96,7 @@ TEST(GjkDistance, OfPosedHullsAndCuboidsIsThatOfTheirMovedVertices) {
 TEST(GjkDistance, OfPosedHullsIsProvenByItsDirectionAndItsWitnesses) {
   Random random(3);
   int proven = 0;
-  constexpr int pairs = draws(500);
+  constexpr int pairs = test::draws(500);
   for (int i = 0; i < pairs; ++i) {
     const Points a = test::any_shape(random, 12), b = test::any_shape(random, 12);
     const Isometry3d pose_a = random.rigid_motion(), pose_b = random.rigid_motion();

@@ -21,7 +21,6 @@
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
-using Eigen::Isometry3d;
 using Eigen::Vector3d;
 using test::at;
 
@@ -143,7 +142,7 @@ TEST(LayerRule, MovesPlatesToTheFrontByWhatTheirCoverIsThinner) {
 // It is 2 % off rms and 7 % at worst (model/CORRECTIONS.md, section 5).
 TEST(Formula, IsTheMutualCapacitanceOfASensorAndABody) {
   for (const Shape& shape : std::vector<Shape>{Plate{0.08, 0.06}, Cuboid{0.05, 0.09, 0.02}})
-    for (const Isometry3d& pose : {at(0, 0, 0.03), at(0.05, 0.02, 0.08), at(0, 0, 0.5)}) {
+    for (const Eigen::Isometry3d& pose : {at(0, 0, 0.03), at(0.05, 0.02, 0.08), at(0, 0, 0.5)}) {
       const Scene scene = before_sensor(0.1, shape, pose);
       const double expected = maxwell(scene, {.rtol = 2e-3}).mutual(0, 1);
       EXPECT_NEAR(by_formula(scene), expected, 0.07 * expected);

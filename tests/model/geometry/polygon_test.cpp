@@ -15,9 +15,8 @@ namespace {
 
 using detail::defect_of_polygon;
 using detail::triangles_of_polygon;
-using Eigen::Vector2d;
 using Eigen::Vector3d;
-using Vertices = std::vector<Vector2d>;
+using Vertices = std::vector<Eigen::Vector2d>;
 
 const Vertices l_shape{{0, 0}, {2, 0}, {2, 2}, {1, 2}, {1, 1}, {0, 1}};
 
@@ -61,20 +60,18 @@ TEST(Polygons, AreJudgedExactly) {
   }
 }
 
-using detail::append_face;
-using detail::FaceDefects;
 using detail::remarks_on_faces;
 using testing::ElementsAre;
 using Outline = std::vector<Vector3d>;
 
 struct Divided {
   std::vector<Triangle> triangles;
-  FaceDefects defects;
+  detail::FaceDefects defects;
 };
 
 Divided divided(const Outline& outline) {
   Divided result;
-  append_face(result.triangles, outline, result.defects);
+  detail::append_face(result.triangles, outline, result.defects);
   return result;
 }
 

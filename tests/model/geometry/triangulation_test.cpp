@@ -21,7 +21,6 @@ namespace {
 using Eigen::Vector3d;
 using std::numbers::pi;
 using testing::ElementsAre;
-using testing::UnorderedElementsAre;
 
 /// Computes the area of the regular polygon with n corners on a circle, or of a circular sector approximated
 /// by n triangles.
@@ -216,7 +215,7 @@ TEST(SurfaceMesh, ListsAllFacesAtAnEdgeThatManyShare) {
       EXPECT_EQ(edge.balance, 1);
     }
   }
-  EXPECT_THAT(mesh.neighbours()[0], UnorderedElementsAre(1U, 2U));
+  EXPECT_THAT(mesh.neighbours()[0], testing::UnorderedElementsAre(1U, 2U));
 }
 
 TEST(SurfaceMesh, TakesFacesWithoutAreaAndCornersThatAreNoNumbers) {

@@ -18,7 +18,6 @@ namespace {
 using Eigen::Vector3d;
 using test::draws;
 using test::Random;
-using test::total_integral;
 
 /// The result of a division among plates: ∫dA/min_k d_k, its bound and the number of parts.
 struct Division {
@@ -38,7 +37,7 @@ Division divide(const std::vector<Triangle>& triangles, const std::vector<Rectan
   const std::vector<std::vector<Triangle>> shares = division.shares();
   Division result{0, division.bound(), 0};
   for (std::size_t k = 0; k < plates.size(); ++k) {
-    result.integral += total_integral(shares[k], plates[k]);
+    result.integral += test::total_integral(shares[k], plates[k]);
     result.parts += shares[k].size();
   }
   return result;

@@ -15,7 +15,6 @@ namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
-using testing::AllOf;
 using testing::HasSubstr;
 
 class SceneReader : public test::TemporaryFolder {
@@ -260,7 +259,7 @@ TEST_F(SceneReader, RefusesWithKeyAndReason) {
             "2 numbers"},
        })
     EXPECT_THAT(error_of(bad.text),
-                AllOf(HasSubstr("scene.toml:"), HasSubstr(bad.key), HasSubstr(bad.reason)))
+                testing::AllOf(HasSubstr("scene.toml:"), HasSubstr(bad.key), HasSubstr(bad.reason)))
         << bad.what;
 }
 

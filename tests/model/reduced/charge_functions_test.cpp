@@ -16,7 +16,6 @@
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
-using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
@@ -81,7 +80,7 @@ TEST(ChargeFunctions, AreAllDividedOnceMoreThanTheirSums) {
   const ConductorsAtRest conductors(charged_bodies(box_of(0.3, 0.3, 0.3)), 2e-2, 2000, 500);
   const ChargeFunctions functions(conductors, MatrixXd(index_of(conductors.mesh().panels().size()), 0),
                                   size_of, 128);
-  for (Index sum = 0; sum < functions.coarse().count; ++sum)
+  for (Eigen::Index sum = 0; sum < functions.coarse().count; ++sum)
     EXPECT_GE(std::ranges::count(functions.coarse().of, sum), 2) << sum;
 }
 

@@ -19,9 +19,6 @@
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
-using Eigen::Isometry3d;
-using Eigen::Vector3d;
-
 const Cuboid housing{0.12, 0.1, 0.04}, hand{0.05, 0.09, 0.02};
 
 Scene sensor_alone() {
@@ -53,7 +50,7 @@ double truth(const PoseOfMachine& pose) {
 struct Prepared {
   static constexpr double rtol = 0.05;
 
-  static PoseOfMachine pose(double gap, double turn, const Vector3d& place) {
+  static PoseOfMachine pose(double gap, double turn, const Eigen::Vector3d& place) {
     return {{pose_from_axis({0, 1, 0}, turn, {0, 0, 0}), test::at(0, 0, -gap)},
             pose_from_axis({1, 2, 3}, 20, place)};
   }
@@ -115,7 +112,7 @@ TEST_F(MovingSolverTest, DoesNotDependOnWhereEverythingIsNorOnEarlierPoses) {
   const double first = change(poses[0]);
   change(poses[1]);
   EXPECT_NEAR(change(poses[0]), first, 1e-5 * first);
-  const Isometry3d away = pose_from_axis({3, 1, -1}, 130, {5, -2, 1});
+  const Eigen::Isometry3d away = pose_from_axis({3, 1, -1}, 130, {5, -2, 1});
   const PoseOfMachine moved{{away * poses[0].links[0], away * poses[0].links[1]}, away * poses[0].target};
   EXPECT_NEAR(change(moved), first, 1e-4 * first);
   EXPECT_NEAR(nearness(machine, target, moved), nearness(machine, target, poses[0]), 1e-9);

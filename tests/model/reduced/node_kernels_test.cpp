@@ -18,7 +18,6 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-using Eigen::VectorXd;
 
 /// Relative rounding error of single precision in sums of a few hundred numbers.
 constexpr double rounding = 2e-6;
@@ -36,7 +35,7 @@ std::vector<float> random_numbers(int count, unsigned seed) {
   return numbers;
 }
 
-VectorXd in_doubles(const std::vector<float>& numbers, Index count) {
+Eigen::VectorXd in_doubles(const std::vector<float>& numbers, Index count) {
   return Eigen::Map<const Eigen::VectorXf>(numbers.data(), count).cast<double>();
 }
 

@@ -24,14 +24,11 @@ namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Isometry3d;
-using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using test::at;
 using test::covers;
 using test::object;
 using test::Random;
-using test::sensor;
-using test::square;
 
 /// Options for which few triangles suffice, so that bodies are prepared quickly.
 const ReducedOptions loose{.rtol = 0.1};
@@ -65,7 +62,7 @@ void expect_to_follow(Scene scene, const ReducedOptions& options, const std::vec
   const Link start = scene.links[0];
   SCOPED_TRACE(start.name);
   ReducedEvaluator evaluator(scene, options);
-  const MatrixXd before = evaluator.maxwell().values;
+  const Eigen::MatrixXd before = evaluator.maxwell().values;
   for (const Isometry3d& pose : poses) {
     scene.links[0].pose = pose;
     evaluator.set_pose(start.name, pose);
@@ -142,7 +139,7 @@ class RandomTarget {
     const Cuboid cuboid{size(), size(), size()};
     thickness_ = box ? cuboid.size_z : 0;
     scene_.links = {{"arm", {}, Eigen::Isometry3d::Identity()}};
-    scene_.sensors = {sensor("front", {square(0.1, 0)})};
+    scene_.sensors = {test::sensor("front", {test::square(0.1, 0)})};
     scene_.objects = {
         object("target", box ? Shape(cuboid) : Shape(Plate{cuboid.size_x, cuboid.size_y}), at(0, 0, 0))};
     scene_.objects[0].link = 0;

@@ -17,13 +17,11 @@
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-using Eigen::MatrixXd;
 using test::above_sensor;
 using test::at;
 using test::covers;
 using test::foot_and_leg;
 using test::object;
-using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -62,13 +60,13 @@ TEST(ReducedConductorsAtLength, ThatTouchAcrossLinksAreThoseOfASceneThere) {
     EXPECT_EQ(answer.charges, there.charges);
     EXPECT_TRUE(covers(answer, maxwell(scene, {.rtol = 2e-2}))) << x << " " << y;
   }
-  const MatrixXd before = evaluator.maxwell().values;
+  const Eigen::MatrixXd before = evaluator.maxwell().values;
   evaluator.set_pose("lower", at(0, -0.03, -0.02));
   EXPECT_THAT([&] { evaluator.maxwell(); },
               ThrowsMessage<InputError>(
-                  AllOf(HasSubstr("sensor \"front\" plates[0] and object \"leg\" touch or cross"),
-                        HasSubstr("they may have different potentials"),
-                        HasSubstr("is clear of it when moved by more than"))));
+                  testing::AllOf(HasSubstr("sensor \"front\" plates[0] and object \"leg\" touch or cross"),
+                                 HasSubstr("they may have different potentials"),
+                                 HasSubstr("is clear of it when moved by more than"))));
   evaluator.set_pose("lower", at(0, 0, 0));
   EXPECT_EQ(evaluator.maxwell().values, before);
 }

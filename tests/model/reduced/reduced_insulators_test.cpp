@@ -14,9 +14,6 @@ namespace {
 using Eigen::Isometry3d;
 using test::at;
 using test::box;
-using test::object;
-using test::sensor;
-using test::square;
 using ::testing::HasSubstr;
 using ::testing::ThrowsMessage;
 
@@ -27,7 +24,7 @@ constexpr ReducedOptions quickly_prepared{.rtol = 1e-1};
 Scene covered_sensor(double permittivity) {
   Scene scene;
   scene.links = {{"hand", {}, Isometry3d::Identity()}};
-  scene.sensors = {sensor("front", {square(0.1, 0)})};
+  scene.sensors = {test::sensor("front", {test::square(0.1, 0)})};
   scene.objects = {box("cover", {-5, -5, 0}, {5, 5, 0.2}, Dielectric{permittivity}),
                    box("hand", {-5, -5, 3}, {5, 5, 6})};
   scene.objects[1].link = 0;

@@ -16,10 +16,8 @@ namespace {
 
 using Eigen::MatrixXd;
 using test::above_sensor;
-using test::at;
 using test::box;
 using test::covers;
-using test::object;
 using test::sensor;
 using testing::ElementsAre;
 
@@ -37,7 +35,7 @@ const Object foot = test::foot_and_leg()[0], leg = test::foot_and_leg()[1];
 const Object overlapping_leg = box("leg", {0, 0, 0}, {2, 5, 2});
 
 Object angle(std::vector<Triangle> triangles) {
-  return object("angle", Mesh{"", 1, std::move(triangles)}, at(0, 0, 0));
+  return test::object("angle", Mesh{"", 1, std::move(triangles)}, test::at(0, 0, 0));
 }
 
 /// Returns the union of foot and leg.

@@ -18,7 +18,6 @@ namespace {
 using test::at;
 using test::hand_before_housing;
 using test::object;
-using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
@@ -213,7 +212,7 @@ TEST(Auto, RefusesWhatAllMethodsRefuseWithTheReasons) {
   scene.has_room = true;
   scene.objects.front().role = Floating{};
   EXPECT_THAT([&] { evaluate(scene, {.method = Auto{}}); },
-              ThrowsMessage<InputError>(AllOf(HasSubstr("room"), HasSubstr("floating"))));
+              ThrowsMessage<InputError>(testing::AllOf(HasSubstr("room"), HasSubstr("floating"))));
 }
 
 TEST(Auto, AnswersForElectrodesWithoutSensors) {

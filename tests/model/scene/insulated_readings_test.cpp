@@ -18,7 +18,6 @@ namespace {
 using test::at;
 using test::object;
 using ::testing::HasSubstr;
-using ::testing::Not;
 
 constexpr const char* cover_name = "front cover";
 
@@ -146,7 +145,7 @@ TEST(Remarks, APermittivityBelowOneIsRemarkedOn) {
   EXPECT_THAT(remarks(before_a_hand(0.03, Dielectric{0.5})),
               ::testing::Contains(HasSubstr("permittivity of 0.5 is less than")));
   EXPECT_THAT(remarks(before_a_hand(0.03, Dielectric{1})),
-              Not(::testing::Contains(HasSubstr("permittivity"))));
+              testing::Not(::testing::Contains(HasSubstr("permittivity"))));
 }
 
 // Rows of facets' errors are those of the same panels with and without the target.

@@ -24,7 +24,6 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using test::at;
-using test::covers;
 using test::hand_above_sensors;
 using test::object;
 using test::per_length;
@@ -86,7 +85,7 @@ TEST_P(MatricesByMethod, AreWithinTheirErrorsOfTheTruth) {
     const MaxwellMatrix& answer = of_the_hand(rtol);
     EXPECT_EQ(answer.conductors, truth().conductors);
     EXPECT_TRUE(answer.reached);
-    EXPECT_TRUE(covers(answer, truth()));
+    EXPECT_TRUE(test::covers(answer, truth()));
     for (Eigen::Index i = 0; i < answer.values.rows(); ++i)
       if (answer.lower_bounds[static_cast<std::size_t>(i)])
         EXPECT_LE(answer.values(i, i), truth().values(i, i) + truth().errors(i, i));

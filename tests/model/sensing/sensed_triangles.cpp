@@ -7,7 +7,6 @@ namespace fringe::test {
 namespace {
 
 using Eigen::Vector3d;
-using std::numbers::pi;
 
 constexpr double far_enough = 1e6;
 
@@ -57,7 +56,7 @@ SensedTriangle narrow(Random& random) {
 SensedTriangle wide(Random& random) {
   const Triangle triangle = any_triangle(random);
   SensingCone cone = any_cone(random);
-  cone.full_angle = pi - std::pow(10, random.uniform(-6, -1));
+  cone.full_angle = std::numbers::pi - std::pow(10, random.uniform(-6, -1));
   return {triangle, cone};
 }
 

@@ -17,9 +17,7 @@ namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
-using testing::AllOf;
 using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 TEST(CleanedMeshes, LeaveOutTrianglesWithoutAreaSliversAndDuplicates) {
   const Triangle triangle{Vector3d(0, 0, 0), Vector3d(0.01, 0, 0), Vector3d(0, 0.01, 0)};
@@ -62,7 +60,7 @@ TEST(ChargedReadings, OfWhatCannotBeDrivenAreRefusedByName) {
       [] {
         charged_readings({{"own", "front", {"target"}}}, drivable_conductors(four_kinds()));
       },
-      ThrowsMessage<InputError>(AllOf(HasSubstr("own"), HasSubstr("target"))));
+      testing::ThrowsMessage<InputError>(testing::AllOf(HasSubstr("own"), HasSubstr("target"))));
 }
 
 }  // namespace

@@ -19,9 +19,7 @@ namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
-using testing::AllOf;
 using testing::HasSubstr;
-using testing::ThrowsMessage;
 
 /// Two bodies, the second one turned and moved.
 ChargedBodies two_bodies(const Shape& first, const Shape& second, const Eigen::Isometry3d& pose,
@@ -107,9 +105,9 @@ TEST(Contact, AtOnePotentialJoinsBodiesToOneConductor) {
   const ChargedBodies other = two_bodies(cube, cube, test::at(0.1, 0, 0), Floating{});
   EXPECT_FALSE(have_one_potential(other, 0, 1));
   EXPECT_THROW(joined(other), InputError);
-  EXPECT_THAT(
-      [&] { refuse_contact(other.bodies[0], other.bodies[1], "because"); },
-      ThrowsMessage<InputError>(AllOf(HasSubstr("first"), HasSubstr("second"), HasSubstr("because"))));
+  EXPECT_THAT([&] { refuse_contact(other.bodies[0], other.bodies[1], "because"); },
+              testing::ThrowsMessage<InputError>(
+                  testing::AllOf(HasSubstr("first"), HasSubstr("second"), HasSubstr("because"))));
   EXPECT_NO_THROW(refuse_contact(apart.bodies[0], apart.bodies[1], "because"));
 }
 

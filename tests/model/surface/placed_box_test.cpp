@@ -14,7 +14,6 @@
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {
 
-using Eigen::AlignedBox3d;
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
 
@@ -37,7 +36,7 @@ TEST(PlacedBox, PartsAreTheLargerTheNearerTheyAre) {
   const Approach approach{{placed_box(triangulate(Cuboid{0.1, 0.1, 0.1}))},
                           {Isometry3d::Identity(), test::at(0.2, 0, 0)}};
   const auto part_at = [](double x) {
-    return AlignedBox3d(Vector3d(x - 0.01, -0.01, -0.01), Vector3d(x + 0.01, 0.01, 0.01));
+    return Eigen::AlignedBox3d(Vector3d(x - 0.01, -0.01, -0.01), Vector3d(x + 0.01, 0.01, 0.01));
   };
   EXPECT_GT(approach.relative_size(part_at(0.3)), approach.relative_size(part_at(0.6)));
   // The poses move the part: at -0.2 it comes to lie in the box.

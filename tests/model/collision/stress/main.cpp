@@ -26,7 +26,6 @@ namespace fringe::test {
 namespace {
 
 using Eigen::Isometry3d;
-using Eigen::Vector3d;
 
 struct Tally {
   std::size_t pairs = 0;
@@ -45,7 +44,7 @@ ShapePair in_some_unit(const PairClass& pair_class, Random& random) {
   const int exponent = below(random, 2) == 0 ? 0
                                              : static_cast<int>(below(random, 2 * largest_exponent + 1)) -
                                                    static_cast<int>(largest_exponent);
-  return placed(pair, std::ldexp(1.0, exponent), Vector3d::Zero());
+  return placed(pair, std::ldexp(1.0, exponent), Eigen::Vector3d::Zero());
 }
 
 bool is_right(const GjkDistance& found, double truth) {
