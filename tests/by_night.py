@@ -1,7 +1,5 @@
 """Statistics of which a few values are tried by every check, and all by night."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The project's programs as users start them, from the build."""
 
-from __future__ import annotations
-
 import os
 import pty
 import subprocess

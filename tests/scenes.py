@@ -1,7 +1,5 @@
 """Scenes that tests of several folders share, and the text of scenes and sweeps from their tables."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -1,8 +1,6 @@
 """Layers of both languages. Python packages import downwards only, without circles, and at the top of a file unless a slow library is the
 reason. The rooms of model/src stand in layers: a file includes its own room and the rooms below it, and no includes go in a circle."""
 
-from __future__ import annotations
-
 import ast
 import re
 from collections.abc import Iterator

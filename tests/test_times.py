@@ -1,7 +1,5 @@
 """The times that a check prints are those of its steps and of its slowest tests."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from tests import times

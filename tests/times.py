@@ -5,8 +5,6 @@
 FOLDER is the one in which `check` keeps `steps.tsv` (seconds, tab, name) and the JUnit files of ctest and pytest.
 """
 
-from __future__ import annotations
-
 import sys
 import xml.etree.ElementTree as ElementTree
 from pathlib import Path

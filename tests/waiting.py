@@ -1,7 +1,5 @@
 """How tests wait: for what happens, and at most as long as it never takes, so that no outcome depends on how busy the machine is."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

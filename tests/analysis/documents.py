@@ -1,8 +1,6 @@
 """Made-up answers as the programs print them. What stands in for the field solver takes them from here in every process of its own,
 so that nothing is imported that takes long to load."""
 
-from __future__ import annotations
-
 from typing import Any
 
 VERSIONS = {"dolfinx": "0.5.2"}

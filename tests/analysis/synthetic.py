@@ -1,7 +1,5 @@
 """Synthetic answers: a results folder as `run` leaves it, without solving anything."""
 
-from __future__ import annotations
-
 import json
 import re
 from dataclasses import replace

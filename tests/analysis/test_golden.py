@@ -1,7 +1,5 @@
 """The gate between two golden files: the same answers pass, each planted change fails by its own rule; and the command in a few small cases."""
 
-from __future__ import annotations
-
 import json
 from collections import Counter
 from dataclasses import replace

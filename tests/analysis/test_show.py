@@ -1,7 +1,5 @@
 """The page of a scene: what its data say, that it needs nothing but itself, and how wrong input is refused."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What a case of the corpus is, and the small scene that most of them spoil."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 The tests make the same cases; nothing of them is kept in the repository. `--long` adds those of gigabytes.
 """
 
-from __future__ import annotations
-
 import argparse
 from pathlib import Path
 

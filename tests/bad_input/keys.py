@@ -1,8 +1,6 @@
 """The values of a scene: nearly every key there is, each in turn missing, of the wrong type, not finite, out of its range, unknown; and
 numbers that are allowed and far from any that a sensor needs."""
 
-from __future__ import annotations
-
 import math
 import pathlib
 import sys

@@ -1,7 +1,5 @@
 """Meshes: damaged files, files that say what they are not, and sound files of surfaces that bound nothing."""
 
-from __future__ import annotations
-
 import struct
 from collections.abc import Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Paths that lead to no file, to what is none, or to a file by an unusual name."""
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from pathlib import Path

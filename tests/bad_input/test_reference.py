@@ -1,8 +1,6 @@
 """The field reference and scenes that cannot be read, or that can be read and have no capacitance: status 2, one line, nothing
 written; and insulators that it and boundary elements refuse, naming the bodies and the reason."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

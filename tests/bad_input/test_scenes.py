@@ -1,8 +1,6 @@
 """Whatever a scene file holds: both readers come to the same end, the commands say in one line what is wrong and where, within
 bounded memory, and write nothing. `FRINGE_LONG_TESTS=1` adds the cases of gigabytes."""
 
-from __future__ import annotations
-
 import os
 import resource
 import subprocess

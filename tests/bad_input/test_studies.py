@@ -1,7 +1,5 @@
 """Studies, motions and folders of results that cannot be used: one line, status 2, and nothing is written."""
 
-from __future__ import annotations
-
 import os
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Scene files that are not TOML, or TOML of an unusual form."""
 
-from __future__ import annotations
-
 import random
 
 from tests.bad_input.case import CUBE, SENSOR, Case, body, from_bytes, from_text

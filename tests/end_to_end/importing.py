@@ -1,7 +1,5 @@
 """Runs `fringe import` for the tests of its formats."""
 
-from __future__ import annotations
-
 import math
 import os
 import subprocess

@@ -1,7 +1,5 @@
 """A study through `sbatch`, on a SLURM of this machine alone, has the table of a local run, and no job outlives its night."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import signal

@@ -1,7 +1,5 @@
 """Same input, same bits: on one processor or several, and once more."""
 
-from __future__ import annotations
-
 import json
 import os
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`fringe export`: a scene's conductors as a list of FastCap, its Maxwell matrix as a SPICE subcircuit and as a table."""
 
-from __future__ import annotations
-
 import csv
 import os
 from pathlib import Path

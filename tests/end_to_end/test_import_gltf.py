@@ -1,7 +1,5 @@
 """`fringe import` of glTF, whose nodes become links that both readers read alike, and what holds for every format."""
 
-from __future__ import annotations
-
 import base64
 import json
 import math

@@ -1,7 +1,5 @@
 """Joints of an imported robot: they have positions, follow each other, and are set by their names."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """`fringe import` of lists of FastCap and FasterCap: conductors by name become electrodes; what is damaged is refused with file and line."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """`fringe import` of COLLADA, OBJ and 3MF: nodes become links, their triangles bodies in metres; what is damaged is refused."""
 
-from __future__ import annotations
-
 import re
 import zipfile
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`fringe import` of robots (URDF) as they are found: what no scene needs does not matter, and one bad mesh need not stop the rest."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

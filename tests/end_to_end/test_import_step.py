@@ -1,7 +1,5 @@
 """`fringe import` of STEP: parts are links, solids and named faces are bodies; how far triangles are from the surface is told."""
 
-from __future__ import annotations
-
 import math
 import re
 import subprocess

@@ -1,8 +1,6 @@
 """What the notes say holds today: the worked example of README.md, what the guides show, the files and functions that CONTRIBUTING.md names.
 Every command in a note is known to its program, with its options; those that no other test runs are run here, by night."""
 
-from __future__ import annotations
-
 import os
 import re
 import shlex

@@ -1,8 +1,6 @@
 """No dead options: every option that a command's --help knows is used by a test of that command, --help and --version say what they should, and
 former words are refused in one line that says what to write now."""
 
-from __future__ import annotations
-
 import io
 import re
 from contextlib import redirect_stderr, redirect_stdout

@@ -1,8 +1,6 @@
 """./run works wherever the user stands, and beside another package manager. A small study from the command line: real meshes, real
 field solves, the real model."""
 
-from __future__ import annotations
-
 import csv
 import fcntl
 import json

@@ -1,7 +1,5 @@
 """Two readers of one format, C++ for the model and Python for the reference: same file, same names, same triangles."""
 
-from __future__ import annotations
-
 from itertools import cycle, product
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """What the programs print is what the schemas say."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -4,8 +4,6 @@ alone, makes the table of an undisturbed run. Reference and model answer at once
 Each kind of fault is made once, by night, at a moment of chance; FRINGE_FAULTS=20 makes each so many times.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import random

@@ -6,8 +6,6 @@ Then it is solved again after one change that does not affect the true matrix, a
 each scene, and the text of every scene for which two answers differ by more than both their errors.
 """
 
-from __future__ import annotations
-
 import argparse
 import logging
 import sys

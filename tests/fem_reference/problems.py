@@ -1,7 +1,5 @@
 """Bodies, conductors and matrices that several tests of the field solver share."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

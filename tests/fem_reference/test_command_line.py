@@ -1,7 +1,5 @@
 """The command python3 -m fem_reference: exit statuses, messages, and the files it writes."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

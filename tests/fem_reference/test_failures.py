@@ -1,8 +1,6 @@
 """Failures of gmsh or the solver: exit status 1, a message with the stage and the command that reproduces it, and no file written.
 Nothing is left, neither a process nor a file, of a field solver that is ended while a program wraps a mesh."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

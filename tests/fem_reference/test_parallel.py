@@ -1,7 +1,5 @@
 """Several processes: on the same mesh their matrix and its bounds are those of one process, and only one of them prints them."""
 
-from __future__ import annotations
-
 import contextlib
 import io
 import json

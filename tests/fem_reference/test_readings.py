@@ -1,8 +1,6 @@
 """What may be asked of a scene: its readings, with and without the targets on one mesh, and columns, whose result is the submatrix of the
 whole matrix with its bounds."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

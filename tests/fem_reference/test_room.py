@@ -1,7 +1,5 @@
 """Scenes in a room: a grounded box around everything, whose walls take the place of ground at infinity."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Meshed solids of every shape: their volumes and sizes are right, and dielectric bodies have their permittivity."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import cache
 

@@ -1,7 +1,5 @@
 """Conductors of several bodies: however an L is put together, its matrix is the same within the stated errors."""
 
-from __future__ import annotations
-
 from functools import cache
 from pathlib import Path
 

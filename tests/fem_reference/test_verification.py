@@ -4,8 +4,6 @@ Every test asserts two things: the known value lies within the stated error, and
 a sample of those that `python3 -m analysis verify` runs. Last, changes that must not matter to an answer do not.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -5,8 +5,6 @@ What they disagree about is printed, and kept in build/disagreements. Seeds are 
 files are scenes with random roles of their objects and random readings instead.
 """
 
-from __future__ import annotations
-
 import argparse
 import random
 import re

@@ -5,8 +5,6 @@ Nothing ends the process. What does not hold is printed with its seed; `--only S
 of a build with sanitizers (FRINGE_MODULES, its folder `python`) the same command finds what is written where it does not belong.
 """
 
-from __future__ import annotations
-
 import argparse
 import math
 import os

@@ -1,7 +1,5 @@
 """Random scenes and motions: of every kind of body, through contact and back, for every method; and of few names and many roles, right and wrong, for both readers."""
 
-from __future__ import annotations
-
 import math
 import random
 from dataclasses import dataclass

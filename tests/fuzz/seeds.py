@@ -1,7 +1,5 @@
 """`python3 -m tests.fuzz.seeds FOLDER`: what the fuzzers begin with, from the scenes of the repository and the corpus of bad input."""
 
-from __future__ import annotations
-
 import random
 import sys
 import tempfile

@@ -1,7 +1,5 @@
 """Both readers end alike for files that nobody thought of; `tests/fuzz/run` tries more of them."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The schemas beside the formats, and documents that hold every key there is."""
 
-from __future__ import annotations
-
 import copy
 import json
 import tomllib

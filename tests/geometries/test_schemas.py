@@ -1,7 +1,5 @@
 """Schemas and readers know the same formats: what one refuses, the other does, too."""
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Callable

@@ -4,8 +4,6 @@
 changed; test_instruction_counts.py compares the build with them.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ other, neither its quadratic form may be the smaller one by more. Prints a line 
 their meshes, in a folder with the scene's number.
 """
 
-from __future__ import annotations
-
 import argparse
 import json
 import shutil

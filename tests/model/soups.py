@@ -6,8 +6,6 @@ matrix. In the others one charge distribution is allowed on a subset of the othe
 is below that of the larger one: their difference is positive semidefinite.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from enum import Enum

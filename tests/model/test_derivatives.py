@@ -1,7 +1,5 @@
 """Derivatives of readings with respect to the poses of links, as Python and the command give them."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The examples, and the sources of the library for browsers."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,8 +1,6 @@
 """Collisions and distance sensors in the Python module `fringe`: arrays in, tuples and dictionaries out, errors; and what `fringe sense`
 prints."""
 
-from __future__ import annotations
-
 
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """No workload of the model takes more instructions than recorded; what a difference is, and how to record anew, is told."""
 
-from __future__ import annotations
-
 import json
 import warnings
 from pathlib import Path

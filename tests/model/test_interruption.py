@@ -2,8 +2,6 @@
 
 What is asked for would take minutes: the outcome shows that it was ended, however busy the machine is."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

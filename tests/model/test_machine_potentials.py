@@ -1,7 +1,5 @@
 """A machine at rest as others feel it, against closed forms: a ball and its images."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from numpy.typing import NDArray

@@ -1,7 +1,5 @@
 """Files for other programs: the triangles with their capacitances, and the charges of surfaces."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Data that take long to prepare are kept in a folder, and the time that they take is bounded: by the command and in Python."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The Python module: scenes in other processes, objects that come and go, entries by their names, and the stubs of the types."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import pickle
@@ -70,8 +68,6 @@ def test_what_is_hidden_is_as_if_it_were_not_there(scene: fringe.Scene) -> None:
     for name in ("table", "hand"):
         scene.show(name)
     assert total(scene) == whole
-
-
 
 
 def test_what_is_added_stands_in_the_scene_as_it_is_now(scene: fringe.Scene) -> None:

@@ -1,7 +1,5 @@
 """Readings as Python and the command give them, as they print themselves, and as tables and plots of other packages."""
 
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Sweeps: the readings in every frame of a motion, by the command and in Python, and a single frame."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

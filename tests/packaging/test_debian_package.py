@@ -1,7 +1,5 @@
 """The Debian package: what it says of itself and what is in it. `clean_root`, beside this file, installs and uses it."""
 
-from __future__ import annotations
-
 import subprocess
 from pathlib import Path
 

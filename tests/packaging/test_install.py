@@ -1,7 +1,5 @@
 """`cmake --install`: what others build on the library with, commands and modules that work without the build, and the tutorial."""
 
-from __future__ import annotations
-
 import gzip
 import json
 import math

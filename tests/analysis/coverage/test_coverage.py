@@ -1,7 +1,5 @@
 """From which distance a probe is noticed: the changes against boundary elements, the distances, and what the command writes."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 from typing import Any

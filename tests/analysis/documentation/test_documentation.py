@@ -1,7 +1,5 @@
 """The documentation: every example says what it shows, every figure is shown, tables are those of their programs, and the site is made without a warning."""
 
-from __future__ import annotations
-
 import doctest
 import re
 import subprocess

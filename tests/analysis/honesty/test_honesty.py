@@ -1,8 +1,6 @@
 """How stated errors are judged, on answers that are made up. Two small scenes asked in earnest, what is kept of them, and what the
 command makes of its options."""
 
-from __future__ import annotations
-
 import math
 import os
 from pathlib import Path

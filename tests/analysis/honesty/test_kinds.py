@@ -1,7 +1,5 @@
 """Random scenes: every kind can be read, a seed stands for one scene; closed forms against ten digits of other formulas, in 30 digits."""
 
-from __future__ import annotations
-
 import math
 import random
 from pathlib import Path

@@ -1,7 +1,5 @@
 """A headless Chromium that a test drives: the few commands of WebDriver that are needed, over http to chromedriver."""
 
-from __future__ import annotations
-
 import base64
 import json
 import re
@@ -13,7 +11,7 @@ import urllib.request
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
-from typing import Any
+from typing import Any, Self
 
 import psutil
 import pytest
@@ -70,7 +68,7 @@ class Browser:
         session = self._send("POST", "/session", {"capabilities": {"alwaysMatch": asked}})
         self._session = f"/session/{session['sessionId']}"
 
-    def __enter__(self) -> Browser:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(

@@ -1,7 +1,5 @@
 """An imported arm, whose links are turned in their parents, on a live page: links, answers and joints stand where they do natively."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path

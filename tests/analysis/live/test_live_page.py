@@ -1,7 +1,5 @@
 """The live page in headless Chromium: the native library's numbers, what moves bodies, and how long frames take."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The paths of a live page, and how wrong input is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A night: what is solved, kept and told when Snakemake carries a study, what happens when it is killed, and the end of jobs on a cluster."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

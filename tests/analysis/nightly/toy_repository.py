@@ -1,8 +1,6 @@
 """A copy of the project in which the reference and the model answer at once: the commands are the real ones, in processes of
 their own, every solve is written down, and two solves of a case at the same time."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess

@@ -1,8 +1,6 @@
 """The model's answers for cases before machines: which it has, and what it gives as the change of a reading. Measurements of the model by
 itself: made alone and once, and kept whole under their key."""
 
-from __future__ import annotations
-
 import json
 from dataclasses import replace
 from pathlib import Path

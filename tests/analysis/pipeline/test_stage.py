@@ -1,8 +1,5 @@
 """What every stage has in common: an answer is stored whole and once under its key, which changes with all that can change the answer; a failure is told."""
 
-from __future__ import annotations
-
-import json
 from collections import Counter
 from dataclasses import dataclass, replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What the report says of measurements of the model by itself: findings computed by hand, and cells that say what was measured."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

@@ -1,8 +1,6 @@
 """The parts of pages: plain text is escaped, parts that are HTML already are not, all HTML is in the templates, and figures have their
 numbers beside them. The first screen of a report, and the list of everything that was made."""
 
-from __future__ import annotations
-
 import csv
 import re
 from pathlib import Path

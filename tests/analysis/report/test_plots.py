@@ -1,7 +1,5 @@
 """Figures of a report: errors in the change of a reading by machine, targets coloured by what each part adds to the sensor, and small drawings of both."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

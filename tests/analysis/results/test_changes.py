@@ -1,7 +1,5 @@
 """The change of a reading as a quantity, and the statistics of errors by family and quantity, on numbers computed by hand."""
 
-from __future__ import annotations
-
 import csv
 import math
 from pathlib import Path

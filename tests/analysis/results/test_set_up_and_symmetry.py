@@ -1,7 +1,5 @@
 """What a set-up looks like in numbers, and which set-ups must have equal answers."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

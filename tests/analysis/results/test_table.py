@@ -1,8 +1,6 @@
 """`table.csv`: its rows, the reference's error carried into the model error, the commands that recompute, and what pandas finds in it.
 How reports name cases and differences."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

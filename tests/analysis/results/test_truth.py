@@ -1,7 +1,5 @@
 """The best truth at hand: of two methods the one that states less error, value by value; and what methods refuse."""
 
-from __future__ import annotations
-
 import csv
 import io
 import math

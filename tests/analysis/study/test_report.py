@@ -1,7 +1,5 @@
 """The report: every plot with its finding, what failed, what is short of the accuracy, offline, rebuilt only when needed."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

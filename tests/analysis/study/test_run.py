@@ -1,7 +1,5 @@
 """`run` from the command line, with a stand-in for the reference: what is solved, kept, reported, and stopped."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

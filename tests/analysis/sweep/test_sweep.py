@@ -1,7 +1,5 @@
 """The page of a sweep: whose answer is the truth, where a change crosses its threshold, and what the command makes of its options."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math

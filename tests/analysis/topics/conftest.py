@@ -1,7 +1,5 @@
 """Answers of a topic's quick set-ups, computed once for the tests of a file, which names its `TOPIC` and returns these set-ups from `some`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Records kept beside a topic's code: what has none is solved, and what a page says of readings by two methods."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """A topic follows from its declaration: the example of CONTRIBUTING.md is one, and the command line has every topic of the project."""
 
-from __future__ import annotations
-
 import math
 import re
 import sys

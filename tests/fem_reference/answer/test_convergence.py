@@ -1,8 +1,6 @@
 """The error estimate: exact on sequences that follow the theory, wider whenever a check is skipped or fails. The error of the open
 boundary is bounded by that of the multipoles that the charges can have."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

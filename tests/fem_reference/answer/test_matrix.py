@@ -3,8 +3,6 @@
 Estimates are checked against equal entries and against bounds, and report when they contradict these.
 """
 
-from __future__ import annotations
-
 from typing import cast
 
 import numpy as np

@@ -1,7 +1,5 @@
 """When an answer counts as reached, and when no finer mesh is solved: what wraps cost is more than was asked for."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache

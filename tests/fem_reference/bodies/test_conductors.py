@@ -1,7 +1,5 @@
 """Conversion of scenes to bodies: poses, scale, and the scenes that are refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

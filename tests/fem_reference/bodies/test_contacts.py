@@ -1,7 +1,5 @@
 """Grounded bodies that touch are one conductor; between bodies of different potential contact is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

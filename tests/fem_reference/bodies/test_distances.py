@@ -1,7 +1,5 @@
 """Distances between bodies of any shape and between triangles, their contacts, and which of them contain others."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

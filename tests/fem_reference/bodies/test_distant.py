@@ -1,7 +1,5 @@
 """Distant bodies that are left out: the interval still contains the true value, and no body that matters is left out."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,8 +1,6 @@
 """Triangle meshes as solids: their sharp edges, and the refusal of meshes that do not bound a solid. Merging of triangles in one plane
 into faces, and of the triangles of a box into a cuboid, whatever the triangulation."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Planes of symmetry: all are found and no others, and solving one side gives the answer of the whole."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation

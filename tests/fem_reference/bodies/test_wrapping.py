@@ -1,7 +1,5 @@
 """Wraps: closed surfaces that strictly contain triangles in any state, and reach no other conductor."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

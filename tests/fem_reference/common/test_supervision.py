@@ -1,7 +1,5 @@
 """A command in a process of its own: it can be ended inside a library, and what it has reported is kept."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

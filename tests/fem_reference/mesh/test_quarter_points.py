@@ -1,7 +1,5 @@
 """Quarter-point elements: the formula of their map, and the exactness of their integrals."""
 
-from __future__ import annotations
-
 import math
 from itertools import combinations
 

@@ -2,8 +2,6 @@
 follow the accuracy that was asked for. The sizes that errors ask for: the fewest cells for a given error, and no more error than asked
 for."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,8 +1,6 @@
 """The gaps of the cells add up to the gap between the bounds of the energies, for every kind of cell; the value between both bounds of
 one mesh, and the kinds of cells that decide where it lies. Repeated solution of one level in one process: its memory is freed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from resource import getpagesize
 

@@ -1,7 +1,5 @@
 """Enclosures are narrow and always contain the known value. `pytest -s` prints them."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

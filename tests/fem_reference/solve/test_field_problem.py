@@ -1,7 +1,5 @@
 """The solution on one mesh: properties of the discrete answer that do not depend on the size of the elements."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

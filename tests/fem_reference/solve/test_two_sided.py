@@ -2,8 +2,6 @@
 in matrices that are known, and conductors that are connected to ground through a capacitance. What it costs that cells follow curved
 surfaces only nearly: measured on meshes so coarse that it is most of the error."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.constants import epsilon_0

@@ -1,8 +1,6 @@
 """Numbers, files and processes: options that make sense, values as the command writes them, files that are there whole or not at all,
 children that end with their parent."""
 
-from __future__ import annotations
-
 import argparse
 import ast
 import math

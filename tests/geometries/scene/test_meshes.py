@@ -1,8 +1,6 @@
 """Mesh files: read as triangles in the file's order, scaled, refused when damaged; converted whole or not at all. Persons as a mesh and as
 capsules. The triangles of the other shapes are compared with those of the library by tests/end_to_end."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import meshio

@@ -1,7 +1,5 @@
 """Motion files: where each frame puts the links, and how a wrong file is refused."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

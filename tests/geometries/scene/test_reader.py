@@ -1,7 +1,5 @@
 """Scene files: what is read, the canonical text that is written and whose hash is the identity, and how a refusal names file, line, key and reason; each key is spoiled in turn by tests/bad_input."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Families and machines: each family puts its target where it says, and no machine around it touches anything."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

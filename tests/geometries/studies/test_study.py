@@ -1,7 +1,5 @@
 """Study files and their page, geometries/STUDY.md: expansion into cases, their identities, the studies that come with the project, and what is refused."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """The netlist of a Maxwell matrix is the circuit that the matrix describes: ngspice finds the voltages and charges of the elimination."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Experiment VII: which set-ups there are, what follows from the answers, and that the field solver's records agree."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import combinations
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Boundary elements beside the field solver: what agrees, what both prove together, what is refused, and that it is kept."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """The parts of the model's error: path integrals against closed forms and another quadrature, sums that come out, set-ups and pages."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections import Counter

@@ -1,7 +1,5 @@
 """The thesis' experiments, from the answers of a study to the section of its report."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Experiment VIII: which set-ups there are, that stored truths and checks hold, and what page and command tell."""
 
-from __future__ import annotations
-
 import re
 from collections import Counter
 

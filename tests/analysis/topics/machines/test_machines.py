@@ -1,7 +1,5 @@
 """Set-ups on machines: which there are, the parts of the model's error, and true changes that boundary elements and the field solver agree on."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

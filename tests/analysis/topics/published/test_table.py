@@ -1,7 +1,5 @@
 """The published table: what it promises of every row, and rows solved anew."""
 
-from __future__ import annotations
-
 import random
 from collections import Counter
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Run time against error of everything that answers: what is measured, what becomes of it, where it is shown."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

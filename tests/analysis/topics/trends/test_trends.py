@@ -1,8 +1,6 @@
 """The trends of a study's nights: what a night appends, the page, `diff`, and the commit of a change. What is marked in the values of
 many commits: a change beyond errors, a drift, more instructions; and what is held back."""
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """The verification: rows kept under their keys, errors against truths, orders, and the chapter told."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
