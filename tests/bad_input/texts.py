@@ -73,29 +73,19 @@ def _extremes() -> list[Case]:
         from_text("a chain of 1000 links", links + WHOLE, None),
         from_text(
             "a cycle of 1000 links",
-            links.replace("\n", '\nparent = "l999"\n', 2).replace(
-                '[[link]]\nparent = "l999"\n', "[[link]]\n", 1
-            )
-            + WHOLE,
+            links.replace('name = "l0"\n', 'name = "l0"\nparent = "l999"\n') + WHOLE,
             "parent",
         ),
         from_text("a million segments of a sphere", SENSOR + body('type = "sphere", radius = 0.1, segments = 1000000'), "segments"),
         from_text("the most segments of all", SENSOR + body(f'type = "cylinder", radius = 0.1, height = 1, segments = {2**31 - 1}'), "segments"),
         from_text(
             "more segments than that",
-            SENSOR
-            + body(
-                f'type = "arc", inner_radius = 1, outer_radius = 2, height = 1, degrees = 9, segments = {2**40}'
-            ),
+            SENSOR + body(f'type = "arc", inner_radius = 1, outer_radius = 2, height = 1, degrees = 9, segments = {2**40}'),
             "segments",
         ),
         from_text(
             "objects by the hundred",
-            SENSOR
-            + "".join(
-                body(CUBE, f"translation = [0, 0, {k}]").replace('"body"', f'"body {k}"')
-                for k in range(1, 201)
-            ),
+            SENSOR + "".join(body(CUBE, f"translation = [0, 0, {k}]").replace('"body"', f'"body {k}"') for k in range(1, 201)),
             None,
         ),
     ]  # fmt: skip

@@ -70,12 +70,7 @@ def robot_in(folder: Path, text: str = ROBOT) -> Path:
 def fringe_import(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     """Runs the command with these arguments."""
     # tests/clean/run lets valgrind watch.
-    command = [
-        *os.environ.get("FRINGE_WATCHED_BY", "").split(),
-        FRINGE,
-        "import",
-        *arguments,
-    ]
+    command = [*os.environ.get("FRINGE_WATCHED_BY", "").split(), FRINGE, "import", *arguments]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
 
 

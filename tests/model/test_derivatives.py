@@ -165,16 +165,8 @@ def test_a_ball_feels_no_torque_about_its_centre_within_the_error(module: Any, m
 
 @pytest.mark.night
 def test_the_reduced_method_knows_them_without_marked_targets_and_beside_round_bodies(module: Any) -> None:
-    ball = '{ type = "sphere", radius = 0.03, segments = 12 }'
-    text = (
-        MACHINE[: MACHINE.index("[[object]]")]
-        + f"""
-[[object]]
-name = "ball"
-link = "hand"
-shape = {ball}
-"""
-    )
+    bare = MACHINE[: MACHINE.index("[[object]]")]
+    text = bare + scenes.body("ball", "sphere", radius=0.03, segments=12, link="hand")
     marked, unmarked = (module.Scene.loads(text + more) for more in ("target = true", ""))
     expected = marked.readings("boundary-elements", rtol=5e-3, derivatives=True)["front"].derivatives["hand"]
     for scene in (marked, unmarked):

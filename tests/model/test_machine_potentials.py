@@ -6,19 +6,12 @@ from numpy.typing import NDArray
 
 import fringe
 
+from tests import scenes
+
 RADIUS = 0.1
-BALL = f"""
-[[object]]
-name = "ball"
-shape = {{ type = "sphere", radius = {RADIUS}, segments = 40 }}
-potential = "electrode"
-"""
-READ = """
-[[reading]]
-name = "own"
-sense = "NAME"
-drive = ["NAME"]
-"""
+BALL = scenes.body("ball", "sphere", radius=RADIUS, segments=40, potential="electrode") + scenes.table(
+    "reading", name="own", sense="ball", drive=["ball"]
+)
 WITHIN = 1e-2
 """The ball is a polyhedron within it."""
 
@@ -38,7 +31,7 @@ def images(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64
 
 
 def test_a_driven_ball_has_the_potential_of_a_charge_at_its_centre() -> None:
-    scene = fringe.Scene.loads(BALL + READ.replace("NAME", "ball"))
+    scene = fringe.Scene.loads(BALL)
     machine = scene.machine_potentials(rtol=5e-3)
     points = around(300, 1.05 * RADIUS, 20 * RADIUS)
     loads = machine.at(points)
@@ -61,7 +54,7 @@ def test_close_to_a_surface_the_potential_is_the_sum_over_its_panels(sensor_befo
 
 
 def test_potentials_do_not_depend_on_the_order_of_the_points() -> None:
-    machine = fringe.Scene.loads(BALL + READ.replace("NAME", "ball")).machine_potentials()
+    machine = fringe.Scene.loads(BALL).machine_potentials()
     points = around(500, 1.02 * RADIUS, 5 * RADIUS)
     order = np.random.default_rng(2).permutation(len(points))
     whole = machine.at(points)
@@ -73,7 +66,7 @@ def test_potentials_do_not_depend_on_the_order_of_the_points() -> None:
 
 def test_a_body_before_a_ball_changes_it_as_the_images_say() -> None:
     """The body is three points that carry charges as small balls do."""
-    machine = fringe.Scene.loads(BALL + READ.replace("NAME", "ball")).machine_potentials(rtol=5e-3)
+    machine = fringe.Scene.loads(BALL).machine_potentials(rtol=5e-3)
     points = np.array([[0.0, 0.0, 0.0], [0.02, 0.0, 0.0], [0.0, 0.03, 0.01]])
     own = np.full((3, 3), 0.0)
     np.fill_diagonal(own, 1 / 0.004)
@@ -97,7 +90,7 @@ def test_a_body_before_a_ball_changes_it_as_the_images_say() -> None:
 
 
 def test_a_body_within_the_machine_does_not_clear_it_and_wrong_sizes_are_refused() -> None:
-    machine = fringe.Scene.loads(BALL + READ.replace("NAME", "ball")).machine_potentials()
+    machine = fringe.Scene.loads(BALL).machine_potentials()
     answers = machine.answers(around(300, 1.01 * RADIUS, 2 * RADIUS))
     one, turn = np.zeros((1, 3)), np.eye(3)[None]
     found, clears = machine.changes(one, [[1 / 0.02]], turn, [[RADIUS + 0.001, 0, 0]], answers)

@@ -9,13 +9,7 @@ from fem_reference.bodies.conductors import Conductors, scaled
 from fem_reference.bodies.shapes import Body, Cuboid
 from fem_reference.mesh.sizing import Sizing
 from fem_reference.mesh.tagged_mesh import FIRST_BODY, NEAR_EDGE, OUTER_RADIUS, TaggedMesh, tagged_mesh
-from fem_reference.solve.field_problem import (
-    Charges,
-    FieldProblem,
-    charges,
-    with_floating,
-    without_floating,
-)
+from fem_reference.solve.field_problem import Charges, FieldProblem, charges, with_floating, without_floating
 from geometries.scene.poses import AxisRotation
 from tests.fem_reference.problems import conductors_of, plate
 

@@ -63,9 +63,7 @@ def test_the_formula_is_within_the_asked_errors_where_it_was_not_fitted_and_in_e
     assert all(errors["rms"] <= MOST_RMS for errors in formula["families"].values())
 
 
-def test_the_reduced_method_is_within_the_asked_errors_where_it_says_so(
-    found: list[Document],
-) -> None:
+def test_the_reduced_method_is_within_the_asked_errors_where_it_says_so(found: list[Document]) -> None:
     assert set_ups.errors(found, "reduced")["worst"] <= REDUCED_WORST_NEAR
     worse = [case["scene"] for case in found if abs(set_ups.off(case, "reduced")) > REDUCED_WORST]
     assert len(worse) <= 0.02 * len(found)
