@@ -64,6 +64,18 @@ inline Object box(const std::string& name, const Eigen::Vector3d& low, const Eig
   return object(name, Cuboid{size.x(), size.y(), size.z()}, centre, role);
 }
 
+inline Object target(Object object) {
+  object.target = true;
+  return object;
+}
+
+/// Returns an object or a sensor on a link, which is given by its number.
+template <typename Part>
+Part on_link(std::size_t link, Part part) {
+  part.link = link;
+  return part;
+}
+
 /// Returns a sensor "front" of one plate, and objects.
 inline Scene scene_of(const Rectangle& plate, const std::vector<Object>& objects) {
   Scene scene;
@@ -95,21 +107,18 @@ inline Scene hand_above_sensors(double scale = 1) {
                    sensor("right", {plate(0.01, -0.05, 0.04), plate(0.01, 0.01, 0.04)})};
   Eigen::Isometry3d turned = at(0.02 * scale, 0.01 * scale, 0.05 * scale);
   turned.rotate(Eigen::AngleAxisd(0.4, Eigen::Vector3d(1, 2, 0.5).normalized()));
-  scene.objects = {object("box", Cuboid{0.04 * scale, 0.06 * scale, 0.02 * scale}, turned),
+  scene.objects = {on_link(0, object("box", Cuboid{0.04 * scale, 0.06 * scale, 0.02 * scale}, turned)),
                    object("plate", Plate{0.08 * scale, 0.05 * scale}, at(-0.05 * scale, 0, -0.02 * scale))};
-  scene.objects[0].link = 0;
   return scene;
 }
 
 /// Returns a sensor of 6 cm by 8 cm before a housing, and on the link "hand" the target, a hand that is `gap`
 /// above the sensor.
 inline Scene hand_before_housing(double gap) {
-  Scene scene =
-      scene_of(rectangle(0.06, 0.08, 0), {object("housing", Cuboid{0.2, 0.12, 0.05}, at(0, 0, -0.028)),
-                                          object("hand", Cuboid{0.05, 0.09, 0.02}, at(0, 0, 0))});
+  Scene scene = scene_of(rectangle(0.06, 0.08, 0),
+                         {object("housing", Cuboid{0.2, 0.12, 0.05}, at(0, 0, -0.028)),
+                          on_link(0, target(object("hand", Cuboid{0.05, 0.09, 0.02}, at(0, 0, 0))))});
   scene.links = {{"hand", {}, at(0, 0, gap + 0.01)}};
-  scene.objects[1].link = 0;
-  scene.objects[1].target = true;
   return scene;
 }
 

@@ -21,8 +21,8 @@ namespace {
 using test::at;
 using test::box;
 using test::object;
-using test::sensor;
 using test::square;
+using test::target;
 
 constexpr double unit = 4 * std::numbers::pi * vacuum_permittivity;
 
@@ -76,8 +76,7 @@ TEST(Insulators, BallsOfFewSegmentsChangeABallAsRoundOnesDoWithinTheirErrors) {
                            Ball{at(0.0185, 0.0185, 0.0185), 30, 0.011498724334794083, 0.3}}) {
     Scene scene;
     scene.objects = {object("ball", Sphere{0.01, 8}, at(0, 0, 0), Electrode{}),
-                     object("glass", Sphere{0.02, 8}, ball.pose, Dielectric{ball.permittivity})};
-    scene.objects[1].target = true;
+                     target(object("glass", Sphere{0.02, 8}, ball.pose, Dielectric{ball.permittivity}))};
     scene.readings = {{"ball", "ball", {"ball"}}};
     const Estimate change = maxwell(scene, {.rtol = rtol}).readings.at(0).change;
     const double truth = (ball.series - 0.01) * unit;
@@ -133,9 +132,7 @@ TEST(InsulatorsAtLength, ADiscInAWetFilmHasTheCapacitanceOfConfocalLayers) {
 
 /// Returns a square sensor of 10 cm below a grounded box, with other bodies.
 Scene below_a_box(const std::vector<Object>& others) {
-  Scene scene;
-  scene.sensors = {sensor("front", {square(0.1, 0)})};
-  scene.objects = others;
+  Scene scene = test::scene_of(square(0.1, 0), others);
   scene.objects.push_back(box("hand", {-5, -5, 3}, {5, 5, 6}));
   return scene;
 }
@@ -150,12 +147,10 @@ TEST(Insulators, ALayerOfTheMediumOnASensorChangesNothing) {
 
 TEST(Insulators, AMachineOfManyTrianglesBesideACoveredSensorIsSimplified) {
   constexpr int segments = 80;
-  Scene scene;
-  scene.sensors = {sensor("front", {square(0.06, 0.16)})};
-  scene.objects = {object("machine", Sphere{0.15, segments}, at(0, 0, 0)),
-                   box("cover", {-3, -3, 16}, {3, 3, 16.2}, Dielectric{3}),
-                   box("hand", {-2.5, -4, 21}, {2.5, 4, 23})};
-  scene.objects.back().target = true;
+  const Scene scene =
+      test::scene_of(square(0.06, 0.16), {object("machine", Sphere{0.15, segments}, at(0, 0, 0)),
+                                          box("cover", {-3, -3, 16}, {3, 3, 16.2}, Dielectric{3}),
+                                          target(box("hand", {-2.5, -4, 21}, {2.5, 4, 23}))});
   const MaxwellMatrix found = maxwell(scene, {.rtol = 0.03});
   EXPECT_TRUE(found.reached);
   // Its triangles alone are more.
@@ -191,8 +186,7 @@ TEST(Insulators, OneBesideABodyOfManyTrianglesIsAnswered) {
 }
 
 TEST(Insulators, AnswersDoNotDependOnTheNumberOfThreads) {
-  Scene scene = below_a_box({box("glass", {-5, -5, 1.5}, {5, 5, 2.5}, Dielectric{4})});
-  scene.objects[0].target = true;
+  const Scene scene = below_a_box({target(box("glass", {-5, -5, 1.5}, {5, 5, 2.5}, Dielectric{4}))});
   // So many panels that their equations are solved by iteration.
   const MaxwellMatrix one = maxwell(scene, {.rtol = 1e-3, .most_unknowns = 1300, .threads = 1});
   const MaxwellMatrix three = maxwell(scene, {.rtol = 1e-3, .most_unknowns = 1300, .threads = 3});
@@ -204,8 +198,8 @@ TEST(Insulators, AnswersDoNotDependOnTheNumberOfThreads) {
 TEST(Insulators, ASlabCloseToASensorIsWithinItsErrorHoweverCoarseThePanels) {
   // In the first panels, the errors by charges and by potentials along the slab nearly cancel. Field solver:
   // 0.118269 ± 0.000116 pF.
-  Scene scene = test::scene_of(square(0.08, 0), {box("glass", {-5, -5, 0.8}, {5, 5, 1.2}, Dielectric{4})});
-  scene.objects[0].target = true;
+  const Scene scene =
+      test::scene_of(square(0.08, 0), {target(box("glass", {-5, -5, 0.8}, {5, 5, 1.2}, Dielectric{4}))});
   for (const double rtol : {0.3, 0.2, 0.1, 0.05}) {
     const MaxwellMatrix found = maxwell(scene, {.rtol = rtol});
     EXPECT_TRUE(found.reached) << rtol;
@@ -293,8 +287,7 @@ TEST(Insulators, OneFarAwayLeavesTheErrorOfLongTrianglesAsItIs) {
 
 /// Holds what a body of very high permittivity changes against what it changes as a floating conductor.
 void expect_like_a_floating_conductor(const Object& body, double permittivity) {
-  Scene scene = test::scene_of(square(0.1, 0), {body});
-  scene.objects[0].target = true;
+  Scene scene = test::scene_of(square(0.1, 0), {target(body)});
   scene.objects[0].role = Floating{};
   const MaxwellMatrix floating = maxwell(scene, loose);
   scene.objects[0].role = Dielectric{permittivity};
@@ -314,10 +307,8 @@ TEST(Insulators, OneOfVeryHighPermittivityIsAFloatingConductor) {
 
 TEST(Insulators, WhatARoundOneChangesIsReachedAsIsTheCapacitanceOfThePlate) {
   // Its panels follow the shape, and the plate, whose charge the change follows too, is refined with them.
-  Scene scene = test::scene_of(square(0.06, 0),
-                               {object("tin", Cylinder{0.05, 0.03, 48}, at(0, 0, 0.12), Dielectric{3})});
-  scene.objects[0].target = true;
-  const MaxwellMatrix found = maxwell(scene, loose);
+  const Object tin = object("tin", Cylinder{0.05, 0.03, 48}, at(0, 0, 0.12), Dielectric{3});
+  const MaxwellMatrix found = maxwell(test::scene_of(square(0.06, 0), {target(tin)}), loose);
   EXPECT_TRUE(found.reached);
   // Of a square plate by itself (HierBEM), over its side.
   const Estimate& plate = found.readings[0].background;

@@ -20,13 +20,9 @@ namespace {
 using test::at;
 using test::box;
 using test::object;
+using test::target;
 
 constexpr double rtol = 1e-3;
-
-Object target(Object object) {
-  object.target = true;
-  return object;
-}
 
 /// Returns a square sensor of 3 cm before a housing, with a guard between them, and a hand before it.
 Scene machine(const ElectricalRole& hand = Grounded{}) {
@@ -174,10 +170,9 @@ TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(0, 1);
   for (int scene_number = 0; scene_number < 10; ++scene_number) {
-    Scene scene;
-    scene.sensors = {test::sensor("front", {test::square(0.03, 0)})};
     const double z = 1 + 3 * uniform(random), x = 3 * uniform(random), half = 0.5 + uniform(random);
-    scene.objects = {box("housing", {-4, -4, -5}, {4, 4, -1 - 2 * uniform(random)})};
+    const Scene scene = test::scene_of(test::square(0.03, 0),
+                                       {box("housing", {-4, -4, -5}, {4, 4, -1 - 2 * uniform(random)})});
     const auto change = [&](const ElectricalRole& role, double size) {
       Scene with = scene;
       with.objects.push_back(target(box("hand", {x - size, -size, z}, {x + size, size, z + size}, role)));
@@ -195,10 +190,9 @@ TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
 }
 
 TEST(Readings, BeforeAWallForWhichTheMostFunctionsAreTooFewReachWhatIsAskedFor) {
-  Scene scene;
-  scene.sensors = {test::sensor("front", {{{-0.05, -0.04, 0}, {0.1, 0, 0}, {0, 0.08, 0}}})};
-  scene.objects = {target(object("wall", Plate{2, 2}, at(0, 0, 0.06))),
-                   box("housing", {-6, -5, -5}, {6, 5, -1})};
+  const Scene scene =
+      test::scene_of(test::rectangle(0.1, 0.08, 0), {target(object("wall", Plate{2, 2}, at(0, 0, 0.06))),
+                                                     box("housing", {-6, -5, -5}, {6, 5, -1})});
   const MaxwellMatrix answer = maxwell(scene, {.rtol = 5e-2});
   EXPECT_TRUE(answer.reached);
   // The field solver, to 1e-3.

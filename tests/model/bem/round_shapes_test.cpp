@@ -142,8 +142,7 @@ TEST(RoundShapes, TheErrorOfAChangeContainsTheRoundTarget) {
   // Capacitances over 4πε in units of the radius (gap of one radius): 1.1462874419 − 1.
   Scene scene;
   scene.objects = {object("driven", Sphere{0.01, 20}, at(0, 0, 0), Electrode{}),
-                   object("target", Sphere{0.01, 20}, at(0, 0, 0.03))};
-  scene.objects[1].target = true;
+                   test::target(object("target", Sphere{0.01, 20}, at(0, 0, 0.03)))};
   scene.readings = {{"self", "driven", {"driven"}}};
   const MaxwellMatrix found = maxwell(scene, {.rtol = 5e-3});
   const double exact = 0.1462874419 * 0.01 * unit;
@@ -154,9 +153,8 @@ TEST(RoundShapes, TheErrorOfAChangeContainsTheRoundTarget) {
 
 TEST(RoundShapes, TheErrorOfTheChangeByAFlatConeContainsTheRoundOne) {
   // At a sharp rim, Hadamard's formula finds half of what the facets of the polyhedron cost.
-  Scene scene =
-      test::scene_of(test::square(0.08, 0), {object("cone", Cone{0.0333, 0.0108, 12}, at(0, 0, 0.1))});
-  scene.objects[0].target = true;
+  const Object cone = object("cone", Cone{0.0333, 0.0108, 12}, at(0, 0, 0.1));
+  const Scene scene = test::scene_of(test::square(0.08, 0), {test::target(cone)});
   const MaxwellMatrix found = maxwell(scene, {.rtol = 3e-2});
   ASSERT_EQ(found.readings.size(), 1U);
   // The field solver on the round cone, in pF, to 1e-3.

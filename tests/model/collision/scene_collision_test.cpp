@@ -103,9 +103,8 @@ TEST(Collide, FindsObjectsInsideAClosedMesh) {
 Scene three_cubes() {
   Scene scene;
   scene.links = {{"left", std::nullopt}, {"right", std::nullopt}};
-  scene.objects = {object("a", cube), object("b", cube), object("c", cube)};
-  scene.objects[0].link = 0;
-  scene.objects[1].link = 1;
+  scene.objects = {test::on_link(0, object("a", cube)), test::on_link(1, object("b", cube)),
+                   object("c", cube)};
   return scene;
 }
 
@@ -171,8 +170,7 @@ const Shape without_pieces = Arc{1.2, 1, 1, 90, 3};
 TEST(CollisionDetector, DividesAnObjectIntoPiecesOnlyWhenABoxMeetsItsOwn) {
   Scene scene;
   scene.links = {{"arm", std::nullopt, at(9, 0, 0)}};
-  scene.objects = {object("a", cube), object("b", without_pieces)};
-  scene.objects[0].link = 0;
+  scene.objects = {test::on_link(0, object("a", cube)), object("b", without_pieces)};
   CollisionDetector detector(scene);
   EXPECT_THAT(detector.collide().marked, IsEmpty());
   detector.set_pose("arm", at(1, 0, 0));
@@ -262,10 +260,9 @@ TEST(CollisionDetector, AgreesWithAllPairsOfTrianglesWhileLinksMove) {
       parent = test::below(random, i);
     scene.links.push_back({"link " + std::to_string(i), parent, random.rigid_motion()});
     for (std::size_t k = 0; k < objects_per_link; ++k) {
+      const std::string name = std::to_string(i) + "," + std::to_string(k);
       const Isometry3d pose = random.rigid_motion();
-      scene.objects.push_back(
-          object(std::to_string(i) + "," + std::to_string(k), any_flat_shape(random), pose));
-      scene.objects.back().link = i;
+      scene.objects.push_back(test::on_link(i, object(name, any_flat_shape(random), pose)));
     }
   }
   CollisionDetector detector(scene);

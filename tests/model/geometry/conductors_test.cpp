@@ -13,9 +13,8 @@ using Eigen::Vector3d;
 Scene scene() {
   Scene scene;
   scene.links = {{"table", std::nullopt, test::at(0, 0, 10)}};
-  scene.objects = {test::object("target", Plate{2, 2}, test::at(5, 0, 0))};
-  scene.sensors = {test::sensor("front", {{{0, 0, 1}, {1, 0, 0}, {0, 2, 0}}})};
-  scene.objects[0].link = scene.sensors[0].link = 0;
+  scene.objects = {test::on_link(0, test::object("target", Plate{2, 2}, test::at(5, 0, 0)))};
+  scene.sensors = {test::on_link(0, test::sensor("front", {{{0, 0, 1}, {1, 0, 0}, {0, 2, 0}}}))};
   return scene;
 }
 

@@ -18,6 +18,8 @@ namespace {
 
 using test::at;
 using test::object;
+using test::on_link;
+using test::target;
 
 /// Part of the true change by which answers of a rough preparation may be off in these scenes; boundary
 /// elements are asked for a third of it.
@@ -29,11 +31,9 @@ Scene machine(double gap, const ElectricalRole& role = Grounded{}) {
   Scene scene;
   scene.links = {{"hand", {}, at(0, 0, 0)}, {"body", {}, at(0, 0, 0)}};
   scene.sensors = {test::sensor("left", {plate(-0.035)}), test::sensor("right", {plate(0.035)})};
-  scene.objects = {object("housing", Cuboid{0.2, 0.12, 0.05}, at(0, 0, -0.028)),
-                   object("hand", Cuboid{0.05, 0.09, 0.02}, at(0.01, 0.005, gap + 0.01), role)};
-  scene.objects[0].link = 1;
-  scene.objects[1].link = 0;
-  scene.objects[1].target = true;
+  const Object hand = object("hand", Cuboid{0.05, 0.09, 0.02}, at(0.01, 0.005, gap + 0.01), role);
+  scene.objects = {on_link(1, object("housing", Cuboid{0.2, 0.12, 0.05}, at(0, 0, -0.028))),
+                   on_link(0, target(hand))};
   scene.readings = {{"self", "left", {"left"}},
                     {"guarded", "left", {"left", "right"}},
                     {"to", "left", {"right"}},
@@ -84,8 +84,7 @@ TEST(ArticulatedModel, KnowsFloatingTargetsAndThoseConnectedThroughACapacitance)
 
 TEST(ArticulatedModel, KnowsTargetsOfSeveralBodiesAndFloatingMachines) {
   Scene scene = machine(0.03);
-  scene.objects.push_back(object("arm", Cylinder{0.02, 0.2, 12}, at(0.01, 0.005, 0.14)));
-  scene.objects.back().target = true;
+  scene.objects.push_back(target(object("arm", Cylinder{0.02, 0.2, 12}, at(0.01, 0.005, 0.14))));
   scene.objects.push_back(object("shield", Plate{0.1, 0.03}, at(0, 0.09, 0.02), Floating{}));
   expect_near_truth(with_one_reading(scene));
 }
@@ -184,9 +183,7 @@ TEST(ArticulatedModel, FollowsAMachineAndTargetsThatMoveAtOnce) {
   // The hand has a second body on a link of its own.
   Scene scene = with_one_reading(machine(0.03));
   scene.links.push_back({"thumb", {}, at(0, 0, 0)});
-  scene.objects.push_back(object("thumb", Cuboid{0.02, 0.03, 0.02}, at(-0.06, 0, 0.05)));
-  scene.objects.back().link = 2;
-  scene.objects.back().target = true;
+  scene.objects.push_back(on_link(2, target(object("thumb", Cuboid{0.02, 0.03, 0.02}, at(-0.06, 0, 0.05)))));
   test::Surrounded live(scene);
   live.answers();
   live.set_pose("body", at(0, 0, -0.02));
@@ -210,13 +207,10 @@ TEST(ArticulatedModel, IsInfiniteWhereAGroundedTargetTouchesWhatIsSensedOrDriven
 
 /// A sensor of 10 cm × 8 cm before a housing, and a target on a link of its own.
 Scene before_a_target(const Shape& shape, double height) {
-  Scene scene;
-  scene.sensors = {test::sensor("front", {test::rectangle(0.1, 0.08, 0)})};
+  Scene scene = test::scene_of(test::rectangle(0.1, 0.08, 0),
+                               {object("housing", Cuboid{0.12, 0.1, 0.04}, at(0, 0, -0.03)),
+                                on_link(0, target(object("target", shape, at(0, 0, height))))});
   scene.links = {{"hand", {}, at(0, 0, 0)}};
-  scene.objects = {object("housing", Cuboid{0.12, 0.1, 0.04}, at(0, 0, -0.03)),
-                   object("target", shape, at(0, 0, height))};
-  scene.objects[1].link = 0;
-  scene.objects[1].target = true;
   return scene;
 }
 
@@ -259,9 +253,7 @@ TEST(ArticulatedModel, StatesWhatTheFacetsOfRoundBodiesCost) {
     SCOPED_TRACE(segments);
     Scene scene;
     scene.objects = {object("sensed", Sphere{radius, segments}, at(0, 0, 0), Electrode{}),
-                     object("near", Sphere{radius, segments}, at(0, 0, 2.5 * radius))};
-    scene.objects[0].target = false;
-    scene.objects[1].target = true;
+                     target(object("near", Sphere{radius, segments}, at(0, 0, 2.5 * radius)))};
     scene.readings = {{"self", "sensed", {"sensed"}}};
     for (const std::optional<double> rtol : {std::optional<double>(), std::optional(1e-2)}) {
       const Estimate found = change_of(scene, rtol);

@@ -18,6 +18,8 @@ namespace {
 
 using test::at;
 using test::expect_agreement;
+using test::object;
+using test::on_link;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
@@ -28,12 +30,6 @@ Eigen::Isometry3d turned(double degrees, const Eigen::Vector3d& place) {
   return pose_from_axis({0, 1, 0}, degrees, place);
 }
 
-Object part_of(const std::string& name, std::size_t link, const Shape& shape, const Eigen::Isometry3d& pose) {
-  Object part = test::object(name, shape, pose);
-  part.link = link;
-  return part;
-}
-
 /// A foot, an upper arm and a forearm that overlap in two joints, sensors on the arms, and a hand.
 Scene arm() {
   Scene scene;
@@ -41,14 +37,13 @@ Scene arm() {
                  {"upper arm", 0, at(0, 0, 0.08)},
                  {"forearm", 1, at(0, 0, 0.2)},
                  {"hand", std::nullopt, at(0.2, 0, 0.3)}};
-  scene.objects = {part_of("foot", 0, Cuboid{0.16, 0.16, 0.1}, at(0, 0, 0.05)),
-                   part_of("upper arm", 1, Cuboid{0.06, 0.06, 0.24}, at(0, 0, 0.1)),
-                   part_of("forearm", 2, Cuboid{0.05, 0.05, 0.2}, at(0, 0, 0.09)),
-                   part_of("hand", 3, Cuboid{0.03, 0.09, 0.1}, at(0, 0, 0))};
-  scene.objects.back().target = true;
+  scene.objects = {on_link(0, object("foot", Cuboid{0.16, 0.16, 0.1}, at(0, 0, 0.05))),
+                   on_link(1, object("upper arm", Cuboid{0.06, 0.06, 0.24}, at(0, 0, 0.1))),
+                   on_link(2, object("forearm", Cuboid{0.05, 0.05, 0.2}, at(0, 0, 0.09))),
+                   on_link(3, test::target(object("hand", Cuboid{0.03, 0.09, 0.1}, at(0, 0, 0))))};
   const auto add = [&](const std::string& name, std::size_t link, double x, double z) {
-    scene.sensors.push_back(test::sensor(name, {{{x, -0.025, z}, {0, 0.05, 0}, {0, 0, 0.08}}}));
-    scene.sensors.back().link = link;
+    const Rectangle plate{{x, -0.025, z}, {0, 0.05, 0}, {0, 0, 0.08}};
+    scene.sensors.push_back(on_link(link, test::sensor(name, {plate})));
   };
   add("above", 2, 0.035, 0.08);
   add("below", 1, 0.04, 0.07);
@@ -169,8 +164,8 @@ TEST(LinkedMachine, KnowsConductorsThatFloat) {
   Scene scene = arm();
   scene.sensors.pop_back();
   scene.readings.resize(1);
-  scene.objects.push_back(part_of("shield", 2, Cuboid{0.002, 0.05, 0.05}, at(0.07, 0.04, 0.12)));
-  scene.objects.back().role = Floating{};
+  scene.objects.push_back(
+      on_link(2, object("shield", Cuboid{0.002, 0.05, 0.05}, at(0.07, 0.04, 0.12), Floating{})));
   scene.objects[3].role = Floating{1e-12};
   const std::vector<Frame> frames = motion(scene, 2);
   test::Surrounded live(scene);

@@ -37,11 +37,8 @@ double truth(const PoseOfMachine& pose) {
   Scene scene = sensor_alone();
   scene.links = {{"sensor", {}, pose.links[0]}, {"housing", {}, pose.links[1]}, {"hand", {}, pose.target}};
   scene.sensors[0].link = 0;
-  scene.objects = {test::object("housing", housing, test::at(0, 0, 0)),
-                   test::object("hand", hand, test::at(0, 0, 0))};
-  scene.objects[0].link = 1;
-  scene.objects[1].link = 2;
-  scene.objects[1].target = true;
+  scene.objects = {test::on_link(1, test::object("housing", housing, test::at(0, 0, 0))),
+                   test::on_link(2, test::target(test::object("hand", hand, test::at(0, 0, 0))))};
   return maxwell(scene, {.rtol = 3e-3}).readings.at(0).change.value.value() /
          (4 * std::numbers::pi * vacuum_permittivity);
 }

@@ -26,8 +26,7 @@ constexpr double rtol = 0.5;
 Scene machine() {
   Scene scene = test::hand_before_housing(0.09);
   scene.links.push_back({"arm", {}, at(0.2, 0, 0)});
-  scene.objects.push_back(test::object("arm", Cuboid{0.06, 0.06, 0.1}, at(0, 0, 0)));
-  scene.objects.back().link = 1;
+  scene.objects.push_back(test::on_link(1, test::object("arm", Cuboid{0.06, 0.06, 0.1}, at(0, 0, 0))));
   return scene;
 }
 

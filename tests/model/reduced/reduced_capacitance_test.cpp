@@ -140,9 +140,8 @@ class RandomTarget {
     thickness_ = box ? cuboid.size_z : 0;
     scene_.links = {{"arm", {}, Eigen::Isometry3d::Identity()}};
     scene_.sensors = {test::sensor("front", {test::square(0.1, 0)})};
-    scene_.objects = {
-        object("target", box ? Shape(cuboid) : Shape(Plate{cuboid.size_x, cuboid.size_y}), at(0, 0, 0))};
-    scene_.objects[0].link = 0;
+    const Shape shape = box ? Shape(cuboid) : Plate{cuboid.size_x, cuboid.size_y};
+    scene_.objects = {test::on_link(0, object("target", shape, at(0, 0, 0)))};
   }
 
   /// Returns the scene in its next pose.

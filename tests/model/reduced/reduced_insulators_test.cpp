@@ -22,12 +22,10 @@ constexpr ReducedOptions quickly_prepared{.rtol = 1e-1};
 
 /// Returns a sensor of 10 cm under a layer of 2 mm, and a grounded box on the link "hand", 3 cm before it.
 Scene covered_sensor(double permittivity) {
-  Scene scene;
+  Scene scene =
+      test::scene_of(test::square(0.1, 0), {box("cover", {-5, -5, 0}, {5, 5, 0.2}, Dielectric{permittivity}),
+                                            test::on_link(0, box("hand", {-5, -5, 3}, {5, 5, 6}))});
   scene.links = {{"hand", {}, Isometry3d::Identity()}};
-  scene.sensors = {test::sensor("front", {test::square(0.1, 0)})};
-  scene.objects = {box("cover", {-5, -5, 0}, {5, 5, 0.2}, Dielectric{permittivity}),
-                   box("hand", {-5, -5, 3}, {5, 5, 6})};
-  scene.objects[1].link = 0;
   return scene;
 }
 

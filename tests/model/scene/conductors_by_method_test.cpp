@@ -163,8 +163,7 @@ TEST_P(ConductorsByMethod, OfOneNameAreAtOnePotentialWhereverTheyStand) {
 }
 
 TEST_P(ConductorsByMethod, OfElectrodesHaveARowAsGroundedOnesHaveAndTheNameThatOneObjectGives) {
-  Scene scene = above_sensor({foot, leg, box("hand", {0, 0, 4}, {4, 4, 6})});
-  scene.objects[2].target = true;
+  Scene scene = above_sensor({foot, leg, test::target(box("hand", {0, 0, 4}, {4, 4, 6}))});
   scene.objects[1].conductor = "angle";
   const MaxwellMatrix grounded = solve(scene);
   EXPECT_THAT(grounded.conductors, ElementsAre("front", "angle", "hand"));

@@ -23,11 +23,9 @@ constexpr const char* cover_name = "front cover";
 
 /// A sensor of 6 cm × 8 cm on a housing, and a target before it.
 Scene before_a_hand(double gap, const ElectricalRole& role = Grounded{}) {
-  Scene scene = test::scene_of(test::rectangle(0.06, 0.08, 0),
-                               {object("housing", Cuboid{0.08, 0.1, 0.05}, at(0, 0, -0.035)),
-                                object("hand", Cuboid{0.08, 0.09, 0.02}, at(0.01, 0.005, gap + 0.01), role)});
-  scene.objects[1].target = true;
-  return scene;
+  const Object hand = object("hand", Cuboid{0.08, 0.09, 0.02}, at(0.01, 0.005, gap + 0.01), role);
+  return test::scene_of(test::rectangle(0.06, 0.08, 0),
+                        {object("housing", Cuboid{0.08, 0.1, 0.05}, at(0, 0, -0.035)), test::target(hand)});
 }
 
 Object cover(double side_x, double side_y, double thickness, double permittivity) {

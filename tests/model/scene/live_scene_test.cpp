@@ -34,9 +34,8 @@ Scene bench() {
   scene.links = {{"arm", {}, at(0, 0, 0.05)}};
   scene.sensors = {test::sensor("sensor", {test::square(0.1, 0)})};
   scene.distance_sensors = {{"eye", 0, {0, 0, -0.02}, {0, 0, -1}, 40, 5}};
-  scene.objects = {object("hand", Cuboid{0.05, 0.04, 0.03}, at(0, 0, 0)),
+  scene.objects = {test::on_link(0, object("hand", Cuboid{0.05, 0.04, 0.03}, at(0, 0, 0))),
                    object("fixed", Plate{0.1, 0.1}, at(0.3, 0, 0))};
-  scene.objects[0].link = 0;
   return scene;
 }
 
@@ -132,8 +131,7 @@ TEST(LiveScene, RefusesAnUnknownLinkAndAnswersOn) {
 Scene scene() {
   Scene made;
   made.links = {{"arm", {}, at(0, 0, 0)}};
-  made.sensors = {test::sensor("front", {test::square(0.1, 0)})};
-  made.sensors[0].link = 0;
+  made.sensors = {test::on_link(0, test::sensor("front", {test::square(0.1, 0)}))};
   made.distance_sensors = {{"eye", 0, {0, 0, 0}, {0, 0, 1}, 40, 1}};
   made.objects = {object("ball", Sphere{0.05, 60}, at(0.02, 0, 0.2)),
                   object("box", Cuboid{0.1, 0.1, 0.02}, pose_from_axis({0, 0, 1}, 10, {0.08, 0, 0.2}))};

@@ -156,9 +156,8 @@ TEST(Remarks, NameObjectsThatShieldOthersWhereTheMethodDoesNotKnowIt) {
 TEST(SceneInfo, CountsAndMeasuresTheObjectsInTheWorld) {
   Scene scene;
   scene.links.push_back({"table", std::nullopt, pose_from_axis({0, 0, 1}, 90, {0, 0, 1})});
-  scene.objects = {object("box", Cuboid{2, 4, 6}, at(0, 0, 0)),
+  scene.objects = {test::on_link(0, object("box", Cuboid{2, 4, 6}, at(0, 0, 0))),
                    object("sheet", Plate{1, 3}, at(0, 0, 0), Floating{})};
-  scene.objects[0].link = 0;
   const SceneInfo info = scene_info(scene);
 
   EXPECT_EQ(info.links, 1U);

@@ -33,10 +33,10 @@ Sensor plate_sensor(const std::string& name, const Vector3d& corner) {
 Scene workshop() {
   Scene scene;
   scene.links = {{"arm", std::nullopt, at(0, 0, 0)}, {"hand", 0, at(0, 0, 0.1)}};
-  scene.sensors = {plate_sensor("on the arm", {-0.05, -0.05, 0.2}), plate_sensor("on the wall", {0.5, 0, 0})};
-  scene.sensors[0].link = 0;
-  scene.objects = {sphere_at("held", 0.03, {0, 0, 0.4}), sphere_at("on the floor", 0.1, {0.1, 0.1, 0.5})};
-  scene.objects[0].link = 1;
+  scene.sensors = {test::on_link(0, plate_sensor("on the arm", {-0.05, -0.05, 0.2})),
+                   plate_sensor("on the wall", {0.5, 0, 0})};
+  scene.objects = {test::on_link(1, sphere_at("held", 0.03, {0, 0, 0.4})),
+                   sphere_at("on the floor", 0.1, {0.1, 0.1, 0.5})};
   Random random(1);
   for (int i = 0; i < 20; ++i)
     scene.objects.push_back(
