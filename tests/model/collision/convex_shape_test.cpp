@@ -4,7 +4,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "collision/convex_shape_data.hpp"
 #include "collision/gjk_filter.hpp"

@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"

@@ -6,7 +6,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "fringe/error.hpp"
 #include "fringe/plate_integral.hpp"

@@ -6,7 +6,6 @@
 
 #include <Eigen/Geometry>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "fringe/error.hpp"
 #include "fringe/method.hpp"

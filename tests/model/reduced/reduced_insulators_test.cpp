@@ -1,7 +1,6 @@
 /// Tests the reduced method with dielectric bodies against boundary elements.
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
 #include "fringe/error.hpp"

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
 #include "reduced/reduced_capacitance.hpp"

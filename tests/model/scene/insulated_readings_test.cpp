@@ -3,7 +3,6 @@
 #include <utility>
 
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "fringe/capacitance.hpp"
 #include "fringe/evaluation.hpp"

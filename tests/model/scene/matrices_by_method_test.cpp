@@ -11,7 +11,6 @@
 
 #include <Eigen/Cholesky>
 #include <gmock/gmock.h>
-#include <gtest/gtest.h>
 
 #include "fringe/boundary_elements.hpp"
 #include "fringe/triangulation.hpp"
