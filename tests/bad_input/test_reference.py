@@ -89,19 +89,6 @@ def test_both_references_refuse_it(text: str, told: tuple[str, ...]) -> None:
         assert all(word in str(refusal.value) for word in told)
 
 
-def test_auto_refuses_a_cover_thicker_than_the_gap() -> None:
-    with pytest.raises(ValueError, match='"front cover" and object "hand".*thicker than the gap'):
-        model_module().Scene.loads(SENSOR + cover(0.012) + HAND).capacitance("auto")
-
-
-def test_the_reduced_method_refuses_what_touches_several_conductors() -> None:
-    text = SENSOR + HAND + glass("pad", 0, 0.005)
-    with pytest.raises(
-        ValueError, match='"pad" touches sensor "front" .* and object "hand".*boundary-elements'
-    ):
-        model_module().Scene.loads(text).capacitance(method="reduced", entries=True)
-
-
 def test_dielectric_bodies_may_overlap() -> None:
     text = SENSOR + HAND + glass("glass", 0.1) + glass("wood", 0.11)
     assert [body.name for body in conductors(loads(text)).dielectrics] == ["glass", "wood"]

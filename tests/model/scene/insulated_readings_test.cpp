@@ -88,7 +88,8 @@ TEST(LayerRule, GivesAutoMoreThanARoughPreparationWhereBoundaryElementsDoNotAnsw
 
 TEST(LayerRule, ACoverThickerThanTheGapIsRefusedByBothNames) {
   const Scene scene = covered(before_a_hand(0.003), 0.004, 3);
-  for (const EvaluationOptions& options : {by_integral, by_formula, by_boundary_elements(0.15)})
+  for (const EvaluationOptions& options :
+       {by_integral, by_formula, EvaluationOptions{.method = Auto{}}, by_boundary_elements(0.15)})
     EXPECT_THAT(refusal(scene, options),
                 AllOf(HasSubstr(cover_name), HasSubstr("hand"), HasSubstr("thicker than the gap")));
   EXPECT_EQ(refusal(covered(before_a_hand(0.003), 0.003, 3), by_formula), "accepted");
