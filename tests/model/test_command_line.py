@@ -23,13 +23,6 @@ STATING = ("reduced", "boundary-elements", "auto")
 SCENE = scenes.SENSOR + scenes.body("target", "plate", size=[0.1, 0.1], translation=[0, 0, 0.02])
 
 
-@pytest.fixture
-def touching(tmp_path: Path) -> Path:
-    path = tmp_path / "touching.toml"
-    path.write_text(SCENE.replace("0.02", "0"))
-    return path
-
-
 def test_capacitance_as_table(scene: Path) -> None:
     done = fringe_command("capacitance", scene)
     assert (done.returncode, done.stderr) == (0, "")
@@ -40,18 +33,19 @@ def test_capacitance_as_table(scene: Path) -> None:
 
 
 @pytest.mark.parametrize("method", ["exact", "formula", "auto"])
-def test_contact_is_told_in_one_way(touching: Path, method: str) -> None:
-    asked = ("capacitance", touching, "--method", method)
+def test_contact_is_told_in_one_way(scene: Path, method: str) -> None:
+    scene.write_text(SCENE.replace("0.02", "0"))
+    asked = ("capacitance", scene, "--method", method)
     document = json.loads(fringe_command(*asked, "--json").stdout)
     (reading,), (sensor,) = document["readings"], document["sensors"]
     assert (reading["change"], reading["error"]["change"]) == (math.inf, 0)
     assert (sensor["total"], sensor["contact"], sensor["voltage"]) == (math.inf, True, 0)
     table = fringe_command(*asked).stdout
     assert "sensor front (contact)" in table and table.split()[-1] == "inf"
-    touching.with_suffix(".motion.toml").write_text('[[frame]]\nname = "there"\n')
+    scene.with_suffix(".motion.toml").write_text('[[frame]]\nname = "there"\n')
     (row,) = csv.DictReader(fringe_command("sweep", *asked[1:]).stdout.splitlines())
     assert (row["change_F"], row["change_error_F"]) == ("inf", "0")
-    assert "change inf pF, by" in repr(fringe.Scene.load(touching).readings(method)["front"])
+    assert "change inf pF, by" in repr(fringe.Scene.load(scene).readings(method)["front"])
 
 
 def test_a_tolerance_is_said_and_what_it_costs(tmp_path: Path) -> None:

@@ -4,10 +4,10 @@ import json
 from pathlib import Path
 from typing import Any
 
+import fringe
 import numpy as np
 import pytest
 
-from analysis.pipeline import model_stage
 from tests import scenes
 from tests.end_to_end.importing import about
 from tests.programs import fringe_command
@@ -37,11 +37,6 @@ ARM = (
 LINKS = ("arm", "wrist", "hand")
 
 
-@pytest.fixture(name="module", scope="module")
-def fixture_module() -> Any:
-    return model_stage.model_module()
-
-
 def slope(
     scene: Any, link: str, coordinate: int, step: float, method: str, **options: Any
 ) -> dict[str, float]:
@@ -62,8 +57,8 @@ def slope(
 
 
 @pytest.mark.parametrize("method", ["exact", "exact+facing", "exact+nearest", "exact+nearest+facing"])
-def test_they_are_the_central_differences_of_the_change(module: Any, method: str) -> None:
-    scene = module.Scene.loads(ARM)
+def test_they_are_the_central_differences_of_the_change(method: str) -> None:
+    scene = fringe.Scene.loads(ARM)
     reading = scene.readings(method, derivatives=True)["front"]
     assert sorted(reading.derivatives) == sorted(LINKS)
     for link in LINKS:
@@ -72,8 +67,8 @@ def test_they_are_the_central_differences_of_the_change(module: Any, method: str
         assert reading.derivative_errors[link] is None
 
 
-def test_they_do_not_depend_on_the_tolerance_of_the_value(module: Any) -> None:
-    scene = module.Scene.loads(ARM)
+def test_they_do_not_depend_on_the_tolerance_of_the_value() -> None:
+    scene = fringe.Scene.loads(ARM)
     exact, rough = (
         scene.capacitance("exact", derivatives=True, tolerance=t)["readings"][0] for t in (0, 0.1)
     )
@@ -81,22 +76,22 @@ def test_they_do_not_depend_on_the_tolerance_of_the_value(module: Any) -> None:
         assert rough["derivatives"][link] == pytest.approx(exact["derivatives"][link], rel=1e-12)
 
 
-def test_they_follow_the_links(module: Any) -> None:
-    scene = module.Scene.loads(ARM)
+def test_they_follow_the_links() -> None:
+    scene = fringe.Scene.loads(ARM)
     scene.readings("exact", derivatives=True)
     pose = scene.pose("hand")
     for shift in (0.01, 0.02):
         scene.set_pose("hand", pose[:3, 3] + [shift, 0, 0])
         moved = scene.readings("exact", derivatives=True)["front"].derivatives
-    fresh = module.Scene.loads(ARM)
+    fresh = fringe.Scene.loads(ARM)
     fresh.set_pose("hand", pose[:3, 3] + [0.02, 0, 0])
     expected = fresh.readings("exact", derivatives=True)["front"].derivatives
     for link in LINKS:
         assert moved[link] == pytest.approx(expected[link], rel=1e-12)
 
 
-def test_they_are_not_a_number_in_contact(module: Any) -> None:
-    scene = module.Scene.loads(ARM)
+def test_they_are_not_a_number_in_contact() -> None:
+    scene = fringe.Scene.loads(ARM)
     pose = np.eye(4)
     pose[:3, :3] = scene.pose("arm")[:3, :3] @ scene.pose("wrist")[:3, :3]
     pose[:3, 3] = scene.pose("arm")[:3, :3] @ scene.pose("wrist")[:3, 3] + scene.pose("arm")[:3, 3]
@@ -108,15 +103,15 @@ def test_they_are_not_a_number_in_contact(module: Any) -> None:
     assert 'reading "front": in contact its derivatives are not known' in remarks
 
 
-def test_without_the_question_there_are_none(module: Any) -> None:
-    reading = module.Scene.loads(ARM).readings("exact")["front"]
+def test_without_the_question_there_are_none() -> None:
+    reading = fringe.Scene.loads(ARM).readings("exact")["front"]
     assert reading.derivatives == {} and reading.derivative_errors == {}
 
 
 @pytest.mark.parametrize("method", ["split:3", "gauss:4", "formula"])
-def test_methods_without_derivatives_refuse_them(module: Any, method: str) -> None:
-    scene = module.Scene.loads(ARM)
-    with pytest.raises(module.InputError, match=f"derivatives is no option of {method}: exact, reduced"):
+def test_methods_without_derivatives_refuse_them(method: str) -> None:
+    scene = fringe.Scene.loads(ARM)
+    with pytest.raises(fringe.InputError, match=f"derivatives is no option of {method}: exact, reduced"):
         scene.readings(method, derivatives=True)
 
 
@@ -134,8 +129,8 @@ MACHINE = (
 )
 
 
-def test_by_boundary_elements_they_are_those_of_accurate_changes(module: Any) -> None:
-    scene = module.Scene.loads(MACHINE)
+def test_by_boundary_elements_they_are_those_of_accurate_changes() -> None:
+    scene = fringe.Scene.loads(MACHINE)
     readings = scene.readings("boundary-elements", rtol=1e-3, derivatives=True)
     for link in ("head", "hand"):
         for coordinate, step in ((0, 2e-3), (2, 2e-3), (4, 3e-2)):
@@ -155,8 +150,8 @@ BALL = (
 
 
 @pytest.mark.parametrize("method", ["boundary-elements", "reduced"])
-def test_a_ball_feels_no_torque_about_its_centre_within_the_error(module: Any, method: str) -> None:
-    reading = module.Scene.loads(BALL).readings(method, rtol=1e-2, derivatives=True)["s"]
+def test_a_ball_feels_no_torque_about_its_centre_within_the_error(method: str) -> None:
+    reading = fringe.Scene.loads(BALL).readings(method, rtol=1e-2, derivatives=True)["s"]
     found, error = reading.derivatives["w"], reading.derivative_errors["w"]
     assert (np.abs(found[3:]) < error[3:]).all()
     # Far less than the forces at the ball's radius.
@@ -164,10 +159,10 @@ def test_a_ball_feels_no_torque_about_its_centre_within_the_error(module: Any, m
 
 
 @pytest.mark.night
-def test_the_reduced_method_knows_them_without_marked_targets_and_beside_round_bodies(module: Any) -> None:
+def test_the_reduced_method_knows_them_without_marked_targets_and_beside_round_bodies() -> None:
     bare = MACHINE[: MACHINE.index("[[object]]")]
     text = bare + scenes.body("ball", "sphere", radius=0.03, segments=12, link="hand")
-    marked, unmarked = (module.Scene.loads(text + more) for more in ("target = true", ""))
+    marked, unmarked = (fringe.Scene.loads(text + more) for more in ("target = true", ""))
     expected = marked.readings("boundary-elements", rtol=5e-3, derivatives=True)["front"].derivatives["hand"]
     for scene in (marked, unmarked):
         assert scene.readings("reduced", entries=True)["front"].derivatives == {}
@@ -188,20 +183,20 @@ TOUCHING = (
 )
 
 
-def test_they_are_not_known_between_links_that_touch(module: Any) -> None:
-    scene = module.Scene.loads(TOUCHING)
+def test_they_are_not_known_between_links_that_touch() -> None:
+    scene = fringe.Scene.loads(TOUCHING)
     reading = scene.readings("boundary-elements", rtol=0.2, derivatives=True)["front"]
     assert np.isnan(reading.derivatives["head"]).all()
     assert reading.derivatives["hand"][2] < 0
 
 
-def test_those_of_a_body_apart_do_not_wait_for_links_that_overlap(module: Any) -> None:
+def test_those_of_a_body_apart_do_not_wait_for_links_that_overlap() -> None:
     """Between two links of one potential that overlap, nodes would have to be ever closer together."""
     round_ones = TOUCHING.replace(
         'type = "box", size = [0.1, 0.1, 0.1]', 'type = "sphere", radius = 0.06, segments = 32'
     ).replace('type = "box", size = [0.1, 0.1, 0.05]', 'type = "sphere", radius = 0.05, segments = 32')
     apart, as_one = (
-        module.Scene.loads(text).readings(
+        fringe.Scene.loads(text).readings(
             "boundary-elements", rtol=0.05, derivatives=True, max_seconds=DEADLINE
         )["front"]
         for text in (round_ones, round_ones.replace('name = "base"', 'name = "base"\nlink = "head"'))
@@ -212,31 +207,31 @@ def test_those_of_a_body_apart_do_not_wait_for_links_that_overlap(module: Any) -
     )
 
 
-def test_none_are_told_of_a_change_that_the_reduced_method_cannot_find(module: Any) -> None:
+def test_none_are_told_of_a_change_that_the_reduced_method_cannot_find() -> None:
     # At this accuracy the charges of links that touch lie in each other, and their equations have no solution.
-    reading = module.Scene.loads(TOUCHING).readings("reduced", rtol=0.2, derivatives=True)["front"]
+    reading = fringe.Scene.loads(TOUCHING).readings("reduced", rtol=0.2, derivatives=True)["front"]
     assert reading.change is None and not reading.derivatives
 
 
-def test_the_command_prints_them(module: Any, tmp_path: Path) -> None:
+def test_the_command_prints_them(tmp_path: Path) -> None:
     (tmp_path / "arm.toml").write_text(ARM)
     words = ("capacitance", tmp_path / "arm.toml", "--derivatives")
     table, document = (fringe_command(*words, *more).stdout for more in ((), ("--json",)))
     described = json.loads(document)["readings"][0]
-    expected = module.Scene.loads(ARM).readings("exact", derivatives=True)["front"].derivatives
+    expected = fringe.Scene.loads(ARM).readings("exact", derivatives=True)["front"].derivatives
     for link in LINKS:
         assert described["derivatives"][link] == list(expected[link])
         assert described["derivative_errors"][link] is None
     assert [line.split()[1] for line in table.split("Derivatives")[1].splitlines()[1:]] == list(LINKS)
 
 
-def test_those_of_single_triangles(module: Any) -> None:
+def test_those_of_single_triangles() -> None:
     triangle = np.array([[0.2, 0.2, 0.1], [0.8, 0.2, 0.1], [0.2, 0.6, 0.1]])
-    found = module.plate_integral_derivatives([triangle], [0, 0, 0], [1, 0, 0], [0, 0.8, 0])
+    found = fringe.plate_integral_derivatives([triangle], [0, 0, 0], [1, 0, 0], [0, 0.8, 0])
     assert found.shape == (1, 6)
     force = np.array([0, 0, -0.12 / 0.01])
     assert found[0] == pytest.approx([*force, *np.cross(triangle.mean(axis=0), force)], rel=1e-12)
-    with pytest.raises(module.InputError, match="triangle 0: vertex 1 is not finite"):
-        module.plate_integral_derivatives(
+    with pytest.raises(fringe.InputError, match="triangle 0: vertex 1 is not finite"):
+        fringe.plate_integral_derivatives(
             [triangle * [[1], [np.inf], [1]]], [0, 0, 0], [1, 0, 0], [0, 0.8, 0]
         )

@@ -14,14 +14,10 @@ from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, 
 from geometries.scene.shapes import PlateShape, Sphere
 from geometries.scene.writer import canonical, identity
 from geometries.studies import families
+from tests import scenes
 from tests.geometries.schemas import WHOLE
 
-PLATE = "{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = [0, 0.1, 0] }"
-SENSOR = f'[[sensor]]\nname = "s"\nplates = [{PLATE}]\n'
-
-
-def object_with(lines: str, name: str = "o") -> str:
-    return f'[[object]]\nname = "{name}"\n{lines}\n'
+SENSOR = scenes.sensor("s", [[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0]])
 
 
 def test_everything_that_a_scene_may_hold_is_read() -> None:
@@ -58,18 +54,10 @@ def test_everything_that_a_scene_may_hold_is_read() -> None:
 
 
 def test_what_is_left_out_takes_the_defaults_of_the_format() -> None:
-    scene = reader.loads(SENSOR + object_with('shape = { type = "plane", size = [1, 1] }'))
+    scene = reader.loads(SENSOR + scenes.body("o", "plane", size=[1, 1]))
     assert scene.medium.relative_permittivity == 1
     assert (scene.sensors[0].input_voltage, scene.sensors[0].coupling_capacitance) == (2.5, 5e-12)
     assert scene.objects == (Object("o", PlateShape((1.0, 1.0))),)
-
-
-def shape(text: str) -> str:
-    return object_with(f"shape = {{ {text} }}")
-
-
-def link(name: str, parent: str) -> str:
-    return f'[[link]]\nname = "{name}"\nparent = "{parent}"\n'
 
 
 @pytest.mark.parametrize(
@@ -77,8 +65,16 @@ def link(name: str, parent: str) -> str:
     [
         ("", "", "at least one sensor or one object"),
         (SENSOR + "[[wall]]\n", "wall", "unknown key"),
-        (SENSOR + link("a", "b") + link("b", "a"), 'link "a": parent', "cycle: a → b → a"),
-        (shape('type = "torus"'), 'object "o": shape.type', "must be one of plate, plane, cuboid, box, cube"),
+        (
+            SENSOR + scenes.link("a", parent="b") + scenes.link("b", parent="a"),
+            'link "a": parent',
+            "cycle: a → b → a",
+        ),
+        (
+            scenes.body("o", "torus"),
+            'object "o": shape.type',
+            "must be one of plate, plane, cuboid, box, cube",
+        ),
     ],
 )
 def test_what_the_format_does_not_allow_is_refused_by_key_and_reason(
@@ -148,27 +144,30 @@ def test_lengths_may_be_in_millimetres_and_are_written_in_metres() -> None:
 
 
 def test_a_plate_that_is_nearly_a_rectangle_is_squared_and_one_that_is_not_is_refused() -> None:
-    def plate(edge_v: str) -> str:
-        return f'[[sensor]]\nname = "s"\nplates = [{{ corner = [0, 0, 0], edge_u = [0.1, 0, 0], edge_v = {edge_v} }}]\n'
+    def read(edge_v: list[float]) -> Scene:
+        return reader.loads(scenes.sensor("s", [[0, 0, 0], [0.1, 0, 0], edge_v]))
 
-    scene = reader.loads(plate("[9e-6, 0.1, 0]"))
+    scene = read([9e-6, 0.1, 0])
     assert scene.changes == (
         'sensor "s": plates[0]: edge_u and edge_v are 0.0052 degrees off the right angle and are squared',
     )
     assert abs(rectangles.cosine_between_edges(scene.sensors[0].plates[0])) < 1e-15
     again = reader.loads(canonical(scene))
     assert again == scene and again.changes == ()
-    assert reader.loads(plate("[9e-11, 0.1, 0]")).sensors[0].plates[0].edge_v == (9e-11, 0.1, 0.0)
+    assert read([9e-11, 0.1, 0]).sensors[0].plates[0].edge_v == (9e-11, 0.1, 0.0)
     with pytest.raises(InputError, match="89.9885 degrees, its cosine 0.0002, and at most 0.0001 is squared"):
-        reader.loads(plate("[2e-5, 0.1, 0]"))
+        read([2e-5, 0.1, 0])
 
 
-def scenes() -> list[Scene]:
-    tilted = families.corner((0.073, 0.119), (0.1, 0.1), (0.01, 0.02), 0.003, 17.2, 33.0)
-    return [reader.loads(tomli_w.dumps(WHOLE)), families.parallel((0.1, 0.1), (0.2, 0.2), 0.0137), tilted]
-
-
-@pytest.mark.parametrize("scene", scenes(), ids=["full", "parallel", "corner"])
+@pytest.mark.parametrize(
+    "scene",
+    [
+        reader.loads(tomli_w.dumps(WHOLE)),
+        families.parallel((0.1, 0.1), (0.2, 0.2), 0.0137),
+        families.corner((0.073, 0.119), (0.1, 0.1), (0.01, 0.02), 0.003, 17.2, 33.0),
+    ],
+    ids=["full", "parallel", "corner"],
+)
 def test_the_canonical_text_loads_to_an_equal_scene_and_is_its_own_canonical_text(scene: Scene) -> None:
     text = canonical(scene)
     again = reader.loads(text)
@@ -177,9 +176,7 @@ def test_the_canonical_text_loads_to_an_equal_scene_and_is_its_own_canonical_tex
 
 
 def test_order_of_keys_integers_defaults_and_the_sign_of_zero_do_not_change_the_identity() -> None:
-    plain = (
-        '[[sensor]]\nname = "s"\nplates = [{ corner = [0, 0, 0], edge_u = [1, 0, 0], edge_v = [0, 1, 0] }]'
-    )
+    plain = scenes.sensor("s", [[0, 0, 0], [1, 0, 0], [0, 1, 0]])
     wordy = """
         [medium]
         relative_permittivity = 1.0
