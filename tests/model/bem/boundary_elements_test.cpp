@@ -21,12 +21,7 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using test::above_sensor;
-using test::at;
-using test::object;
-using test::plate_above_sensor;
-using test::sensor;
-using test::square;
+using namespace test;
 
 Object mesh(const std::vector<Triangle>& triangles) {
   return object("mesh", Mesh{"", 1, triangles}, at(0, 0, 0));

@@ -17,11 +17,7 @@
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-using test::at;
-using test::box;
-using test::object;
-using test::square;
-using test::target;
+using namespace test;
 
 constexpr double unit = 4 * std::numbers::pi * vacuum_permittivity;
 

@@ -17,10 +17,7 @@
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-using test::at;
-using test::box;
-using test::object;
-using test::target;
+using namespace test;
 
 constexpr double rtol = 1e-3;
 

@@ -24,11 +24,7 @@ namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
-using test::draws;
-using test::Points;
-using test::Random;
-using test::Real;
-using test::RealVector;
+using namespace test;
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
 /// Relative allowance: twice the outward rounding of volumes plus the rounding of a height.

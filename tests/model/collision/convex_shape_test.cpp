@@ -18,9 +18,7 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using test::draws;
-using test::Points;
-using test::Random;
+using namespace test;
 
 Isometry3d moved_by(const Vector3d& translation) {
   return Isometry3d(Eigen::Translation3d(translation));

@@ -18,11 +18,7 @@ namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
-using test::draws;
-using test::Points;
-using test::Random;
-using test::Real;
-using test::RealVector;
+using namespace test;
 
 Real point_segment(const RealVector& p, const RealVector& a, const RealVector& b) {
   const RealVector along = b - a;

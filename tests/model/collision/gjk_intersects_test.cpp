@@ -15,9 +15,7 @@ namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
-using test::Points;
-using test::Random;
-using test::ShapePair;
+using namespace test;
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 const Points tetrahedron{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};

@@ -15,11 +15,7 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using test::corners_of_box;
-using test::moved;
-using test::Points;
-using test::Random;
-using test::Real;
+using namespace test;
 
 constexpr double promised = 1e-12;
 

@@ -16,10 +16,7 @@
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-using test::at;
-using test::object;
-using test::on_link;
-using test::target;
+using namespace test;
 
 /// Part of the true change by which answers of a rough preparation may be off in these scenes; boundary
 /// elements are asked for a third of it.

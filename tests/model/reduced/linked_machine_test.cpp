@@ -15,10 +15,7 @@
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-using test::at;
-using test::expect_agreement;
-using test::object;
-using test::on_link;
+using namespace test;
 using testing::AllOf;
 using testing::HasSubstr;
 using testing::ThrowsMessage;

@@ -25,10 +25,7 @@ namespace {
 
 using Eigen::Isometry3d;
 using Eigen::Vector3d;
-using test::at;
-using test::covers;
-using test::object;
-using test::Random;
+using namespace test;
 
 /// Options for which few triangles suffice, so that bodies are prepared quickly.
 const ReducedOptions loose{.rtol = 0.1};

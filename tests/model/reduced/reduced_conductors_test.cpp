@@ -16,11 +16,7 @@
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-using test::above_sensor;
-using test::at;
-using test::covers;
-using test::foot_and_leg;
-using test::object;
+using namespace test;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 

@@ -14,10 +14,7 @@ namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::MatrixXd;
-using test::above_sensor;
-using test::box;
-using test::covers;
-using test::sensor;
+using namespace test;
 using testing::ElementsAre;
 
 using Solve = MaxwellMatrix (*)(const Scene&, double rtol);

@@ -15,9 +15,7 @@
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-using test::at;
-using test::hand_before_housing;
-using test::object;
+using namespace test;
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 

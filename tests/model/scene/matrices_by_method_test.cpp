@@ -22,10 +22,7 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
-using test::at;
-using test::hand_above_sensors;
-using test::object;
-using test::per_length;
+using namespace test;
 using testing::HasSubstr;
 
 MaxwellMatrix by_boundary_elements(const Scene& scene, double rtol) {

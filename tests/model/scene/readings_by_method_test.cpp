@@ -13,11 +13,7 @@
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
-using test::at;
-using test::box;
-using test::expect_agreement;
-using test::object;
-using test::target;
+using namespace test;
 
 /// Returns a sensor and its guard before a housing, and on a link of its own a hand before them. The hand is
 /// the target.

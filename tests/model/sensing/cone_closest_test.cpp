@@ -18,10 +18,7 @@ namespace {
 
 using Eigen::Vector3d;
 using std::numbers::pi;
-using test::ProgrammeAnswer;
-using test::Real;
-using test::SensedTriangle;
-using test::Visibility;
+using namespace test;
 
 /// Returns a cone from the origin along z.
 SensingCone upward_cone(double full_angle = pi / 2, double range = 10) {

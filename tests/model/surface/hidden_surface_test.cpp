@@ -12,9 +12,7 @@ namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using Eigen::Vector3d;
-using test::above_sensor;
-using test::at;
-using test::object;
+using namespace test;
 
 TEST(HiddenSurface, IsWhatIsInsideOrLiesOnAnEarlierBody) {
   const detail::ChargedBodies bodies = detail::charged_bodies(above_sensor(test::foot_and_leg()));
