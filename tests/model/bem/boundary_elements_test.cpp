@@ -40,13 +40,13 @@ TEST(BoundaryElementsAtLength, StateErrorsThatHoldWhereEdgesComeCloseToAFace) {
     const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-4});
     for (const double rtol : {1e-2, 3e-3, 1e-3}) {
       const MaxwellMatrix answer = maxwell(scene, {.rtol = rtol});
-      EXPECT_TRUE(test::covers(answer, truth)) << rtol;
+      EXPECT_TRUE(covers(answer, truth)) << rtol;
     }
   }
 }
 
 TEST(BoundaryElements, WithTooFewUnknownsForTheFeaturesStateLargerErrors) {
-  Scene scene = test::scene_of(square(0.1, 0), {object("plate", Plate{0.2, 0.09}, at(0, 0, 0.004))});
+  Scene scene = scene_of(square(0.1, 0), {object("plate", Plate{0.2, 0.09}, at(0, 0, 0.004))});
   const MaxwellMatrix truth = maxwell(scene, {.rtol = 1e-4});
   const MaxwellMatrix answer = maxwell(scene, {.rtol = 1e-2, .most_unknowns = 60});
   EXPECT_FALSE(answer.reached);
@@ -54,8 +54,8 @@ TEST(BoundaryElements, WithTooFewUnknownsForTheFeaturesStateLargerErrors) {
 }
 
 TEST(BoundaryElements, ALargeSensorIsFeltByASmallPlateAsAWallIs) {
-  Scene scene = test::scene_of(square(4, 0), {object("plate", Plate{0.1, 0.1}, at(0, 0, 0.01))});
-  Scene reversed = test::scene_of(square(0.1, 0.01), {object("wall", Plate{4, 4}, at(0, 0, 0))});
+  Scene scene = scene_of(square(4, 0), {object("plate", Plate{0.1, 0.1}, at(0, 0, 0.01))});
+  Scene reversed = scene_of(square(0.1, 0.01), {object("wall", Plate{4, 4}, at(0, 0, 0))});
   const MaxwellMatrix answer = maxwell(scene, {.rtol = 1e-2}), other = maxwell(reversed, {.rtol = 1e-2});
   EXPECT_TRUE(answer.reached);
   EXPECT_NEAR(answer.values(0, 1), other.values(1, 0), answer.errors(0, 1) + other.errors(1, 0));
@@ -117,8 +117,8 @@ TEST(BoundaryElements, ConvergeInTheOrderOfTheCorners) {
 /// A mesh of many triangles is not divided; the stated error contains what the triangles would gain from
 /// division.
 TEST(BoundaryElements, TheStatedErrorCoversWhatFinerPanelsFind) {
-  Scene scene = test::scene_of(square(0.1, 0),
-                               {object("ball", Mesh{"", 1, triangulate(Sphere{0.03, 36})}, at(0, 0, 0.05))});
+  Scene scene =
+      scene_of(square(0.1, 0), {object("ball", Mesh{"", 1, triangulate(Sphere{0.03, 36})}, at(0, 0, 0.05))});
   const MaxwellMatrix given = maxwell(scene, {.rtol = 1e-2});
   EXPECT_EQ(given.unknowns, 1224U + 25U);
   const detail::ChargedBodies bodies = detail::charged_bodies(scene);
@@ -162,11 +162,11 @@ TEST(BoundaryElements, OfMeshesWhoseNeighboursOverlapAreSolved) {
 TEST(BoundaryElements, OfConductorsThatShieldOthersEndRefinement) {
   // An open mesh does not contain the box, which is grounded by itself; its entry beside the sensor's
   // vanishes, so that no error of it is small relative to it.
-  std::vector<Triangle> housing = test::angle_iron(0.06, 0.05, 0.02);
+  std::vector<Triangle> housing = angle_iron(0.06, 0.05, 0.02);
   const MaxwellMatrix alone = maxwell(above_sensor({mesh(housing)}), {.rtol = 3e-3});
   std::swap(housing[0][0], housing[0][1]);
-  const MaxwellMatrix answer = maxwell(
-      above_sensor({mesh(housing), test::box("inside", {1, 0.5, 0.5}, {2, 1.5, 1.5})}), {.rtol = 3e-1});
+  const MaxwellMatrix answer =
+      maxwell(above_sensor({mesh(housing), box("inside", {1, 0.5, 0.5}, {2, 1.5, 1.5})}), {.rtol = 3e-1});
   ASSERT_EQ(answer.values.rows(), 3);
   EXPECT_TRUE(answer.reached);
   EXPECT_LE(std::abs(answer.values(0, 2)), answer.errors(0, 2));

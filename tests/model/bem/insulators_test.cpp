@@ -127,7 +127,7 @@ TEST(InsulatorsAtLength, ADiscInAWetFilmHasTheCapacitanceOfConfocalLayers) {
 
 /// Returns a square sensor of 10 cm below a grounded box, with other bodies.
 Scene below_a_box(const std::vector<Object>& others) {
-  Scene scene = test::scene_of(square(0.1, 0), others);
+  Scene scene = scene_of(square(0.1, 0), others);
   scene.objects.push_back(box("hand", {-5, -5, 3}, {5, 5, 6}));
   return scene;
 }
@@ -142,10 +142,9 @@ TEST(Insulators, ALayerOfTheMediumOnASensorChangesNothing) {
 
 TEST(Insulators, AMachineOfManyTrianglesBesideACoveredSensorIsSimplified) {
   constexpr int segments = 80;
-  const Scene scene =
-      test::scene_of(square(0.06, 0.16), {object("machine", Sphere{0.15, segments}, at(0, 0, 0)),
-                                          box("cover", {-3, -3, 16}, {3, 3, 16.2}, Dielectric{3}),
-                                          target(box("hand", {-2.5, -4, 21}, {2.5, 4, 23}))});
+  const Scene scene = scene_of(square(0.06, 0.16), {object("machine", Sphere{0.15, segments}, at(0, 0, 0)),
+                                                    box("cover", {-3, -3, 16}, {3, 3, 16.2}, Dielectric{3}),
+                                                    target(box("hand", {-2.5, -4, 21}, {2.5, 4, 23}))});
   const MaxwellMatrix found = maxwell(scene, {.rtol = 0.03});
   EXPECT_TRUE(found.reached);
   // Its triangles alone are more.
@@ -158,7 +157,7 @@ TEST(Insulators, OfBodiesThatOverlapTheLaterOneFillsTheCommonSpace) {
   const Object lower = box("covered", {-4, -4, 0}, {4, 4, 0.8}, Dielectric{7});
   const MaxwellMatrix two =
       maxwell(below_a_box({lower, box("glass", {-4, -4, 0}, {4, 4, 1}, Dielectric{3})}), loose);
-  EXPECT_TRUE(test::covers(one, two));
+  EXPECT_TRUE(covers(one, two));
 }
 
 TEST(Insulators, OneBesideABodyOfManyTrianglesIsAnswered) {
@@ -194,7 +193,7 @@ TEST(Insulators, ASlabCloseToASensorIsWithinItsErrorHoweverCoarseThePanels) {
   // In the first panels, the errors by charges and by potentials along the slab nearly cancel. Field solver:
   // 0.118269 ± 0.000116 pF.
   const Scene scene =
-      test::scene_of(square(0.08, 0), {target(box("glass", {-5, -5, 0.8}, {5, 5, 1.2}, Dielectric{4}))});
+      scene_of(square(0.08, 0), {target(box("glass", {-5, -5, 0.8}, {5, 5, 1.2}, Dielectric{4}))});
   for (const double rtol : {0.3, 0.2, 0.1, 0.05}) {
     const MaxwellMatrix found = maxwell(scene, {.rtol = rtol});
     EXPECT_TRUE(found.reached) << rtol;
@@ -282,7 +281,7 @@ TEST(Insulators, OneFarAwayLeavesTheErrorOfLongTrianglesAsItIs) {
 
 /// Holds what a body of very high permittivity changes against what it changes as a floating conductor.
 void expect_like_a_floating_conductor(const Object& body, double permittivity) {
-  Scene scene = test::scene_of(square(0.1, 0), {target(body)});
+  Scene scene = scene_of(square(0.1, 0), {target(body)});
   scene.objects[0].role = Floating{};
   const MaxwellMatrix floating = maxwell(scene, loose);
   scene.objects[0].role = Dielectric{permittivity};
@@ -303,7 +302,7 @@ TEST(Insulators, OneOfVeryHighPermittivityIsAFloatingConductor) {
 TEST(Insulators, WhatARoundOneChangesIsReachedAsIsTheCapacitanceOfThePlate) {
   // Its panels follow the shape, and the plate, whose charge the change follows too, is refined with them.
   const Object tin = object("tin", Cylinder{0.05, 0.03, 48}, at(0, 0, 0.12), Dielectric{3});
-  const MaxwellMatrix found = maxwell(test::scene_of(square(0.06, 0), {target(tin)}), loose);
+  const MaxwellMatrix found = maxwell(scene_of(square(0.06, 0), {target(tin)}), loose);
   EXPECT_TRUE(found.reached);
   // Of a square plate by itself (HierBEM), over its side.
   const Estimate& plate = found.readings[0].background;

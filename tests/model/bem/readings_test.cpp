@@ -23,10 +23,9 @@ constexpr double rtol = 1e-3;
 
 /// Returns a square sensor of 3 cm before a housing, with a guard between them, and a hand before it.
 Scene machine(const ElectricalRole& hand = Grounded{}) {
-  Scene scene = test::scene_of(test::square(0.03, 0),
-                               {object("guard", Plate{0.05, 0.05}, at(0, 0, -0.004), Electrode{}),
-                                box("housing", {-4, -4, -5}, {4, 4, -1}),
-                                target(box("hand", {-2, -3, 3}, {2, 3, 4}, hand))});
+  Scene scene = scene_of(square(0.03, 0), {object("guard", Plate{0.05, 0.05}, at(0, 0, -0.004), Electrode{}),
+                                           box("housing", {-4, -4, -5}, {4, 4, -1}),
+                                           target(box("hand", {-2, -3, 3}, {2, 3, 4}, hand))});
   scene.readings = {{"self", "front", {"front"}},
                     {"guarded", "front", {"front", "guard"}},
                     {"transmitted", "front", {"guard"}}};
@@ -96,8 +95,8 @@ TEST(Readings, AreThoseOfSolutionsWithAndWithoutATargetOfTriangles) {
 
 TEST(Readings, KeepTheSurfaceThatATargetCovers) {
   // The hand lies on a table: without it, the table is charged where it lay.
-  Scene scene = test::scene_of(test::square(0.03, 0), {box("table", {-3, -3, 1}, {3, 3, 2}),
-                                                       target(box("hand", {-1, -1, 0.5}, {1, 1, 1}))});
+  Scene scene = scene_of(
+      square(0.03, 0), {box("table", {-3, -3, 1}, {3, 3, 2}), target(box("hand", {-1, -1, 0.5}, {1, 1, 1}))});
   scene.readings = {{"self", "front", {"front"}}};
   expect_readings_of_separate_solutions(scene, 1e-2);
 }
@@ -131,13 +130,12 @@ TEST(Readings, MayBeAskedForAlone) {
     expect_within_errors(reading.value, *truth.value.value, *truth.value.error, reading.name);
     expect_within_errors(reading.change, *truth.change.value, *truth.change.error, reading.name);
   }
-  EXPECT_TRUE(test::covers(alone, finer));
+  EXPECT_TRUE(covers(alone, finer));
 }
 
 TEST(Readings, OfAMachineWithoutTargetsMayBeAskedForAlone) {
   Scene scene;
-  scene.sensors = {test::sensor("front", {test::square(0.03, 0)}),
-                   test::sensor("back", {test::square(0.03, -0.06)})};
+  scene.sensors = {sensor("front", {square(0.03, 0)}), sensor("back", {square(0.03, -0.06)})};
   scene.objects = {box("housing", {-4, -4, -5}, {4, 4, -1})};
   const MaxwellMatrix alone = maxwell(scene, {.rtol = rtol, .entries = Entries::of_readings}),
                       finer = maxwell(scene, {.rtol = 1e-4});
@@ -150,7 +148,7 @@ TEST(Readings, OfAMachineWithoutTargetsMayBeAskedForAlone) {
 }
 
 TEST(Readings, WithoutAnyAreThoseOfTheSensorsAndWhatAllObjectsChange) {
-  Scene scene = test::above_sensor({box("one", {-1, -1, 0}, {1, 1, 1}), box("other", {2, -1, 0}, {3, 1, 1})});
+  Scene scene = above_sensor({box("one", {-1, -1, 0}, {1, 1, 1}), box("other", {2, -1, 0}, {3, 1, 1})});
   const MaxwellMatrix answer = maxwell(scene, {.rtol = rtol});
   ASSERT_EQ(answer.readings.size(), 1);
   EXPECT_EQ(answer.readings[0].name, "front");
@@ -168,8 +166,8 @@ TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
   std::uniform_real_distribution<double> uniform(0, 1);
   for (int scene_number = 0; scene_number < 10; ++scene_number) {
     const double z = 1 + 3 * uniform(random), x = 3 * uniform(random), half = 0.5 + uniform(random);
-    const Scene scene = test::scene_of(test::square(0.03, 0),
-                                       {box("housing", {-4, -4, -5}, {4, 4, -1 - 2 * uniform(random)})});
+    const Scene scene =
+        scene_of(square(0.03, 0), {box("housing", {-4, -4, -5}, {4, 4, -1 - 2 * uniform(random)})});
     const auto change = [&](const ElectricalRole& role, double size) {
       Scene with = scene;
       with.objects.push_back(target(box("hand", {x - size, -size, z}, {x + size, size, z + size}, role)));
@@ -187,9 +185,8 @@ TEST(Readings, GrowFromAFloatingTargetToAGroundedOneAndWithTheTarget) {
 }
 
 TEST(Readings, BeforeAWallForWhichTheMostFunctionsAreTooFewReachWhatIsAskedFor) {
-  const Scene scene =
-      test::scene_of(test::rectangle(0.1, 0.08, 0), {target(object("wall", Plate{2, 2}, at(0, 0, 0.06))),
-                                                     box("housing", {-6, -5, -5}, {6, 5, -1})});
+  const Scene scene = scene_of(rectangle(0.1, 0.08, 0), {target(object("wall", Plate{2, 2}, at(0, 0, 0.06))),
+                                                         box("housing", {-6, -5, -5}, {6, 5, -1})});
   const MaxwellMatrix answer = maxwell(scene, {.rtol = 5e-2});
   EXPECT_TRUE(answer.reached);
   // The field solver, to 1e-3.
@@ -202,9 +199,9 @@ TEST(Readings, BeforeAWallForWhichTheMostFunctionsAreTooFewReachWhatIsAskedFor) 
 TEST(Readings, StateErrorsThatCoverWhatFunctionsMissBesidePanels) {
   Eigen::Isometry3d inclined = at(0.02637, -0.02891, 0.088701);
   inclined.rotate(Eigen::AngleAxisd(0.6322, Eigen::Vector3d(0.3675, 0.4696, 1.3119).normalized()));
-  Scene scene = test::scene_of({{-0.022705, -0.011505, 0}, {0.04541, 0, 0}, {0, 0.02301, 0}},
-                               {object("housing", Cuboid{0.09082, 0.04602, 0.03232}, at(0, 0, -0.02263)),
-                                target(object("capsule", Capsule{0.00679, 0.02851, 24}, inclined))});
+  Scene scene = scene_of({{-0.022705, -0.011505, 0}, {0.04541, 0, 0}, {0, 0.02301, 0}},
+                         {object("housing", Cuboid{0.09082, 0.04602, 0.03232}, at(0, 0, -0.02263)),
+                          target(object("capsule", Capsule{0.00679, 0.02851, 24}, inclined))});
   scene.readings = {{"self", "front", {"front"}}};
   const ReadingAnswer answer = maxwell(scene, {.rtol = 1e-2}).readings[0];
   const ReadingAnswer finer = maxwell(scene, {.rtol = 5e-4}).readings[0];
@@ -213,8 +210,7 @@ TEST(Readings, StateErrorsThatCoverWhatFunctionsMissBesidePanels) {
 }
 
 TEST(Readings, OfAGapThatIsNotResolvedHaveTheErrorOfTheirChange) {
-  Scene scene =
-      test::scene_of(test::square(0.1, 0), {target(object("hand", Sphere{0.02, 16}, at(0, 0, 0.020001)))});
+  Scene scene = scene_of(square(0.1, 0), {target(object("hand", Sphere{0.02, 16}, at(0, 0, 0.020001)))});
   // Boundary elements with more unknowns reach rtol at 15.757 ± 0.043 pF. The series of images gives 13.07 pF
   // between the ball and an infinite plane 1 µm below it; the rest is what the sensor has to infinity.
   constexpr double truth = 15.757e-12, known_to = 0.043e-12;

@@ -32,8 +32,8 @@ constexpr double outward = 20 * epsilon;
 
 /// Returns the vertices of a random shape from the classes of difficult pairs.
 Points random_points(Random& random) {
-  const auto classes = test::pair_classes();
-  const auto [a, b] = classes[test::below(random, classes.size())].make(random);
+  const auto classes = pair_classes();
+  const auto [a, b] = classes[below(random, classes.size())].make(random);
   return a;
 }
 
@@ -62,7 +62,7 @@ double volume(const OrientedBox& box) {
 
 /// Returns the corners of a box with one corner at the origin.
 Points box_corners(const Vector3d& size) {
-  return test::placed({test::corners_of_box(size / 2), {}}, 1, size / 2).a;
+  return placed({corners_of_box(size / 2), {}}, 1, size / 2).a;
 }
 
 Points united(Points points, const Points& others) {
@@ -89,7 +89,7 @@ TEST(BoundingVolumes, ContainEveryVertexStrictly) {
   for (int i = 0; i < draws(200); ++i) {
     const Points points = random_points(random);
     for (const int exponent : {0, -900, 900}) {
-      const Points scaled = test::placed({points, {}}, std::ldexp(1.0, exponent), Vector3d::Zero()).a;
+      const Points scaled = placed({points, {}}, std::ldexp(1.0, exponent), Vector3d::Zero()).a;
       const BoundingSphere sphere = bounding_sphere(scaled);
       for (const Vector3d& point : scaled)
         ASSERT_TRUE(strictly_inside(point, sphere)) << i;
@@ -187,7 +187,7 @@ TEST(OrientedBox, ByTightMethodIsWithinTwoPercentOfTheSmallestKnownBoxInAnyRotat
   Random random(3);
   for (const auto& [name, points, smallest, excess] : known_shapes())
     for (int i = 0; i < draws(3); ++i) {
-      const OrientedBox box = oriented_box(test::moved(points, random.rigid_motion()), {}, BoxMethod::tight);
+      const OrientedBox box = oriented_box(moved(points, random.rigid_motion()), {}, BoxMethod::tight);
       EXPECT_LE(volume(box), (1 + excess) * smallest) << name;
     }
 }
@@ -217,7 +217,7 @@ TEST(BoxAxes, AreThoseOfABoxHoweverItIsTurned) {
   Random random(1);
   const Vector3d half_widths(0.9, 0.4, 0.2);
   for (int i = 0; i < 30; ++i) {
-    const Points points = test::moved(test::corners_of_box(half_widths), random.rigid_motion());
+    const Points points = moved(corners_of_box(half_widths), random.rigid_motion());
     for (const Matrix3d& axes :
          {detail::axes_of_vertices(points), detail::axes_of_triangles(points, faces_of_box),
           detail::tight_axes(points, faces_of_box), detail::tight_axes(points, {})}) {

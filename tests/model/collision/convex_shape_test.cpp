@@ -27,7 +27,7 @@ Isometry3d moved_by(const Vector3d& translation) {
 /// Returns a random shape of any kind with sizes from 0.2 to 1.
 ConvexShape any_primitive(Random& random) {
   const auto length = [&] { return random.uniform(0.2, 1); };
-  switch (test::below(random, 9)) {
+  switch (below(random, 9)) {
   case 0:
     return ConvexShape::cuboid({length(), length(), length()});
   case 1:
@@ -51,7 +51,7 @@ ConvexShape any_primitive(Random& random) {
   case 7:
     return ConvexShape::ellipsoid({length(), length(), length()});
   default:
-    return ConvexShape::hull(test::any_shape(random, 60));
+    return ConvexShape::hull(any_shape(random, 60));
   }
 }
 
@@ -246,8 +246,7 @@ TEST(ConvexShapes, RefuseWrongInputWithAReason) {
   expect_refused([] { ConvexShape::hull({}); }, "a convex hull needs at least one vertex");
   expect_refused([&] { ConvexShape::hull(with_nan); }, "vertex 1 is not finite");
   Random random(16);
-  const ConvexShape many = ConvexShape::hull(test::any_shape(random, 1000)),
-                    cube = ConvexShape::cuboid({1, 1, 1});
+  const ConvexShape many = ConvexShape::hull(any_shape(random, 1000)), cube = ConvexShape::cuboid({1, 1, 1});
   for (const bool turned : {false, true}) {
     Isometry3d nowhere = Isometry3d::Identity();
     (turned ? nowhere.linear()(1, 2) : nowhere.translation().x()) = NAN;

@@ -91,7 +91,7 @@ double largest_coordinate(const Points& points) {
   return largest;
 }
 
-class GjkDistanceOnClass : public testing::TestWithParam<test::PairClass> {};
+class GjkDistanceOnClass : public testing::TestWithParam<PairClass> {};
 
 TEST_P(GjkDistanceOnClass, AgreesWithAllPairsOfFeatures) {
   constexpr std::size_t most_vertices = 5;
@@ -158,7 +158,7 @@ TEST_P(GjkDistanceOnClass, HasWitnessesInTheHullsAtThatDistanceWithEveryInstruct
 }
 
 INSTANTIATE_TEST_SUITE_P(Pairs, GjkDistanceOnClass,
-                         testing::ValuesIn(test::pair_classes().begin(), test::pair_classes().end()),
+                         testing::ValuesIn(pair_classes().begin(), pair_classes().end()),
                          [](const auto& instance) { return instance.param.name; });
 
 TEST(GjkDistance, EqualsKnownDistances) {
@@ -185,9 +185,8 @@ TEST(GjkDistance, OfTurnedCuboidsIsAsAccurate) {
   constexpr double three_units = 3 * std::numeric_limits<double>::epsilon();
   Random random(6);
   const auto cuboid = [&](const Vector3d& place) {
-    const Points corners = test::corners_of_box(random.in_box({0.2, 0.2, 0.2}, {1, 1, 1}));
-    return test::moved(corners,
-                       Eigen::Translation3d(place) * Eigen::Isometry3d(random.rigid_motion().linear()));
+    const Points corners = corners_of_box(random.in_box({0.2, 0.2, 0.2}, {1, 1, 1}));
+    return moved(corners, Eigen::Translation3d(place) * Eigen::Isometry3d(random.rigid_motion().linear()));
   };
   for (int i = 0; i < draws(20); ++i) {
     const Points a = cuboid(Vector3d::Zero()), b = cuboid(random.in_box({3.5, -2, -2}, {3.6, 2, 2}));
@@ -227,7 +226,7 @@ TEST(GjkDistance, ArrangesVerticesInBlocksWithEveryInstructionSet) {
       EXPECT_LE((centre - mean).norm(), 1e-15) << name_of(set) << ", " << count << " vertices";
       for (const float spoilt : {NAN, INFINITY}) {
         Points others = points;
-        others[test::below(random, count)][1] = spoilt;
+        others[below(random, count)][1] = spoilt;
         EXPECT_FALSE(std::isfinite(
             filter.arrange(others.data()->data(), count, origin.data(), blocks.data(), centre.data())))
             << name_of(set) << ", " << count << " vertices";
@@ -239,7 +238,7 @@ TEST(GjkDistance, ArrangesVerticesInBlocksWithEveryInstructionSet) {
 /// Where rounding decides which vertices of a flat face are nearest, the distance hardly depends on the
 /// choice, but the witnesses do.
 TEST(GjkDistance, HasTheWitnessesOfExactNumbers) {
-  const test::PairClass& anywhere = test::pair_classes().front();
+  const PairClass& anywhere = pair_classes().front();
   ASSERT_EQ(anywhere.name, "anywhere");
   const auto units = [](const Vector3d& found, const Vector3d& expected) {
     double most = 0;
@@ -255,7 +254,7 @@ TEST(GjkDistance, HasTheWitnessesOfExactNumbers) {
     const GjkDistance found = gjk_distance(a, b);
     if (found.distance == 0)
       continue;
-    const GjkDistance exact = test::exact_distance(a, b);
+    const GjkDistance exact = exact_distance(a, b);
     ASSERT_LE(units(found.witness_a, exact.witness_a), 1) << "pair " << i;
     ASSERT_LE(units(found.witness_b, exact.witness_b), 1) << "pair " << i;
   }

@@ -29,15 +29,15 @@ bool intersect(const Points& a, const Points& b) {
 // The program collision_stress compares the answers with linear programming, also in other units of length.
 TEST(GjkIntersects, AnswersTheSameInTheSmallestAndTheLargestUnitsOfLength) {
   Random random(2);
-  for (const test::PairClass& pair_class : test::pair_classes()) {
+  for (const PairClass& pair_class : pair_classes()) {
     SCOPED_TRACE(pair_class.name);
-    constexpr int pairs = test::draws(100);
+    constexpr int pairs = draws(100);
     int intersecting = 0;
     for (int i = 0; i < pairs; ++i) {
       const ShapePair pair = pair_class.make(random);
       const bool expected = intersect(pair.a, pair.b);
       for (const int exponent : {-500, 500}) {
-        const auto [a, b] = test::placed(pair, std::ldexp(1.0, exponent), Vector3d::Zero());
+        const auto [a, b] = placed(pair, std::ldexp(1.0, exponent), Vector3d::Zero());
         ASSERT_EQ(intersect(a, b), expected) << "pair " << i << ", 2^" << exponent;
       }
       intersecting += expected;
@@ -104,7 +104,7 @@ TEST(GjkIntersects, ProvesGapsThatNoDirectionOfDoublesShows) {
   const Vector3d w(284772478851356, 316069082486629, -680505267393819);
   const Points a{-u, u}, b{w - v, w + v};
   const GjkAnswer answer = gjk_intersects(a, b);
-  EXPECT_EQ(answer.intersects, test::hulls_intersect(a, b));
+  EXPECT_EQ(answer.intersects, hulls_intersect(a, b));
   EXPECT_FALSE(answer.intersects);
   EXPECT_TRUE(std::holds_alternative<SeparatingSimplex>(answer.certificate));
   EXPECT_TRUE(proves(answer, a, b));
@@ -167,7 +167,7 @@ TEST(GjkIntersects, RefusesWrongInputWithAReasonAsTheDistanceDoes) {
 }
 
 Points moved(const Vector3d& step) {
-  return test::placed({tetrahedron, {}}, 1, step).a;
+  return placed({tetrahedron, {}}, 1, step).a;
 }
 
 TEST(ThesisGjk, DecidesOrdinaryPairsAndCallsTouchingHullsDisjoint) {
@@ -184,7 +184,7 @@ TEST(ThesisGjk, ReturnsNothingIfItDoesNotEnd) {
   // For some pairs the algorithm does not terminate: many more iterations make no difference.
   Random random(3);
   int endless = 0;
-  for (const test::PairClass& pair_class : test::pair_classes())
+  for (const PairClass& pair_class : pair_classes())
     for (int i = 0; i < 2000; ++i) {
       const ShapePair pair = pair_class.make(random);
       if (thesis_gjk_intersects(pair.a, pair.b, 100))

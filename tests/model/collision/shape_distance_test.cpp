@@ -22,9 +22,9 @@ constexpr double promised = 1e-12;
 /// Returns a rotation that permutes the axes and a translation by multiples of 1/4, which move small dyadic
 /// coordinates without rounding.
 Isometry3d exact_pose(Random& random) {
-  const auto coordinate = [&] { return static_cast<double>(test::below(random, 33)) / 4 - 4; };
+  const auto coordinate = [&] { return static_cast<double>(below(random, 33)) / 4 - 4; };
   Isometry3d pose = Isometry3d::Identity();
-  const auto axis = static_cast<Eigen::Index>(test::below(random, 3));
+  const auto axis = static_cast<Eigen::Index>(below(random, 3));
   pose.linear().setZero();
   for (Eigen::Index k = 0; k < 3; ++k)
     pose.linear()((k + axis) % 3, k) = 1;
@@ -44,7 +44,7 @@ Points rounded(Points points) {
 /// Computes the smallest (direction·b − direction·a)/|direction| over all vertices in their unrounded poses.
 Real separation(const Vector3d& direction, const Points& a, const Isometry3d& pose_a, const Points& b,
                 const Isometry3d& pose_b) {
-  const test::RealVector along = direction.cast<Real>();
+  const RealVector along = direction.cast<Real>();
   const auto height = [&](const Vector3d& point, const Isometry3d& pose) {
     return Real(along.dot(pose.linear().cast<Real>() * point.cast<Real>() + pose.translation().cast<Real>()));
   };
@@ -66,7 +66,7 @@ Polytope any_polytope(Random& random, bool is_cuboid) {
     const Vector3d half_widths = rounded({random.in_box({0, 0, 0}, {1, 1, 1})}).front();
     return {corners_of_box(half_widths), ConvexShape::cuboid(2 * half_widths)};
   }
-  const Points vertices = rounded(test::any_shape(random, 12));
+  const Points vertices = rounded(any_shape(random, 12));
   return {vertices, ConvexShape::hull(vertices)};
 }
 
@@ -92,9 +92,9 @@ TEST(GjkDistance, OfPosedHullsAndCuboidsIsThatOfTheirMovedVertices) {
 TEST(GjkDistance, OfPosedHullsIsProvenByItsDirectionAndItsWitnesses) {
   Random random(3);
   int proven = 0;
-  constexpr int pairs = test::draws(500);
+  constexpr int pairs = draws(500);
   for (int i = 0; i < pairs; ++i) {
-    const Points a = test::any_shape(random, 12), b = test::any_shape(random, 12);
+    const Points a = any_shape(random, 12), b = any_shape(random, 12);
     const Isometry3d pose_a = random.rigid_motion(), pose_b = random.rigid_motion();
     const GjkDistance found = gjk_distance(ConvexShape::hull(a), pose_a, ConvexShape::hull(b), pose_b);
     if (found.exact || found.distance == 0)

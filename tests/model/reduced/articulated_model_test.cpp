@@ -27,7 +27,7 @@ Scene machine(double gap, const ElectricalRole& role = Grounded{}) {
   const auto plate = [](double x) { return Rectangle{{x - 0.03, -0.04, 0}, {0.06, 0, 0}, {0, 0.08, 0}}; };
   Scene scene;
   scene.links = {{"hand", {}, at(0, 0, 0)}, {"body", {}, at(0, 0, 0)}};
-  scene.sensors = {test::sensor("left", {plate(-0.035)}), test::sensor("right", {plate(0.035)})};
+  scene.sensors = {sensor("left", {plate(-0.035)}), sensor("right", {plate(0.035)})};
   const Object hand = object("hand", Cuboid{0.05, 0.09, 0.02}, at(0.01, 0.005, gap + 0.01), role);
   scene.objects = {on_link(1, object("housing", Cuboid{0.2, 0.12, 0.05}, at(0, 0, -0.028))),
                    on_link(0, target(hand))};
@@ -42,7 +42,7 @@ const EvaluationOptions by_boundary_elements{.method = BoundaryElements{}, .rtol
 
 /// Returns the answers of a scene, prepared roughly or for an accuracy.
 std::vector<ReadingAnswer> answers(const Scene& scene, std::optional<double> rtol = {}) {
-  return test::Surrounded(scene).answers(rtol);
+  return Surrounded(scene).answers(rtol);
 }
 
 /// Leaves the first reading: boundary elements take long for small changes of the others.
@@ -54,7 +54,7 @@ Scene with_one_reading(Scene scene) {
 void expect_near_truth(const Scene& scene) {
   const std::vector<ReadingAnswer> truth = evaluate(scene, by_boundary_elements).readings;
   const std::vector<ReadingAnswer> found = answers(scene);
-  test::expect_agreement(found, truth);
+  expect_agreement(found, truth);
   for (std::size_t k = 0; k < found.size(); ++k) {
     const double change = truth[k].change.value.value();
     EXPECT_NEAR(found[k].change.value.value(), change, tolerance * std::abs(change)) << found[k].name;
@@ -111,7 +111,7 @@ std::vector<double> changes_and_errors(const std::vector<std::vector<ReadingAnsw
 TEST(ArticulatedModel, AnswersAMotionAsItsFrames) {
   const Scene scene = machine(0.02);
   const std::vector<Frame> motion = approach(scene);
-  test::Surrounded live(scene), other(scene);
+  Surrounded live(scene), other(scene);
   std::vector<std::vector<ReadingAnswer>> one_by_one;
   for (const Frame& frame : motion) {
     other.set_poses(frame.poses);
@@ -120,12 +120,12 @@ TEST(ArticulatedModel, AnswersAMotionAsItsFrames) {
   const std::vector<std::vector<ReadingAnswer>> together = live.answers_of(motion, {}, 2);
   // Targets are prepared for all poses, or for those so far.
   for (std::size_t frame = 0; frame < motion.size(); ++frame)
-    test::expect_agreement(one_by_one[frame], together[frame]);
+    expect_agreement(one_by_one[frame], together[frame]);
 }
 
 TEST(ArticulatedModelAtLength, AnswersAMotionWithTheSameBitsForAnyNumberOfThreads) {
   const Scene scene = machine(0.02);
-  test::Surrounded one(scene), two(scene);
+  Surrounded one(scene), two(scene);
   EXPECT_EQ(changes_and_errors(one.answers_of(approach(scene), 5e-2, 1)),
             changes_and_errors(two.answers_of(approach(scene), 5e-2, 2)));
 }
@@ -133,7 +133,7 @@ TEST(ArticulatedModelAtLength, AnswersAMotionWithTheSameBitsForAnyNumberOfThread
 TEST(ArticulatedModel, KnowsDerivativesWhereAnAccuracyIsAskedFor) {
   Scene scene = machine(0.03);
   constexpr double rtol = 5e-2;
-  test::Surrounded live(scene);
+  Surrounded live(scene);
   const std::vector<ReadingAnswer> found = live.answers(rtol, true);
   constexpr double step = 1e-3;
   for (int axis = 0; axis < 3; ++axis) {
@@ -164,8 +164,8 @@ TEST(ArticulatedModel, IsReciprocal) {
 }
 
 TEST(ArticulatedModel, FollowsThePosesOfTargetAndMachine) {
-  test::Surrounded live(machine(0.03));
-  const auto expect_as_prepared_anew = [&] { test::expect_agreement(live.answers(), answers(live.scene())); };
+  Surrounded live(machine(0.03));
+  const auto expect_as_prepared_anew = [&] { expect_agreement(live.answers(), answers(live.scene())); };
   const double before = live.answers()[0].change.value.value();
   live.set_pose("hand", at(0.01, 0, 0.02));
   const double away = live.answers()[0].change.value.value();
@@ -181,12 +181,12 @@ TEST(ArticulatedModel, FollowsAMachineAndTargetsThatMoveAtOnce) {
   Scene scene = with_one_reading(machine(0.03));
   scene.links.push_back({"thumb", {}, at(0, 0, 0)});
   scene.objects.push_back(on_link(2, target(object("thumb", Cuboid{0.02, 0.03, 0.02}, at(-0.06, 0, 0.05)))));
-  test::Surrounded live(scene);
+  Surrounded live(scene);
   live.answers();
   live.set_pose("body", at(0, 0, -0.02));
   live.set_pose("thumb", at(0.02, 0, -0.03));
   const std::vector<ReadingAnswer> found = live.answers();
-  test::expect_agreement(found, answers(live.scene()));
+  expect_agreement(found, answers(live.scene()));
   // Where the thumb was, it changed less than is stated now.
   live.set_pose("thumb", at(0, 0, 0));
   EXPECT_LT(live.answers()[0].change.value.value(), found[0].change.value.value());
@@ -204,9 +204,9 @@ TEST(ArticulatedModel, IsInfiniteWhereAGroundedTargetTouchesWhatIsSensedOrDriven
 
 /// A sensor of 10 cm × 8 cm before a housing, and a target on a link of its own.
 Scene before_a_target(const Shape& shape, double height) {
-  Scene scene = test::scene_of(test::rectangle(0.1, 0.08, 0),
-                               {object("housing", Cuboid{0.12, 0.1, 0.04}, at(0, 0, -0.03)),
-                                on_link(0, target(object("target", shape, at(0, 0, height))))});
+  Scene scene =
+      scene_of(rectangle(0.1, 0.08, 0), {object("housing", Cuboid{0.12, 0.1, 0.04}, at(0, 0, -0.03)),
+                                         on_link(0, target(object("target", shape, at(0, 0, height))))});
   scene.links = {{"hand", {}, at(0, 0, 0)}};
   return scene;
 }
@@ -264,7 +264,7 @@ TEST(ArticulatedModel, StatesWhatTheFacetsOfRoundBodiesCost) {
 TEST(ArticulatedModel, DoesNotDependOnTheUnitOfLength) {
   const auto enlarged = [](double by) {
     Scene scene = before_a_target(Cuboid{0.1 * by, 0.1 * by, 0.03 * by}, 0.06 * by);
-    scene.sensors[0].plates = {test::rectangle(0.1 * by, 0.08 * by, 0)};
+    scene.sensors[0].plates = {rectangle(0.1 * by, 0.08 * by, 0)};
     scene.objects[0].shape = Cuboid{0.12 * by, 0.1 * by, 0.04 * by};
     scene.objects[0].pose = at(0, 0, -0.03 * by);
     return change_of(scene);
@@ -280,7 +280,7 @@ TEST(ArticulatedModel, DoesNotDependOnTheUnitOfLength) {
 
 /// Expects a hand that touches a sensor in some frames to be answered in the others as if it never had.
 void expect_contact_is_told(const Scene& scene, std::optional<double> rtol) {
-  test::Surrounded live(scene), fresh(scene);
+  Surrounded live(scene), fresh(scene);
   fresh.set_pose("hand", at(0, 0, 0.03));
   const ReadingAnswer apart = fresh.answers()[0];
   const Estimate alone = apart.change, background = apart.background;

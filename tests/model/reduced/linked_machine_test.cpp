@@ -36,10 +36,10 @@ Scene arm() {
   scene.objects = {on_link(0, object("foot", Cuboid{0.16, 0.16, 0.1}, at(0, 0, 0.05))),
                    on_link(1, object("upper arm", Cuboid{0.06, 0.06, 0.24}, at(0, 0, 0.1))),
                    on_link(2, object("forearm", Cuboid{0.05, 0.05, 0.2}, at(0, 0, 0.09))),
-                   on_link(3, test::target(object("hand", Cuboid{0.03, 0.09, 0.1}, at(0, 0, 0))))};
+                   on_link(3, target(object("hand", Cuboid{0.03, 0.09, 0.1}, at(0, 0, 0))))};
   const auto add = [&](const std::string& name, std::size_t link, double x, double z) {
     const Rectangle plate{{x, -0.025, z}, {0, 0.05, 0}, {0, 0, 0.08}};
-    scene.sensors.push_back(on_link(link, test::sensor(name, {plate})));
+    scene.sensors.push_back(on_link(link, sensor(name, {plate})));
   };
   add("above", 2, 0.035, 0.08);
   add("below", 1, 0.04, 0.07);
@@ -62,7 +62,7 @@ std::vector<Frame> motion(const Scene& scene, int frames = 10) {
 }
 
 std::vector<ReadingAnswer> alone(const Scene& scene, const Frame& frame) {
-  test::Surrounded live(scene);
+  Surrounded live(scene);
   live.set_poses(frame.poses);
   return live.answers(accuracy);
 }
@@ -70,7 +70,7 @@ std::vector<ReadingAnswer> alone(const Scene& scene, const Frame& frame) {
 TEST(LinkedMachineAtLength, IsNearBoundaryElementsInEveryPose) {
   const Scene scene = arm();
   const std::vector<Frame> frames = motion(scene);
-  test::Surrounded live(scene);
+  Surrounded live(scene);
   const std::vector<std::vector<ReadingAnswer>> found = live.answers_of(frames, accuracy, 2);
   for (const std::size_t frame : {0, 9}) {
     LiveScene there(scene);
@@ -90,7 +90,7 @@ TEST(LinkedMachine, AnswersAsTheSceneByItself) {
   const Scene scene = arm();
   const std::vector<Frame> frames = motion(scene);
   const std::vector<ReadingAnswer> known = alone(scene, frames[5]);
-  test::Surrounded motion_of_one(scene), live(scene);
+  Surrounded motion_of_one(scene), live(scene);
   expect_agreement(motion_of_one.answers_of({frames[5]}, accuracy, 1).front(), known);
   // Once its links have moved, a live scene does not prepare them again.
   live.answers(accuracy);
@@ -101,7 +101,7 @@ TEST(LinkedMachine, AnswersAsTheSceneByItself) {
 TEST(LinkedMachineAtLength, HasTheSameBitsForAnyNumberOfThreads) {
   const Scene scene = arm();
   const std::vector<Frame> frames = motion(scene);
-  test::Surrounded one(scene), two(scene);
+  Surrounded one(scene), two(scene);
   const std::vector<std::vector<ReadingAnswer>> found = one.answers_of(frames, accuracy, 1),
                                                 other = two.answers_of(frames, accuracy, 2);
   for (std::size_t frame = 0; frame < frames.size(); ++frame)
@@ -112,7 +112,7 @@ TEST(LinkedMachineAtLength, HasTheSameBitsForAnyNumberOfThreads) {
 }
 
 /// Expects the derivatives by a link's pose to be central differences of the changes.
-void expect_differences(test::Surrounded& live, const std::string& link, std::size_t number) {
+void expect_differences(Surrounded& live, const std::string& link, std::size_t number) {
   const std::vector<ReadingAnswer> found = live.answers(accuracy, true);
   const Eigen::Isometry3d pose = live.scene().links[number].pose;
   // Longer steps than the jumps between cells of the tables and between levels of points need; shorter than
@@ -150,7 +150,7 @@ void expect_differences(test::Surrounded& live, const std::string& link, std::si
 TEST(LinkedMachine, KnowsDerivativesByThePosesOfAllLinks) {
   Scene scene = arm();
   // The foot's link is that of the world, and the arms overlap as they do in all poses.
-  test::Surrounded live(scene);
+  Surrounded live(scene);
   live.set_poses(motion(scene)[3].poses);
   expect_differences(live, "hand", 3);
   expect_differences(live, "upper arm", 1);
@@ -164,7 +164,7 @@ TEST(LinkedMachine, KnowsConductorsThatFloat) {
       on_link(2, object("shield", Cuboid{0.002, 0.05, 0.05}, at(0.07, 0.04, 0.12), Floating{})));
   scene.objects[3].role = Floating{1e-12};
   const std::vector<Frame> frames = motion(scene, 2);
-  test::Surrounded live(scene);
+  Surrounded live(scene);
   expect_agreement(live.answers_of(frames, accuracy, 1)[1], alone(scene, frames[1]));
 }
 
@@ -173,7 +173,7 @@ TEST(LinkedMachine, RefusesContactOfLinksAtDifferentPotentials) {
   std::vector<Frame> frames = motion(scene, 2);
   // The sensor on the forearm, folded, passes through the upper arm.
   frames[1].poses[2] = turned(160, {0, 0, 0.2});
-  test::Surrounded live(scene);
+  Surrounded live(scene);
   EXPECT_THAT([&] { live.answers_of(frames, accuracy, 1); },
               ThrowsMessage<InputError>(AllOf(HasSubstr("sensor \"above\""), HasSubstr("upper arm"))));
 }

@@ -74,12 +74,12 @@ void expect_to_follow(Scene scene, const ReducedOptions& options, const std::vec
 }
 
 TEST(Reduced, FollowsALinkAsASceneThereAndForgetsContacts) {
-  expect_to_follow(test::hand_above_sensors(), {.rtol = 1e-3},
+  expect_to_follow(hand_above_sensors(), {.rtol = 1e-3},
                    {at(0.01, 0, 0.03), at(0.01, 0, 0), at(0.01, 0, 0.1)}, at(0, 0, -0.05));
   expect_to_follow(on_arm(Sphere{0.02, 10}, at(0, 0, 0.2)), loose, {at(0.01, 0, 0.05), at(0.01, 0, 0.03)},
                    at(0, 0, 0.01));
   // A sensor that moves before two bodies that touch.
-  Scene joined = test::above_sensor(test::foot_and_leg());
+  Scene joined = above_sensor(foot_and_leg());
   joined.links = {{"sensor", {}, at(0, 0, 0)}};
   joined.sensors[0].link = 0;
   expect_to_follow(joined, loose, {pose_from_axis({1, 1, 0}, 20, {0.01, 0, -0.01})}, at(0.01, 0.01, 0.02));
@@ -136,9 +136,9 @@ class RandomTarget {
     const Cuboid cuboid{size(), size(), size()};
     thickness_ = box ? cuboid.size_z : 0;
     scene_.links = {{"arm", {}, Eigen::Isometry3d::Identity()}};
-    scene_.sensors = {test::sensor("front", {test::square(0.1, 0)})};
+    scene_.sensors = {sensor("front", {square(0.1, 0)})};
     const Shape shape = box ? Shape(cuboid) : Plate{cuboid.size_x, cuboid.size_y};
-    scene_.objects = {test::on_link(0, object("target", shape, at(0, 0, 0)))};
+    scene_.objects = {on_link(0, object("target", shape, at(0, 0, 0)))};
   }
 
   /// Returns the scene in its next pose.

@@ -24,7 +24,7 @@ using testing::ThrowsMessage;
 const ReducedOptions loose{.rtol = 0.1};
 
 TEST(ReducedConductors, MayBeOpenSurfaces) {
-  std::vector<Triangle> triangles = test::angle_iron(0.06, 0.05, 0.02);
+  std::vector<Triangle> triangles = angle_iron(0.06, 0.05, 0.02);
   triangles.pop_back();
   const Scene scene = above_sensor({object("angle", Mesh{"", 1, triangles}, at(0, 0, 0))});
   EXPECT_TRUE(covers(reduced_capacitance(scene, loose), maxwell(scene, {.rtol = 1e-2})));

@@ -27,16 +27,16 @@ MaxwellMatrix by_the_reduced_method(const Scene& scene, double rtol) {
   return reduced_capacitance(scene, {.rtol = rtol});
 }
 
-const Object foot = test::foot_and_leg()[0], leg = test::foot_and_leg()[1];
+const Object foot = foot_and_leg()[0], leg = foot_and_leg()[1];
 const Object overlapping_leg = box("leg", {0, 0, 0}, {2, 5, 2});
 
 Object angle(std::vector<Triangle> triangles) {
-  return test::object("angle", Mesh{"", 1, std::move(triangles)}, test::at(0, 0, 0));
+  return object("angle", Mesh{"", 1, std::move(triangles)}, at(0, 0, 0));
 }
 
 /// Returns the union of foot and leg.
 std::vector<Triangle> angle_piece() {
-  return test::angle_iron(0.06, 0.05, 0.02);
+  return angle_iron(0.06, 0.05, 0.02);
 }
 
 std::vector<Triangle> without_orientation() {
@@ -96,10 +96,9 @@ TEST(JoinedConductorsAtLength, AnswerAsOneCleanMesh) {
     expect_the_clean_answer("overlapping boxes", solve, of_boxes, {foot, overlapping_leg});
     expect_the_clean_answer("orientation and duplicates", solve, of_triangles,
                             {angle(with_duplicates(without_orientation()))});
-    ASSERT_FALSE(is_closed(test::with_t_junctions(angle_piece())));
-    expect_the_clean_answer("T-junctions", solve, of_triangles,
-                            {angle(test::with_t_junctions(angle_piece()))});
-    expect_the_clean_answer("meshes that cross", solve, of_triangles, {angle(test::crossing_boxes())});
+    ASSERT_FALSE(is_closed(with_t_junctions(angle_piece())));
+    expect_the_clean_answer("T-junctions", solve, of_triangles, {angle(with_t_junctions(angle_piece()))});
+    expect_the_clean_answer("meshes that cross", solve, of_triangles, {angle(crossing_boxes())});
   }
 }
 
@@ -159,7 +158,7 @@ TEST_P(ConductorsByMethod, OfOneNameAreAtOnePotentialWhereverTheyStand) {
 }
 
 TEST_P(ConductorsByMethod, OfElectrodesHaveARowAsGroundedOnesHaveAndTheNameThatOneObjectGives) {
-  Scene scene = above_sensor({foot, leg, test::target(box("hand", {0, 0, 4}, {4, 4, 6}))});
+  Scene scene = above_sensor({foot, leg, target(box("hand", {0, 0, 4}, {4, 4, 6}))});
   scene.objects[1].conductor = "angle";
   const MaxwellMatrix grounded = solve(scene);
   EXPECT_THAT(grounded.conductors, ElementsAre("front", "angle", "hand"));

@@ -21,7 +21,7 @@ using testing::ThrowsMessage;
 
 /// Returns a body above the middle of a square sensor.
 Scene before_sensor(const Shape& shape, double height) {
-  return test::scene_of(test::square(0.1, 0), {object("target", shape, at(0.01, 0.02, height))});
+  return scene_of(square(0.1, 0), {object("target", shape, at(0.01, 0.02, height))});
 }
 
 const Scene& plates() {
@@ -261,7 +261,7 @@ TEST(Auto, AnswersAMotionAsItsFrames) {
   const auto answers = together.readings_of(motion, {.rtol = 2e-2});
   for (std::size_t frame = 0; frame < motion.size(); ++frame) {
     one_by_one.set_poses(motion[frame].poses);
-    test::expect_agreement(answers[frame], one_by_one.readings({.rtol = 2e-2}));
+    expect_agreement(answers[frame], one_by_one.readings({.rtol = 2e-2}));
     const Estimate change = answers[frame].at(0).change;
     EXPECT_LE(change.error.value(), 2e-2 * change.value.value());
   }

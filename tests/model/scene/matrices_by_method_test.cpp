@@ -81,7 +81,7 @@ TEST_P(MatricesByMethod, AreWithinTheirErrorsOfTheTruth) {
     const MaxwellMatrix& answer = of_the_hand(rtol);
     EXPECT_EQ(answer.conductors, truth().conductors);
     EXPECT_TRUE(answer.reached);
-    EXPECT_TRUE(test::covers(answer, truth()));
+    EXPECT_TRUE(covers(answer, truth()));
     for (Eigen::Index i = 0; i < answer.values.rows(); ++i)
       if (answer.lower_bounds[static_cast<std::size_t>(i)])
         EXPECT_LE(answer.values(i, i), truth().values(i, i) + truth().errors(i, i));

@@ -18,10 +18,9 @@ using namespace test;
 /// Returns a sensor and its guard before a housing, and on a link of its own a hand before them. The hand is
 /// the target.
 Scene machine() {
-  Scene scene = test::scene_of(test::square(0.03, 0),
-                               {object("guard", Plate{0.05, 0.05}, at(0, 0, -0.004), Electrode{}),
-                                box("housing", {-4, -4, -5}, {4, 4, -1}),
-                                test::on_link(0, target(box("hand", {-2, -3, 0}, {2, 3, 1})))});
+  Scene scene = scene_of(square(0.03, 0), {object("guard", Plate{0.05, 0.05}, at(0, 0, -0.004), Electrode{}),
+                                           box("housing", {-4, -4, -5}, {4, 4, -1}),
+                                           on_link(0, target(box("hand", {-2, -3, 0}, {2, 3, 1})))});
   scene.links = {{"wrist", std::nullopt, at(0, 0, 0.03)}};
   scene.readings = {{"self", "front", {"front"}},
                     {"guarded", "front", {"front", "guard"}},
@@ -178,9 +177,9 @@ TEST(ReadingsByTheReducedMethod, TakeACapacitanceToTheGround) {
 }
 
 TEST(ReadingsByTheReducedMethod, OfAPlateCloseToABoxStateErrorsThatHoldAtLooseAccuracies) {
-  const Scene scene = test::scene_of(test::square(0.1, 0.03),
-                                     {object("house", Cuboid{0.2, 0.2, 0.05}, at(0, 0, 0)),
-                                      target(object("hand", Cuboid{0.09, 0.18, 0.03}, at(0, 0, 0.09)))});
+  const Scene scene =
+      scene_of(square(0.1, 0.03), {object("house", Cuboid{0.2, 0.2, 0.05}, at(0, 0, 0)),
+                                   target(object("hand", Cuboid{0.09, 0.18, 0.03}, at(0, 0, 0.09)))});
   // The field solver proves that they lie between 23.7207 and 23.7347, and between 0.6104 and 0.6375.
   constexpr double value = 23.7277e-12, change = 0.62395e-12;
   for (const double rtol : {0.1, 0.05}) {
@@ -191,10 +190,10 @@ TEST(ReadingsByTheReducedMethod, OfAPlateCloseToABoxStateErrorsThatHoldAtLooseAc
 }
 
 TEST(ReadingsByTheReducedMethod, OfATargetManyTimesLargerThanItsGapAreFoundBeforeAMachine) {
-  const Scene scene = test::scene_of(
-      test::rectangle(0.1177, 0.04861, 0),
-      {target(object("wall", Cuboid{2.341, 0.7545043, 1.1651157}, at(-0.522, -0.213, 0.623878))),
-       object("house", Cuboid{0.2354, 0.09722, 0.07564}, at(0, 0, -0.05295))});
+  const Scene scene =
+      scene_of(rectangle(0.1177, 0.04861, 0),
+               {target(object("wall", Cuboid{2.341, 0.7545043, 1.1651157}, at(-0.522, -0.213, 0.623878))),
+                object("house", Cuboid{0.2354, 0.09722, 0.07564}, at(0, 0, -0.05295))});
   // Boundary elements at 1e-4: 0.51966 ± 0.00014 pF. The matrix states an error of half of it.
   constexpr double change = 0.51966e-12;
   for (const double rtol : {0.1, 0.01}) {
@@ -205,7 +204,7 @@ TEST(ReadingsByTheReducedMethod, OfATargetManyTimesLargerThanItsGapAreFoundBefor
 }
 
 TEST(ReadingsByTheReducedMethod, OfABodyOfMoreTrianglesThanItsMatrixTakesAreFoundBeforeAMachine) {
-  Scene scene = test::scene_of(test::square(0.1, 0), {object("hand", Sphere{0.05, 80}, at(0, 0, 0.1))});
+  Scene scene = scene_of(square(0.1, 0), {object("hand", Sphere{0.05, 80}, at(0, 0, 0.1))});
   const Estimate change = confirmed(scene, 0.1).at(0).change;
   EXPECT_LE(*change.error, 0.1 * *change.value);
 }

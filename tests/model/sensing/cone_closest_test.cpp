@@ -122,7 +122,7 @@ TEST_P(ConeClosest, BoundaryCountsAsInside) {
   const Triangle at_vertex{{{1, 0, 1}, {2, 0, 1}, {2, 1, 1}}};
   const Triangle along_side{{{1, 0, 1}, {3, 0, 3}, {3, 0, 1}}};
   const Triangle in_tangent_plane{{{1, -1, 1}, {1, 1, 1}, {3, 0, 3}}};
-  test::Random random(1);
+  Random random(1);
   for (const Triangle& triangle : {at_vertex, along_side, in_tangent_plane}) {
     expect_seen(triangle, upward_cone(), {1, 0, 1});
     for (int i = 0; i < 100; ++i) {
@@ -229,14 +229,14 @@ void expect_agreement(const SensedTriangle& seen, const ProgrammeAnswer& truth, 
   }
 }
 
-class ConeClosestAccuracy : public testing::TestWithParam<test::SensedClass> {};
+class ConeClosestAccuracy : public testing::TestWithParam<SensedClass> {};
 
 TEST_P(ConeClosestAccuracy, AgreesWithTheConvexProgramme) {
-  test::Random random(1);
+  Random random(1);
   int visible = 0, hidden = 0;
   for (int i = 0; i < FRINGE_CASES_PER_CLASS; ++i) {
     const SensedTriangle seen = GetParam().make(random);
-    const ProgrammeAnswer truth = test::solve(seen.triangle, seen.cone, widening);
+    const ProgrammeAnswer truth = solve(seen.triangle, seen.cone, widening);
     SCOPED_TRACE(i);
     ASSERT_NE(truth.visibility, Visibility::undecided);
     expect_agreement(seen, truth, ConeMethod::field_of_view);
@@ -247,15 +247,15 @@ TEST_P(ConeClosestAccuracy, AgreesWithTheConvexProgramme) {
   EXPECT_GE(hidden, FRINGE_CASES_PER_CLASS / 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(, ConeClosestAccuracy, testing::ValuesIn(test::sensed_classes()),
+INSTANTIATE_TEST_SUITE_P(, ConeClosestAccuracy, testing::ValuesIn(sensed_classes()),
                          [](const auto& info) { return info.param.name; });
 
 TEST(ConeClosestWidening, IsBelowNotice) {
-  test::Random random(2);
-  const test::SensedClass generic = test::sensed_classes().front();
+  Random random(2);
+  const SensedClass generic = sensed_classes().front();
   for (int i = 0; i < FRINGE_CASES_PER_CLASS; ++i) {
     const auto [triangle, cone] = generic.make(random);
-    const ProgrammeAnswer truth = test::solve(triangle, cone, 0);
+    const ProgrammeAnswer truth = solve(triangle, cone, 0);
     const auto answer = cone_closest(std::span(&triangle, 1), cone);
     ASSERT_EQ(answer.has_value(), truth.visibility == Visibility::visible);
     if (answer)

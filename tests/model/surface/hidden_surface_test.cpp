@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 using namespace test;
 
 TEST(HiddenSurface, IsWhatIsInsideOrLiesOnAnEarlierBody) {
-  const detail::ChargedBodies bodies = detail::charged_bodies(above_sensor(test::foot_and_leg()));
+  const detail::ChargedBodies bodies = detail::charged_bodies(above_sensor(foot_and_leg()));
   const detail::HiddenSurface hidden(bodies);
   const auto at_height = [](double x, double y) {
     return Triangle{Vector3d(x, y, 0.005), Vector3d(x + 0.004, y, 0.005), Vector3d(x, y, 0.011)};
