@@ -98,16 +98,6 @@ std::vector<Frame> approach(const Scene& scene) {
   return motion;
 }
 
-std::vector<double> changes_and_errors(const std::vector<std::vector<ReadingAnswer>>& answers) {
-  std::vector<double> found;
-  for (const std::vector<ReadingAnswer>& frame : answers)
-    for (const ReadingAnswer& reading : frame) {
-      found.push_back(reading.change.value.value());
-      found.push_back(reading.change.error.value());
-    }
-  return found;
-}
-
 TEST(ArticulatedModel, AnswersAMotionAsItsFrames) {
   const Scene scene = machine(0.02);
   const std::vector<Frame> motion = approach(scene);

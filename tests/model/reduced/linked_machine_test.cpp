@@ -102,13 +102,8 @@ TEST(LinkedMachineAtLength, HasTheSameBitsForAnyNumberOfThreads) {
   const Scene scene = arm();
   const std::vector<Frame> frames = motion(scene);
   Surrounded one(scene), two(scene);
-  const std::vector<std::vector<ReadingAnswer>> found = one.answers_of(frames, accuracy, 1),
-                                                other = two.answers_of(frames, accuracy, 2);
-  for (std::size_t frame = 0; frame < frames.size(); ++frame)
-    for (std::size_t k = 0; k < scene.readings.size(); ++k) {
-      EXPECT_EQ(found[frame][k].change.value, other[frame][k].change.value);
-      EXPECT_EQ(found[frame][k].change.error, other[frame][k].change.error);
-    }
+  EXPECT_EQ(changes_and_errors(one.answers_of(frames, accuracy, 1)),
+            changes_and_errors(two.answers_of(frames, accuracy, 2)));
 }
 
 /// Expects the derivatives by a link's pose to be central differences of the changes.

@@ -52,6 +52,8 @@ struct Prepared {
             pose_from_axis({1, 2, 3}, 20, place)};
   }
 
+  Prepared() { tables.extend(machine, target, poses, 1); }
+
   double change(const PoseOfMachine& at, double* error = nullptr) {
     const SolvedReading found = solver.solved(machine, tables, target, at)[0];
     if (error != nullptr)
@@ -75,27 +77,15 @@ struct Prepared {
 };
 
 /// All tests share what is prepared.
-class MovingSolverTest : public testing::Test {
- protected:
-  static Prepared& prepared() {
-    static Prepared of_all;
-    return of_all;
-  }
+Prepared& prepared() {
+  static Prepared of_all;
+  return of_all;
+}
 
-  double change(const PoseOfMachine& at, double* error = nullptr) { return prepared().change(at, error); }
-
-  const std::vector<PoseOfMachine>& poses = prepared().poses;
-  const LinkedMachine& machine = prepared().machine;
-  const TargetAtRest& target = prepared().target;
-  LinkTables& tables = prepared().tables;
-  MovingSolver& solver = prepared().solver;
-};
-
-TEST_F(MovingSolverTest, IsTheChangeByBoundaryElementsInEveryPose) {
-  tables.extend(machine, target, poses, 1);
-  for (const PoseOfMachine& at : poses) {
+TEST(MovingSolver, IsTheChangeByBoundaryElementsInEveryPose) {
+  for (const PoseOfMachine& at : prepared().poses) {
     double error = 0;
-    const double found = change(at, &error), expected = truth(at);
+    const double found = prepared().change(at, &error), expected = truth(at);
     EXPECT_NEAR(found, expected, error + 3e-3 * expected);
     EXPECT_NEAR(found, expected, 0.05 * expected);
     EXPECT_GT(error, 0);
@@ -104,16 +94,17 @@ TEST_F(MovingSolverTest, IsTheChangeByBoundaryElementsInEveryPose) {
 }
 
 // Only poses relative to each other count, not what was evaluated before.
-TEST_F(MovingSolverTest, DoesNotDependOnWhereEverythingIsNorOnEarlierPoses) {
-  tables.extend(machine, target, poses, 1);
-  const double first = change(poses[0]);
-  change(poses[1]);
-  EXPECT_NEAR(change(poses[0]), first, 1e-5 * first);
+TEST(MovingSolver, DoesNotDependOnWhereEverythingIsNorOnEarlierPoses) {
+  Prepared& all = prepared();
+  const std::vector<PoseOfMachine>& poses = all.poses;
+  const double first = all.change(poses[0]);
+  all.change(poses[1]);
+  EXPECT_NEAR(all.change(poses[0]), first, 1e-5 * first);
   const Eigen::Isometry3d away = pose_from_axis({3, 1, -1}, 130, {5, -2, 1});
   const PoseOfMachine moved{{away * poses[0].links[0], away * poses[0].links[1]}, away * poses[0].target};
-  EXPECT_NEAR(change(moved), first, 1e-4 * first);
-  EXPECT_NEAR(nearness(machine, target, moved), nearness(machine, target, poses[0]), 1e-9);
-  EXPECT_GT(nearness(machine, target, poses[0]), nearness(machine, target, poses[2]));
+  EXPECT_NEAR(all.change(moved), first, 1e-4 * first);
+  EXPECT_NEAR(nearness(all.machine, all.target, moved), nearness(all.machine, all.target, poses[0]), 1e-9);
+  EXPECT_GT(nearness(all.machine, all.target, poses[0]), nearness(all.machine, all.target, poses[2]));
 }
 
 }  // namespace

@@ -63,4 +63,14 @@ class Surrounded {
   std::vector<ReadingAnswer> answers_;
 };
 
+inline std::vector<double> changes_and_errors(const std::vector<std::vector<ReadingAnswer>>& answers) {
+  std::vector<double> found;
+  for (const std::vector<ReadingAnswer>& frame : answers)
+    for (const ReadingAnswer& reading : frame) {
+      found.push_back(reading.change.value.value());
+      found.push_back(reading.change.error.value());
+    }
+  return found;
+}
+
 }  // namespace fringe::test
