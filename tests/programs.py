@@ -1,10 +1,12 @@
 """The project's programs as users start them, from the build."""
 
+import io
 import os
 import pty
 import subprocess
 import threading
-from contextlib import suppress
+from collections.abc import Callable
+from contextlib import redirect_stderr, redirect_stdout, suppress
 from pathlib import Path
 
 from tests.waiting import DEADLINE
@@ -17,6 +19,27 @@ def fringe_command(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     """Runs the command `fringe` with the given arguments and returns what came of it."""
     command = [str(FRINGE), *map(str, arguments)]
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=DEADLINE)
+
+
+def in_this_process(main: Callable[[list[str]], int], *arguments: object) -> subprocess.CompletedProcess[str]:
+    """Returns what came of a package's command in this process, which loads its modules once for all tests."""
+    out, err = io.StringIO(), io.StringIO()
+    with redirect_stdout(out), redirect_stderr(err):
+        try:
+            status = main([*map(str, arguments)])
+        except SystemExit as ended:
+            status = int(ended.code or 0)
+    return subprocess.CompletedProcess(arguments, status, out.getvalue(), err.getvalue())
+
+
+def analysis(*arguments: object, status: int = 0) -> subprocess.CompletedProcess[str]:
+    """Returns what came of the command of the package `analysis` in this process; it has to end with this status."""
+    # Loading it takes longer than many a test of other packages.
+    from analysis.__main__ import main
+
+    done = in_this_process(main, *arguments)
+    assert done.returncode == status, done.stderr
+    return done
 
 
 def shown_on_a_terminal(*arguments: str | Path) -> str:

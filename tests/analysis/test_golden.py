@@ -8,10 +8,11 @@ from typing import Any
 
 import pytest
 
-from analysis import __main__ as command_line, golden
+from analysis import golden
 from analysis.golden import Case, Comparison, Recorded, compared
 from analysis.honesty.asking import ANSWERED, ENDED, REFUSED, Answer, Stated
 from analysis.results.answers import Estimate
+from tests.programs import analysis
 
 NAME, CHANGE, FREE = "machines/one/reduced:1e-2", "reading: change", "C[sensor, hand]"
 TRUE = Estimate(1.02e-12, 0.0)
@@ -109,64 +110,56 @@ def test_all_kinds_of_cases_are_there_with_their_truths(everything: list[Case]) 
     assert families == set(golden.machines.FAMILIES)
 
 
-def test_every_option_of_the_command_acts(
-    few: list[Case], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_every_option_of_the_command_acts(few: list[Case], tmp_path: Path) -> None:
     old, new = tmp_path / "old.json", tmp_path / "new.json"
-    assert command_line.main(["golden", str(old)]) == 0
+    analysis("golden", old)
     document = json.loads(old.read_text())
     assert list(document["cases"]) == [each.name for each in few]
     assert all(each["answer"]["outcome"] == "answered" for each in document["cases"].values())
     assert all(golden.load(old)[each.name].truths == each.truths for each in few)
-    assert command_line.main(["golden", str(new), "--against", str(old), "--only", "closed"]) == 0
+    assert "The gate passes." in analysis("golden", new, "--against", old, "--only", "closed").stdout
     assert len(json.loads(new.read_text())["cases"]) == 1
-    assert "The gate passes." in capsys.readouterr().out
     name = next(each.name for each in few if each.method == golden.REDUCED)
     stated = document["cases"][name]["answer"]["values"]["M[sensor, target]"]
     stated["value"] *= 1.05
     new.write_text(json.dumps(document))
     # The old file is read before it is replaced.
-    assert command_line.main(["golden", str(new), "--against", str(new)]) == 1
-    told = capsys.readouterr().out
+    told = analysis("golden", new, "--against", new, status=1).stdout
     assert f"fault: {name}: M[sensor, target]" in told and "The gate fails, faults: 1." in told
     stated["value"] /= 1.05
     # An old time of nothing makes any new one too long.
     for each in document["cases"].values():
         each["answer"]["seconds"] = 1e-9
     old.write_text(json.dumps(document))
-    assert command_line.main(["golden", str(new), "--against", str(old)]) == 0
-    assert "warning" in capsys.readouterr().out
-    assert command_line.main(["golden", str(new), "--against", str(old), "--times"]) == 1
-    assert command_line.main(["golden", str(new), "--times"]) == 2
+    assert "warning" in analysis("golden", new, "--against", old).stdout
+    analysis("golden", new, "--against", old, "--times", status=1)
+    analysis("golden", new, "--times", status=2)
 
 
-def refused(capsys: pytest.CaptureFixture[str], *words: str | Path) -> str:
+def refused(*words: str | Path) -> str:
     """The one line on standard error of a command that is refused."""
-    assert command_line.main(["golden", *map(str, words)]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+    (line,) = analysis("golden", *words, status=2).stderr.splitlines()
     return line
 
 
-def test_what_cannot_be_used_is_refused_in_one_line(
-    few: list[Case], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_cannot_be_used_is_refused_in_one_line(few: list[Case], tmp_path: Path) -> None:
     file, other = tmp_path / "golden.json", tmp_path / "other.json"
     other.write_text("")
-    assert "cannot be written" in refused(capsys, other / "golden.json")
+    assert "cannot be written" in refused(other / "golden.json")
     other.unlink()
-    assert "is a folder" in refused(capsys, tmp_path)
-    assert "no golden file" in refused(capsys, file, "--against", other)
+    assert "is a folder" in refused(tmp_path)
+    assert "no golden file" in refused(file, "--against", other)
     for text in ("", "[]", "{}", '{"format": 1, "cases": []}', '{"format": 1, "cases": {"a": {}}}'):
         other.write_text(text)
-        assert "no golden file" in refused(capsys, file, "--against", other)
+        assert "no golden file" in refused(file, "--against", other)
     other.write_text('{"format": 1, "cases": {}}')
-    assert "other cases" in refused(capsys, file, "--against", other)
-    assert "--only" in refused(capsys, file, "--only", "nothing of this name")
+    assert "other cases" in refused(file, "--against", other)
+    assert "--only" in refused(file, "--only", "nothing of this name")
     assert not file.exists()
 
 
 def test_an_interrupt_writes_nothing(
-    few: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    few: list[Case], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
@@ -174,6 +167,5 @@ def test_an_interrupt_writes_nothing(
     file = tmp_path / "golden.json"
     file.write_text("as it was")
     monkeypatch.setattr(golden, "run_all", interrupted)
-    assert command_line.main(["golden", str(file)]) == 130
+    assert "nothing is written" in analysis("golden", file, status=130).stderr
     assert file.read_text() == "as it was" and list(tmp_path.iterdir()) == [file]
-    assert "nothing is written" in capsys.readouterr().err

@@ -12,6 +12,7 @@ from analysis.pipeline.model_stage import model_module
 from geometries.scene import motion, reader
 from tests import scenes
 from tests.analysis.synthetic import data_of
+from tests.programs import in_this_process
 from tests.waiting import aged
 
 SCENE = (
@@ -113,15 +114,15 @@ def test_the_page_needs_nothing_but_itself(scene: Path, tmp_path: Path) -> None:
     assert not re.search(r"<(script|link|img)[^>]*\b(src|href)=", own)
 
 
-def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
+def run(*arguments: object) -> tuple[int, str, str]:
     """The command's status, and what it prints on its outputs."""
-    status = command_line.main(["show", *map(str, arguments)])
-    return status, *capsys.readouterr()
+    done = in_this_process(command_line.main, "show", *arguments)
+    return done.returncode, done.stdout, done.stderr
 
 
-def test_the_example_is_shown_by_its_name(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_example_is_shown_by_its_name(tmp_path: Path) -> None:
     target = tmp_path / "arm.html"
-    assert run(capsys, "x_ray_arm", "--output", target) == (0, f"page: {target}\n", "")
+    assert run("x_ray_arm", "--output", target) == (0, f"page: {target}\n", "")
     data = data_of(target)
     assert len(data["frames"]) >= 10
     assert len(data["eyes"]) == 4
@@ -131,23 +132,19 @@ def test_the_example_is_shown_by_its_name(tmp_path: Path, capsys: pytest.Capture
         assert seen & {"torso", "head", "left arm", "right arm"}
 
 
-def test_an_unknown_name_is_refused_with_those_that_are_known(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    status, printed, errors = run(capsys, "none", "--output", tmp_path / "page.html")
+def test_an_unknown_name_is_refused_with_those_that_are_known(tmp_path: Path) -> None:
+    status, printed, errors = run("none", "--output", tmp_path / "page.html")
     assert (status, printed) == (2, "") and "x_ray_arm" in errors and not (tmp_path / "page.html").exists()
 
 
-def test_readings_along_the_motion_are_those_of_the_library(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_readings_along_the_motion_are_those_of_the_library(tmp_path: Path) -> None:
     target, short = tmp_path / "page.html", tmp_path / "short.motion.toml"
     short.write_text(
         '[[frame]]\njoints = [ { joint = "slide", position = -0.01 } ]\n'
         '[[frame]]\njoints = [ { joint = "slide", position = 0.01 } ]\n'
     )
     asked = ("--readings", "--between", 1, "--rtol", 0.05, "--motion", short, "--output", target)
-    assert run(capsys, "position_sensor", *asked)[0] == 0
+    assert run("position_sensor", *asked)[0] == 0
     series = {method["name"]: method for method in data_of(target, "along-data")["methods"]}
     assert [series[name]["frames"] for name in ("model", "boundary elements")] == [[0, 1, 2], [0, 2]]
     live = model_module().Scene.load(str(show.find_scene("position_sensor")))
@@ -158,10 +155,10 @@ def test_readings_along_the_motion_are_those_of_the_library(
         assert series["reduced"]["changes"][name][1] == pytest.approx(solved[name].change, rel=1e-9)
         assert series["reduced"]["errors"][name][1] == pytest.approx(solved[name].error["change"], rel=1e-6)
     written = aged(target)
-    assert run(capsys, "position_sensor", *asked)[0] == 0
+    assert run("position_sensor", *asked)[0] == 0
     assert target.stat().st_mtime_ns == written
 
 
-def test_options_of_the_readings_need_them(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_options_of_the_readings_need_them(scene: Path) -> None:
     told = "analysis: --between is an option of --readings, which is missing\n"
-    assert run(capsys, scene, "--between", 3) == (2, "", told)
+    assert run(scene, "--between", 3) == (2, "", told)

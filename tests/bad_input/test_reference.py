@@ -13,6 +13,7 @@ from geometries.scene.reader import loads
 from tests import scenes
 from tests.bad_input import meshes, places, texts
 from tests.bad_input.case import Case
+from tests.programs import in_this_process
 from tests.scenes import SENSOR
 
 UNSOLVABLE = [case for case in meshes.cases() if case.unsolvable]
@@ -38,16 +39,13 @@ EXACT = ["--geometry", "exact"]
     [*((case, []) for case in UNREADABLE + UNWRAPPABLE), *((case, EXACT) for case in UNSOLVABLE)],
     ids=lambda value: value.name if isinstance(value, Case) else " ".join(value),
 )
-def test_a_scene_that_cannot_be_solved(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], case: Case, options: list[str]
-) -> None:
+def test_a_scene_that_cannot_be_solved(tmp_path: Path, case: Case, options: list[str]) -> None:
     """A mesh that bounds no solid cannot unless it may be wrapped."""
     scene = case.make(tmp_path)
     before = sorted(tmp_path.rglob("*"))
-    status = main([str(scene), "--json", *options])
-    printed = capsys.readouterr()
-    assert (status, printed.out) == (2, "")
-    errors = printed.err
+    done = in_this_process(main, scene, "--json", *options)
+    assert (done.returncode, done.stdout) == (2, "")
+    errors = done.stderr
     # Remarks on a scene precede its refusal.
     while errors.startswith("fem_reference: remark: "):
         errors = errors[errors.index("\n") + 1 :]

@@ -5,9 +5,9 @@ from pathlib import Path
 
 import pytest
 
-from analysis.__main__ import main
 from tests import scenes
 from tests.bad_input.case import SCENE, SENSOR, body
+from tests.programs import analysis
 
 HEAD = """
 name = "bad"
@@ -44,30 +44,27 @@ MOTIONS = {
 }
 
 
-def _told_by(arguments: list[str], capsys: pytest.CaptureFixture[str]) -> str:
+def _told_by(*arguments: str | Path) -> str:
     """What the command says while it refuses."""
-    assert main(arguments) == 2
-    printed = capsys.readouterr()
-    assert printed.out == "" and printed.err.startswith("analysis: ") and printed.err.endswith("\n")
-    assert printed.err[:-1].isprintable()
-    return printed.err
+    done = analysis(*arguments, status=2)
+    assert done.stdout == "" and done.stderr.startswith("analysis: ") and done.stderr.endswith("\n")
+    assert done.stderr[:-1].isprintable()
+    return done.stderr
 
 
 @pytest.mark.parametrize("wrong", STUDIES)
-def test_a_study_that_cannot_be_run(tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: str) -> None:
+def test_a_study_that_cannot_be_run(tmp_path: Path, wrong: str) -> None:
     path = tmp_path / "a study.toml"
     text, place = STUDIES[wrong]
     path.write_text(text, newline="")
-    told = _told_by(["run", str(path), "--results", str(tmp_path / "results")], capsys)
+    told = _told_by("run", path, "--results", tmp_path / "results")
     assert str(path) in told and place in told.split(str(path), 1)[1]
     assert list(tmp_path.iterdir()) == [path]
 
 
 @pytest.mark.parametrize("wrong", ["missing", "a folder", "a pipe", "a link to itself", "too long"])
 @pytest.mark.parametrize("command", ["run", "nightly", "show"])
-def test_a_path_that_leads_to_no_file(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str, wrong: str
-) -> None:
+def test_a_path_that_leads_to_no_file(tmp_path: Path, command: str, wrong: str) -> None:
     path = tmp_path / "study.toml"
     if wrong == "a folder":
         path.mkdir()
@@ -78,40 +75,33 @@ def test_a_path_that_leads_to_no_file(
     elif wrong == "too long":
         path = tmp_path / f"{'x' * 5000}.toml"
     before = list(tmp_path.iterdir())
-    options = ["--output" if command == "show" else "--results", str(tmp_path / "results")]
-    assert str(path)[:200] in _told_by([command, str(path), *options], capsys)
+    option = "--output" if command == "show" else "--results"
+    assert str(path)[:200] in _told_by(command, path, option, tmp_path / "results")
     assert list(tmp_path.iterdir()) == before
 
 
 @pytest.mark.parametrize("wrong", MOTIONS)
-def test_a_motion_that_cannot_be_shown(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], wrong: str
-) -> None:
+def test_a_motion_that_cannot_be_shown(tmp_path: Path, wrong: str) -> None:
     scene, path, page = (tmp_path / name for name in (SCENE, "motion.toml", "page.html"))
     scene.write_text('[[link]]\nname = "arm"\n' + SENSOR + body())
     text, place = MOTIONS[wrong]
     path.write_text(text)
-    told = _told_by(["show", str(scene), "--motion", str(path), "--output", str(page)], capsys)
+    told = _told_by("show", scene, "--motion", path, "--output", page)
     assert str(path) in told and place in told and not page.exists()
 
 
 @pytest.mark.parametrize("command", ["show", "live", "sweep", "coverage"])
-def test_a_page_that_cannot_be_written_is_told_before_its_scene_is_read(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: str
-) -> None:
+def test_a_page_that_cannot_be_written_is_told_before_its_scene_is_read(tmp_path: Path, command: str) -> None:
     (tmp_path / "file").write_text("")
-    given = [command, str(tmp_path / "none.toml")] + ["--motion", str(tmp_path / "none.toml")] * (
-        command == "sweep"
-    )
+    none = tmp_path / "none.toml"
+    given = [command, none, *(["--motion", none] if command == "sweep" else [])]
     for place in (tmp_path, tmp_path / "file" / "page.html"):
-        assert f"{place}: is a folder" in _told_by([*given, "--output", str(place)], capsys)
+        assert f"{place}: is a folder" in _told_by(*given, "--output", place)
 
 
-@pytest.mark.parametrize("command", [["report"], ["diff"]])
-def test_results_that_are_none(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]
-) -> None:
+@pytest.mark.parametrize("command", ["report", "diff"])
+def test_results_that_are_none(tmp_path: Path, command: str) -> None:
     for folder in (tmp_path / "missing", tmp_path):
-        folders = [str(folder)] * (2 if command == ["diff"] else 1)
-        assert str(folder) in _told_by([*command, *folders], capsys)
+        folders = [folder] * (2 if command == "diff" else 1)
+        assert str(folder) in _told_by(command, *folders)
     assert list(tmp_path.iterdir()) == []

@@ -12,7 +12,7 @@ from analysis.pipeline import model_stage
 from fem_reference import __main__ as fem_reference
 from tests.geometries import schemas
 from tests.geometries.schemas import PLATE, Document
-from tests.programs import fringe_command
+from tests.programs import fringe_command, in_this_process
 
 TWO_PLATES: Document = {
     "sensor": [{"name": "front", "plates": [PLATE]}],
@@ -97,8 +97,8 @@ def test_infinite_capacitances_at_a_contact_are_numbers_to_the_schema(scene: Pat
     schemas.validator("capacitance").validate(document)
 
 
-def test_the_reference_prints_what_the_schema_says(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_reference_prints_what_the_schema_says(scene: Path) -> None:
     """Alone and with proven intervals; with objects, and stored, its answers are those that test_run_script.py tries."""
     scene.write_text(tomli_w.dumps({"sensor": TWO_PLATES["sensor"]}))
-    fem_reference.main([str(scene), "--rtol", "0.1", "--max-unknowns", "1000", "--json"])
-    schemas.validator("reference").validate(json.loads(capsys.readouterr().out))
+    done = in_this_process(fem_reference.main, scene, "--rtol", 0.1, "--max-unknowns", 1000, "--json")
+    schemas.validator("reference").validate(json.loads(done.stdout))

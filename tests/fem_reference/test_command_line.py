@@ -1,7 +1,5 @@
 """The command python3 -m fem_reference: exit statuses, messages, and the files it writes."""
 
-import contextlib
-import io
 import json
 import subprocess
 import sys
@@ -15,6 +13,7 @@ import pytest
 from fem_reference.__main__ import main
 from fem_reference.common.limits import Limits
 from tests import scenes
+from tests.programs import in_this_process
 
 ROOT = Path(__file__).resolve().parents[2]
 READING = scenes.table("reading", name="front", sense="front", drive=["front"])
@@ -28,14 +27,7 @@ def command(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 
 def answered(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    """The command in this process, which loads the solver once for all tests."""
-    out, err = io.StringIO(), io.StringIO()
-    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
-        try:
-            status = main([*map(str, arguments)])
-        except SystemExit as ended:
-            status = int(ended.code or 0)
-    return subprocess.CompletedProcess(arguments, status, out.getvalue(), err.getvalue())
+    return in_this_process(main, *arguments)
 
 
 @pytest.fixture

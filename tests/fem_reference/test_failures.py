@@ -21,6 +21,7 @@ from fem_reference.mesh.tagged_mesh import tagged_mesh
 from fem_reference.solve import field_problem as solve
 from tests import scenes
 from tests.fem_reference.problems import PLATE, conductors_of
+from tests.programs import in_this_process
 from tests.scenes import SENSOR
 from tests.waiting import heed_signals, marked, wait_until
 
@@ -46,21 +47,14 @@ HURRIED = solve.SOLVER_OPTIONS | {"ksp_max_it": 1}
     ids=["geometry", "mesh", "sizes", "assembly", "solver"],
 )
 def test_a_failure_names_its_stage_and_leaves_nothing(
-    place: Any,
-    name: str,
-    instead: Any,
-    words: str,
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    place: Any, name: str, instead: Any, words: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     scene = tmp_path / "a scene.toml"
     scene.write_text(SENSOR)
     monkeypatch.setattr(place, name, instead)
-    assert main([str(scene), "--json", "--output", str(tmp_path / "field.vtu")]) == 1
-    said = capsys.readouterr()
-    assert said.out == "" and str(scene) in said.err and words in said.err
-    assert f"python3 -m fem_reference '{scene}' --json" in said.err
+    done = in_this_process(main, scene, "--json", "--output", tmp_path / "field.vtu")
+    assert (done.returncode, done.stdout) == (1, "") and str(scene) in done.stderr and words in done.stderr
+    assert f"python3 -m fem_reference '{scene}' --json" in done.stderr
     assert list(tmp_path.iterdir()) == [scene]
 
 

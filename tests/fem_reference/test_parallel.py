@@ -1,7 +1,5 @@
 """Several processes: on the same mesh their matrix and its bounds are those of one process, and only one of them prints them."""
 
-import contextlib
-import io
 import json
 import os
 import subprocess
@@ -15,6 +13,7 @@ import pytest
 from fem_reference.__main__ import main
 from tests import scenes
 from tests.by_night import all_but
+from tests.programs import in_this_process
 
 ROOT = Path(__file__).resolve().parents[2]
 MPIRUN = ["mpirun", "--allow-run-as-root", "--oversubscribe", "-n"]
@@ -40,10 +39,9 @@ def answers(scene: Path, rtol: str, count: int) -> tuple[dict[str, Any], dict[st
     assert done.returncode == 0, done.stderr
     several = json.loads(done.stdout)
     # In this process, which has loaded the solver for other tests.
-    alone = io.StringIO()
-    with contextlib.redirect_stdout(alone):
-        assert main([str(scene), "--json", "--rtol", rtol]) == 0
-    one = json.loads(alone.getvalue())
+    alone = in_this_process(main, scene, "--json", "--rtol", rtol)
+    assert alone.returncode == 0, alone.stderr
+    one = json.loads(alone.stdout)
     assert (one["processes"], several["processes"]) == (1, count)
     first, other = one["levels"][0], several["levels"][0]
     assert first["unknowns"] == other["unknowns"]

@@ -8,7 +8,6 @@ import meshio
 import numpy as np
 import pytest
 
-from analysis import __main__ as command_line
 from analysis.coverage import findings, survey as surveys
 from analysis.coverage.distances import COLUMNS, Curves
 from analysis.coverage.machine import Machine, Reading, respond
@@ -18,6 +17,7 @@ from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.shapes import Cuboid
 from tests import scenes
+from tests.programs import analysis
 
 MACHINE = (
     scenes.SENSOR
@@ -154,14 +154,11 @@ def test_named_probes_stand_for_themselves_by_few_points(name: str) -> None:
 
 
 @pytest.mark.night
-def test_the_command_makes_page_table_and_file_from_its_options(
-    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_makes_page_table_and_file_from_its_options(path: Path, tmp_path: Path) -> None:
     target = tmp_path / "page.html"
     few = ["--probe", "sphere:0.02", "--probe", "fist", "--grid", "0.06", "--reading", "self"]
-    asked = ["coverage", str(path), *few, "--output", str(target)]
-    assert command_line.main([*asked, "--method", "small-probe"]) == 0
-    assert "fist: noticed at" in capsys.readouterr().out
+    asked = ["coverage", path, *few, "--output", target]
+    assert "fist: noticed at" in analysis(*asked, "--method", "small-probe").stdout
     text = target.read_text()
     assert "small-probe" in text and "https://" not in text.split("<script", maxsplit=1)[0]
     rows = list(csv.DictReader(target.with_suffix(".csv").open()))
@@ -176,23 +173,21 @@ def test_the_command_makes_page_table_and_file_from_its_options(
         return sum(float(row["distance_m"]) for row in own)
 
     for option, value in (("--threshold", "5e-15"), ("--potential", "floating")):
-        assert command_line.main([*asked, "--method", "none", option, value]) == 0
+        analysis(*asked, "--method", "none", option, value)
         others = list(csv.DictReader(target.with_suffix(".csv").open()))
         assert (before_the_sensor(others) > before_the_sensor(rows)) == (option == "--threshold")
 
 
-def test_an_unknown_reading_is_refused(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert command_line.main(["coverage", str(path), "--reading", "other"]) == 2
-    assert "'other' is none of self" in capsys.readouterr().err
+def test_an_unknown_reading_is_refused(path: Path) -> None:
+    told = analysis("coverage", path, "--reading", "other", status=2).stderr
+    assert "'other' is none of self" in told
 
 
-def test_what_the_model_refuses_is_told_with_the_scene(
-    path: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_what_the_model_refuses_is_told_with_the_scene(path: Path, tmp_path: Path) -> None:
     touching = tmp_path / "touching.toml"
     touching.write_text(path.read_text().replace("-0.07", "-0.05"))
-    assert command_line.main(["coverage", str(touching), "--probe", "sphere:0.02"]) == 2
-    assert f"analysis: {touching}: sensor" in capsys.readouterr().err
+    told = analysis("coverage", touching, "--probe", "sphere:0.02", status=2).stderr
+    assert f"analysis: {touching}: sensor" in told
 
 
 def survey_of(places: Places, threshold: float, changes: Any, **more: Any) -> surveys.Survey:

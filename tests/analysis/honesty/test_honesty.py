@@ -24,6 +24,7 @@ from analysis.honesty.asking import (
 from analysis.honesty.judging import CLOSED_FORM, ITSELF, Judged, Record, Unjudged, judged
 from analysis.honesty.kinds import KINDS, drawn
 from analysis.results.answers import Estimate
+from tests.programs import analysis, in_this_process
 
 CHANGE, VALUE = "front: change", "front: value"
 
@@ -201,22 +202,19 @@ def test_an_unfinished_line_is_left_out(tmp_path: Path) -> None:
     assert judging.load(tmp_path) == {}
 
 
-def test_every_option_of_the_command_acts(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_every_option_of_the_command_acts(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run, "field_answer", lambda *_: Answer(REFUSED, 0.0, "not today"))
     place = ["--results", str(tmp_path), "--methods", "reduced:1e-2", "--no-field-solver", "--seconds", "60"]
     few = ["--scenes", "1", "--first", "1", "--kinds", "plates", "--jobs", "1"]
-    status = command_line.main(["honesty", *place, *few])
-    told = capsys.readouterr().out
+    done = in_this_process(command_line.main, "honesty", *place, *few)
+    told = done.stdout
     assert f"table: {tmp_path / run.TABLE}" in told and "| reduced:1e-2 | plates | 1 |" in told
-    assert status in (0, 1)
+    assert done.returncode in (0, 1)
     assert set(judging.load(tmp_path)) == {len(KINDS)}
     field = ["--results", str(tmp_path), "--methods", "field-solver", "--field-solver", "1"]
-    command_line.main(["honesty", *field, *few])
-    assert "* field-solver, 1: not today" in capsys.readouterr().out
-    assert command_line.main(["honesty", *place, "--only", "0"]) == 0
-    told = capsys.readouterr().out
+    told = in_this_process(command_line.main, "honesty", *field, *few).stdout
+    assert "* field-solver, 1: not today" in told
+    told = analysis("honesty", *place, "--only", 0).stdout
     assert "# seed 0: plates" in told and "[[sensor]]" in told and "reduced:1e-2: answered" in told
 
 
@@ -231,12 +229,6 @@ def test_every_option_of_the_command_acts(
         (["--only", "-1"], "'-1' is not a whole number of at least 0"),
     ],
 )
-def test_a_wrong_option_is_refused(
-    words: list[str], reason: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
-    try:
-        status = command_line.main(["honesty", "--results", str(tmp_path), *words])
-    except SystemExit as end:
-        status = end.code  # type: ignore[assignment]
-    assert status == 2 and reason in capsys.readouterr().err
+def test_a_wrong_option_is_refused(words: list[str], reason: str, tmp_path: Path) -> None:
+    assert reason in analysis("honesty", "--results", tmp_path, *words, status=2).stderr
     assert not list(tmp_path.iterdir())

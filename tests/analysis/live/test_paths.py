@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 from analysis import live
-from analysis.__main__ import main
 from analysis.pipeline.model_stage import model_module
 from analysis.report.index_page import LIVE
 from geometries.scene import motion, reader
 from geometries.scene.scene import Scene
 from tests import scenes
 from tests.analysis.synthetic import data_of
+from tests.programs import analysis
 from tests.waiting import aged
 
 SCENE = live.find_scene(LIVE.scene)
@@ -103,30 +103,25 @@ def test_every_option_of_the_command_acts(
     path = tmp_path / "moved.toml"
     path.write_text('[[frame]]\nname = "there"\nposes = [ { link = "wrist", translation = [0, 0, 0.5] } ]\n')
     page = tmp_path / "page.html"
-    command = ["live", LIVE.scene, "--output", str(page)]
-    assert main([*command, "--motion", str(path), "--no-reference"]) == 0
+    command = ["live", LIVE.scene, "--output", page]
+    analysis(*command, "--motion", path, "--no-reference")
     found = data_of(page)
     assert [way["name"] for way in found["paths"]] == ["motion", "approach", "over the edge"]
     assert found["paths"][0]["frames"][0]["poses"][0]["translation"] == [0, 0, 0.5]
     assert all(way["reference"] is None for way in found["paths"]) and not asked
-    assert main([*command, "--rtol", "0.2"]) == 0
+    analysis(*command, "--rtol", "0.2")
     assert asked == [0.2, 0.2]
     assert all(way["reference"] == [{} for _ in way["frames"]] for way in data_of(page)["paths"])
-    with pytest.raises(SystemExit):
-        main([*command, "--rtol", "0.2", "--no-reference"])
+    analysis(*command, "--rtol", "0.2", "--no-reference", status=2)
 
 
 @pytest.mark.parametrize("arguments", [["sensor_head", "--rtol", "2"], ["no_such_scene"], ["none.toml"]])
 def test_wrong_input_is_refused(
-    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    try:
-        status = main(["live", *arguments])
-    except SystemExit as end:
-        status = end.code  # type: ignore[assignment]
-    printed = capsys.readouterr()
-    assert (status, printed.out) == (2, "") and printed.err.strip()
+    done = analysis("live", *arguments, status=2)
+    assert done.stdout == "" and done.stderr.strip()
     assert list(tmp_path.iterdir()) == []
 
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 
-from analysis import __main__ as command_line
 from analysis.results import study_results as results, table
 from analysis.results.answers import Estimate
 from analysis.results.refusals import refusals, unanswered
@@ -19,6 +18,7 @@ from analysis.study import report, workflow
 from geometries.studies import study
 from tests.analysis.documents import PICO, boundary_document, model_document, reference_document
 from tests.analysis.synthetic import ONE_CASE, PARALLEL, enclosed, make_results, report_text
+from tests.programs import analysis
 
 
 def rows_of(folder: Path, field: float, boundary: float, method: str = study.BOTH) -> list[Row]:
@@ -169,15 +169,10 @@ def test_a_method_of_the_model_that_refuses_has_a_line_too(tmp_path: Path) -> No
 
 @pytest.mark.parametrize("answered, status", [(True, 0), (False, 1)])
 def test_a_refusal_fails_the_run_only_without_another_answer(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    answered: bool,
-    status: int,
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, answered: bool, status: int
 ) -> None:
     documents = {number: boundary_document(2, 1) for number in range(3)}
     failures = refused_by_field(tmp_path, documents if answered else None)
     monkeypatch.setattr(workflow, "run", lambda *_: failures)
-    assert command_line.main(["run", "smoke", "--results", str(tmp_path)]) == status
-    told = capsys.readouterr().err.splitlines()
+    told = analysis("run", "smoke", "--results", tmp_path, status=status).stderr.splitlines()
     assert len(told) == 1 and REASON in told[0] and "3 cases" in told[0]

@@ -12,7 +12,6 @@ from types import ModuleType
 
 import pytest
 
-from analysis import __main__ as command_line
 from analysis.pipeline import model_stage, scheduler, stage
 from analysis.pipeline.stage import Stage
 from analysis.results import store, study_results as results
@@ -20,6 +19,7 @@ from analysis.study import report
 from tests import scenes
 from tests.analysis.nightly.toy_repository import MODEL, REFERENCE, ROOT
 from tests.analysis.synthetic import EDGE, HEAD, PARALLEL
+from tests.programs import analysis
 from tests.waiting import DEADLINE, has_ended, wait_until
 
 
@@ -31,10 +31,10 @@ class Workplace:
         self.repository = folder / "repository"
         self.results = folder / "results"
 
-    def run(self, sweeps: str) -> int:
+    def run(self, sweeps: str, status: int = 0) -> subprocess.CompletedProcess[str]:
         study = self.folder / "study.toml"
         study.write_text(HEAD + sweeps)
-        return command_line.main(["run", str(study), "--results", str(self.results), "--jobs", "2"])
+        return analysis("run", study, "--results", self.results, "--jobs", 2, status=status)
 
     def solved(self) -> int:
         """How often the reference has answered since the last time this was called."""
@@ -62,16 +62,15 @@ TWO = PARALLEL.replace("[0.01, 0.02, 0.04]", "[0.01, 0.02]")
 BESIDE = EDGE.replace("height = 0", "height = 0.02")
 
 
-def test_a_study_is_solved_reported_and_told(place: Workplace, capsys: pytest.CaptureFixture[str]) -> None:
-    assert place.run(TWO) == 0
-    printed = capsys.readouterr().out
+def test_a_study_is_solved_reported_and_told(place: Workplace) -> None:
+    printed = place.run(TWO).stdout
     assert "mutual      model error over 2 cases: rms 192.4%" in printed
     assert f"report: {place.results / 'report.html'}" in printed
     assert (place.results / "table.csv").read_text().count("\n") == 5
 
 
 def test_the_report_is_there_before_pictures_are_solved_for(
-    place: Workplace, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    place: Workplace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     there: list[tuple[int, int]] = []
 
@@ -80,9 +79,8 @@ def test_the_report_is_there_before_pictures_are_solved_for(
         return report.Report(folder / "report.html", [], 0, 0, 0, [])
 
     monkeypatch.setattr(report, "make", make)
-    place.run(TWO)
+    printed = place.run(TWO).stdout
     assert there == [(3, 0), (0, 2)]
-    printed = capsys.readouterr().out
     assert printed.index("can be read now") < printed.index("report: ")
 
 
@@ -94,40 +92,31 @@ def test_only_what_has_no_answer_is_solved(place: Workplace) -> None:
     assert solved == [5, 0, 1]
 
 
-def test_a_failing_case_is_told_and_the_others_go_on(
-    place: Workplace, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert place.run(PARALLEL) == 1
-    assert "reference: exit code 1: cannot mesh this" in capsys.readouterr().err
+def test_a_failing_case_is_told_and_the_others_go_on(place: Workplace) -> None:
+    assert "reference: exit code 1: cannot mesh this" in place.run(PARALLEL, status=1).stderr
     found = results.load(place.results)
     assert ("reference", "exit code 1: cannot mesh this") in {(f.stage, f.reason) for f in found.failures}
     assert [case.reference is not None for case in found.compared()] == [True, True, False]
 
 
-def test_an_accuracy_not_reached_is_an_answer_and_told(
-    place: Workplace, capsys: pytest.CaptureFixture[str]
-) -> None:
-    place.run(TWO.replace("0.02", "0.03"))
-    assert "1 cases are short of the asked accuracy" in capsys.readouterr().out
-    assert command_line.main(["report", str(place.results)]) == 3
+def test_an_accuracy_not_reached_is_an_answer_and_told(place: Workplace) -> None:
+    told = place.run(TWO.replace("0.02", "0.03"), status=3).stdout
+    assert "1 cases are short of the asked accuracy" in told
+    analysis("report", place.results, status=3)
 
 
 def test_a_missing_picture_is_told_but_is_no_failed_run_and_case_folders_hold_whole_files_only(
-    place: Workplace, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    place: Workplace, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("TOY_SLICES_FAIL", "yes")
-    assert place.run(TWO) == 0
-    assert "slice of the potential: exit code 1" in capsys.readouterr().err
+    assert "slice of the potential: exit code 1" in place.run(TWO).stderr
     names = {path.name for path in (place.results / "cases").glob("*/*")}
     assert names == {"scene.toml", "fem.json", "model.json", "boundary.json", "case.html"}
 
 
-def test_wrong_input_ends_with_code_2_and_a_message(
-    place: Workplace, capsys: pytest.CaptureFixture[str]
-) -> None:
-    assert place.run(TWO + "colour = 3") == 2
-    printed = capsys.readouterr()
-    assert "sweep[0].colour: unknown key" in printed.err and not printed.out
+def test_wrong_input_ends_with_code_2_and_a_message(place: Workplace) -> None:
+    done = place.run(TWO + "colour = 3", status=2)
+    assert "sweep[0].colour: unknown key" in done.stderr and not done.stdout
     assert not place.results.exists()
 
 

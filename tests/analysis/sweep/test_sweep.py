@@ -14,6 +14,7 @@ from analysis.sweep import make, series
 from analysis.sweep.series import crossings
 from geometries.scene import motion, reader
 from tests import scenes
+from tests.programs import analysis
 
 
 HALFWAY = math.sqrt(1000)
@@ -131,15 +132,11 @@ def figures(text: str) -> list[list[dict[str, Any]]]:
     return found
 
 
-def test_the_command_makes_a_page_and_its_table_from_its_options(
-    scene: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_makes_a_page_and_its_table_from_its_options(scene: Path) -> None:
     target, moved = scene.with_name("page.html"), scene.with_name("other.toml")
     moved.write_text(MOTION.replace("0.03", "0.05"))
-    asked = ["--motion", str(moved), "--method", "exact,boundary-elements", "--rtol", "0.03", "--output"]
-    asked.append(str(target))
-    assert command_line.main(["sweep", str(scene), *asked]) == 0
-    printed = capsys.readouterr().out
+    asked = ["--motion", moved, "--method", "exact,boundary-elements", "--rtol", "0.03", "--output", target]
+    printed = analysis("sweep", scene, *asked).stdout
     assert "noticed from frame" in printed and f"page: {target}" in printed
     with target.with_suffix(".csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -170,11 +167,11 @@ def test_the_page_of_a_scene_elsewhere_is_in_the_current_folder(
     scene: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(scene.parent)
-    assert command_line.main(["sweep", str(scene), "--method", "exact"]) == 0
+    analysis("sweep", scene, "--method", "exact")
     assert (scene.parent / "results" / "sweep" / f"{scene.stem}.html").is_file()
 
 
-def test_a_scene_without_a_motion_is_refused(scene: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_scene_without_a_motion_is_refused(scene: Path) -> None:
     scene.with_suffix(".motion.toml").unlink()
-    assert command_line.main(["sweep", str(scene)]) == 2
-    assert "has no motion beside it: name one by --motion" in capsys.readouterr().err
+    told = analysis("sweep", scene, status=2).stderr
+    assert "has no motion beside it: name one by --motion" in told

@@ -8,13 +8,14 @@ from pathlib import Path
 import pytest
 
 from analysis import commands
-from analysis.__main__ import _MEASURES, main
+from analysis.__main__ import _MEASURES
 from analysis.pipeline.stage import NoAnswer
 from analysis.results.answers import Estimate
 from analysis.results.store import Document
 from analysis.topics import stored
 from analysis.topics.company.set_ups import CHECK, SetUp, all_set_ups, chosen
 from analysis.topics.stored import Comparison, Completed, FieldCheck, Stored, quantities_of, rounded
+from tests.programs import analysis
 
 FIRST, SECOND = all_set_ups()[:2]
 RECORD = {"value": 2.0}
@@ -65,19 +66,18 @@ def test_numbers_are_rounded_wherever_they_stand() -> None:
 
 
 def test_the_commands_solve_by_topic_and_tell_what_is_left(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     solved: list[SetUp] = []
     kept = kept_in(tmp_path, solved)
     monkeypatch.setitem(commands._CHECKS, "company", kept)
-    assert main(["measure", "field-check", "company", "--seconds", "1e-9"]) == 1
-    assert main(["measure", "field-check", "company"]) == 0 and len(solved) == 2
-    assert "company: 2 set-ups solved, 0 remain without a record" in capsys.readouterr().out
-    assert main(["measure", "field-check", "company", "--boundary"]) == 2
-    assert "--boundary is an option of insulators" in capsys.readouterr().err
+    asked = ("measure", "field-check", "company")
+    analysis(*asked, "--seconds", "1e-9", status=1)
+    assert "company: 2 set-ups solved, 0 remain without a record" in analysis(*asked).stdout
+    assert len(solved) == 2
+    assert "--boundary is an option of insulators" in analysis(*asked, "--boundary", status=2).stderr
     monkeypatch.setitem(commands._TRUTHS, "machines", lambda: 3)
-    assert main(["measure", "truths", "machines"]) == 0
-    assert capsys.readouterr().out == "machines: 3 set-ups solved\n"
+    assert analysis("measure", "truths", "machines").stdout == "machines: 3 set-ups solved\n"
     assert set(commands.MEASURES) == set(_MEASURES)
     for what, topics in {"truths": commands._TRUTHS, "field-check": commands._CHECKS}.items():
         ((_, more), *_) = _MEASURES[what][1]

@@ -26,6 +26,7 @@ from tests.analysis.topics.company import test_company
 from tests.analysis.topics.errors import test_errors
 from tests.analysis.topics.insulators import test_insulators
 from tests.analysis.topics.machines import test_machines
+from tests.programs import analysis
 
 
 def test_errors_are_about_the_true_number_and_the_range_is_of_the_numbers() -> None:
@@ -68,17 +69,13 @@ def example() -> Topic[Any, Any]:
 
 
 def test_command_and_page_follow_from_the_example(
-    example: Topic[Any, Any],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    example: Topic[Any, Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setitem(command_line.TOPICS, example.name, "example")
     monkeypatch.setitem(commands._COMMANDS, example.name, lambda options: commands._topic(example, options))
     assert example.make(tmp_path / "nothing").headline == example.absent
     for _ in range(2):
-        assert command_line.main(["distance", "--output", str(tmp_path)]) == 0
-        assert "The change falls from" in capsys.readouterr().out
+        assert "The change falls from" in analysis("distance", "--output", tmp_path).stdout
     changes = [each["change"] for each in example.found(example.load(tmp_path))]
     assert len(changes) == 3 and changes == sorted(changes, reverse=True) and changes[-1] > 0
     text = (tmp_path / example.file).read_text(encoding="utf-8")
@@ -131,21 +128,16 @@ def test_without_answers_a_page_says_how_to_get_them(topic: Topic[Any, Any], tmp
     ids=["errors", "company", "machines", "insulators"],
 )
 def test_the_command_computes_what_is_missing_and_page_and_report_show_it(
-    topic: Topic[Any, Any],
-    some: tuple[Any, ...],
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    topic: Topic[Any, Any], some: tuple[Any, ...], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(f"analysis.topics.{topic.name}.set_ups.all_set_ups", lambda: some)
     folder = tmp_path / topic.name
     made = []
     for _ in range(2):
-        assert command_line.main([topic.verb, "--output", str(folder)]) == 0
-        printed = capsys.readouterr()
-        assert f"report: {folder / topic.file}" in printed.out and topic.absent not in printed.out
+        done = analysis(topic.verb, "--output", folder)
+        assert f"report: {folder / topic.file}" in done.stdout and topic.absent not in done.stdout
         made.append((folder / topic.file).stat().st_mtime_ns)
-    assert made[0] == made[1] and not printed.err, "nothing was left to do"
+    assert made[0] == made[1] and not done.stderr, "nothing was left to do"
     text = (folder / topic.file).read_text(encoding="utf-8")
     # The page on errors leads to its set-ups by maps and worst cases, and each has its command on a page of its own.
     is_whole = topic is not ERRORS

@@ -11,6 +11,7 @@ from geometries.__main__ import main
 from geometries.common.errors import InputError
 from geometries.scene import meshes, reader, writer
 from geometries.scene.person import BUILDS, POSTURES, Person
+from tests.programs import in_this_process
 
 TRIANGLES = np.array(
     [
@@ -60,13 +61,11 @@ def test_the_canonical_text_of_a_mesh_can_be_loaded_from_elsewhere(tmp_path: Pat
 
 
 @pytest.mark.parametrize("suffix", [".vtk", ".vtu", ".msh"])
-def test_convert_writes_the_surface_of_another_format(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], suffix: str
-) -> None:
+def test_convert_writes_the_surface_of_another_format(tmp_path: Path, suffix: str) -> None:
     source, target = tmp_path / f"body{suffix}", tmp_path / "body.stl"
     meshio.write(source, meshio.Mesh(TRIANGLES.reshape(-1, 3), [("triangle", np.arange(9).reshape(3, 3))]))
-    assert main(["convert", str(source), str(target)]) == 0
-    assert "3 triangles" in capsys.readouterr().out
+    done = in_this_process(main, "convert", source, target)
+    assert done.returncode == 0 and "3 triangles" in done.stdout
     np.testing.assert_allclose(meshes.read_triangles(target), TRIANGLES)
 
 
@@ -90,13 +89,12 @@ def test_another_format_without_a_surface_is_refused(
     ("source", "target"), [("missing.vtk", "a.stl"), ("bad.vtk", "a.stl"), ("good.obj", "a.xyz")]
 )
 def test_convert_refuses_with_code_2_and_leaves_nothing_behind(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], source: str, target: str
+    tmp_path: Path, source: str, target: str
 ) -> None:
     (tmp_path / "bad.vtk").write_text("not a mesh")
     (tmp_path / "good.obj").write_text(OBJ)
-    assert main(["convert", str(tmp_path / source), str(tmp_path / target)]) == 2
-    printed = capsys.readouterr()
-    assert printed.err and not printed.out
+    done = in_this_process(main, "convert", tmp_path / source, tmp_path / target)
+    assert (done.returncode, done.stdout) == (2, "") and done.stderr
     assert sorted(path.name for path in tmp_path.iterdir()) == ["bad.vtk", "good.obj"]
 
 

@@ -13,6 +13,7 @@ from geometries.scene import reader
 from geometries.studies import families, schema, study
 from geometries.studies.machines import MACHINES
 from tests import scenes
+from tests.programs import in_this_process
 
 HEAD = """
 name = "n"
@@ -298,12 +299,10 @@ def test_a_study_is_found_by_name_or_by_path(tmp_path: Path) -> None:
         study.find("missing")
 
 
-def test_expand_lists_the_cases(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["expand", "smoke"]) == 0
-    printed = capsys.readouterr().out
+def test_expand_lists_the_cases() -> None:
+    printed = in_this_process(main, "expand", "smoke").stdout
     assert "3 cases" in printed and "gap=0.05" in printed
-    assert main(["expand", "experiment_6"]) == 0
-    assert "material=floating" in capsys.readouterr().out
+    assert "material=floating" in in_this_process(main, "expand", "experiment_6").stdout
     assert main(["expand", "missing"]) == 2
 
 

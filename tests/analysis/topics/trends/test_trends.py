@@ -10,13 +10,13 @@ from pathlib import Path
 
 import pytest
 
-from analysis import __main__ as command_line
 from analysis.study import report
 from analysis.topics.trends import changes, commits, page
 from analysis.topics.trends.changes import DRIFTED, FASTER, MOVED, SLOWER, Record
 from geometries.common.errors import InputError
 from tests.analysis.documents import model_document, reference_document
 from tests.analysis.synthetic import make_results
+from tests.programs import analysis
 
 
 def answer(folder: Path, mutual: float, key: str) -> None:
@@ -96,12 +96,9 @@ def test_the_page_folds_what_is_held_back(tmp_path: Path) -> None:
     assert "none has changed by more than its errors allow" in text and "Show 3 changes" in text
 
 
-def test_the_command_tells_all_alarms_and_makes_the_page(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_tells_all_alarms_and_makes_the_page(tmp_path: Path) -> None:
     written(tmp_path, nights([2.0] * 6 + [2.5] * 6))
-    assert command_line.main(["trends", str(tmp_path)]) == 0
-    printed = capsys.readouterr().out
+    printed = analysis("trends", tmp_path).stdout
     assert "field solver: a: moved, 2 -> 2.5 (+2.50e-01), 2.5 times" in printed and page.PAGE in printed
 
 
@@ -176,10 +173,7 @@ def test_numbers_are_found_in_text_too(tmp_path: Path, repository: tuple[Path, l
 
 
 def test_workloads_are_counted_at_each_commit_and_a_planted_regression_is_found(
-    tmp_path: Path,
-    repository: tuple[Path, list[str]],
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
+    tmp_path: Path, repository: tuple[Path, list[str]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The program of a commit takes 400 times the second entry of its matrix, and the sixth has none."""
     folder, known = repository
@@ -194,24 +188,19 @@ def test_workloads_are_counted_at_each_commit_and_a_planted_regression_is_found(
     assert [len(new) for _, new in found] == [1, 0, 0, 0, 0, 0, 1, 0, 0, 0]
     (mark,) = changes.marks(changes.load(tmp_path / "trends"))
     assert (mark.what, mark.before.commit, mark.after.commit) == (changes.SLOWER, known[0], known[6])
-    assert command_line.main(["trends", str(tmp_path / "trends")]) == 0
-    assert "instructions: workload: more instructions, 800 -> 1000" in capsys.readouterr().out
+    told = analysis("trends", tmp_path / "trends").stdout
+    assert "instructions: workload: more instructions, 800 -> 1000" in told
 
 
-def test_the_command_counts_before_it_tells(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_counts_before_it_tells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(commits, "count_each", lambda folder, which: [(f"{folder.name} {which}", [])])
-    assert command_line.main(["trends", str(tmp_path), "--count", "HEAD~3.."]) == 0
-    assert f"{tmp_path.name} HEAD~3..: 0 counts are new" in capsys.readouterr().out
+    told = analysis("trends", tmp_path, "--count", "HEAD~3..").stdout
+    assert f"{tmp_path.name} HEAD~3..: 0 counts are new" in told
 
 
-def test_the_command_bisects(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_the_command_bisects(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(commits, "find", lambda folder, name: f"{folder} {name}\n")
-    assert command_line.main(["trends", str(tmp_path), "--bisect", "mutual"]) == 0
-    assert capsys.readouterr().out == f"{tmp_path} mutual\n"
+    assert analysis("trends", tmp_path, "--bisect", "mutual").stdout == f"{tmp_path} mutual\n"
 
 
 @pytest.fixture(scope="module")
@@ -223,23 +212,17 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Path]:
     return place / "old", place / "new"
 
 
-def test_drift_ends_with_code_1_a_table_and_a_document(
-    folders: tuple[Path, Path], tmp_path: Path, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_drift_ends_with_code_1_a_table_and_a_document(folders: tuple[Path, Path], tmp_path: Path) -> None:
     document = tmp_path / "difference.json"
-    assert command_line.main(["diff", *map(str, folders), "--output", str(document)]) == 1
-    printed = capsys.readouterr().out
+    printed = analysis("diff", *folders, "--output", document, status=1).stdout
     assert "1 values moved by more than their errors" in printed and "+5.00e-02" in printed
     (told,) = json.loads(document.read_text())["moved"]
     assert told["after"]["kind"] == "field solver" and told["over"] == pytest.approx(5)
 
 
-def test_no_drift_ends_with_code_0_for_folders_and_tables(
-    folders: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_no_drift_ends_with_code_0_for_folders_and_tables(folders: tuple[Path, Path]) -> None:
     old, _ = folders
-    assert command_line.main(["diff", str(old), str(old / "table.csv")]) == 0
-    assert "40 values in both, 0 new, 0 gone" in capsys.readouterr().out
+    assert "40 values in both, 0 new, 0 gone" in analysis("diff", old, old / "table.csv").stdout
 
 
 @pytest.mark.parametrize(
@@ -251,18 +234,13 @@ def test_no_drift_ends_with_code_0_for_folders_and_tables(
     ],
 )
 def test_wrong_tables_end_with_code_2_and_a_reason(
-    text: str | None,
-    told: str,
-    folders: tuple[Path, Path],
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
+    text: str | None, told: str, folders: tuple[Path, Path], tmp_path: Path
 ) -> None:
     wrong = tmp_path / "wrong.csv"
     if text is not None:
         wrong.write_text(text)
-    assert command_line.main(["diff", str(folders[0]), str(wrong)]) == 2
-    printed = capsys.readouterr()
-    assert told in printed.err and not printed.out
+    done = analysis("diff", folders[0], wrong, status=2)
+    assert told in done.stderr and not done.stdout
 
 
 COMMITS = 12
