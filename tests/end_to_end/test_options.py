@@ -1,9 +1,7 @@
 """No dead options: every option that a command's --help knows is used by a test of that command, --help and --version say what they should, and
 former words are refused in one line that says what to write now."""
 
-import io
 import re
-from contextlib import redirect_stderr, redirect_stdout
 from functools import cache
 from importlib import import_module
 from pathlib import Path
@@ -17,7 +15,7 @@ from geometries.common.errors import InputError
 from geometries.studies import study
 from tests import scenes
 from tests.analysis.synthetic import HEAD, PARALLEL
-from tests.programs import ROOT, fringe_command
+from tests.programs import ROOT, fringe_command, in_this_process
 
 COMMANDS = {
     "fringe": ("capacitance", "collide", "export", "import", "info", "sense", "sweep"),
@@ -38,16 +36,10 @@ def printed(*words: str) -> str:
     """What a command prints that ends well and says nothing else. Those of Python are called in this process, which is faster."""
     if words[0] == "fringe":
         done = fringe_command(*words[1:])
-        assert done.returncode == 0
-        output, errors = done.stdout, done.stderr
     else:
-        told, complained = io.StringIO(), io.StringIO()
-        with redirect_stdout(told), redirect_stderr(complained), pytest.raises(SystemExit) as ended:
-            import_module(f"{words[0]}.__main__").main(list(words[1:]))
-        assert ended.value.code == 0
-        output, errors = told.getvalue(), complained.getvalue()
-    assert not errors
-    return output
+        done = in_this_process(import_module(f"{words[0]}.__main__").main, *words[1:])
+    assert done.returncode == 0 and not done.stderr
+    return done.stdout
 
 
 def options_of(*command: str) -> set[str]:
