@@ -25,6 +25,7 @@ TWO_PLATES: Document = {
         {"name": "cube", "shape": {"type": "cube", "size": 0.05}, "translation": [0, 0, 0.2]},
     ],
 }
+SCENE = tomli_w.dumps(TWO_PLATES)
 COMMANDS = {
     "capacitance": [
         ["capacitance"],
@@ -42,13 +43,6 @@ COMMANDS = {
 }
 
 OPTIONAL = ("lower", "upper", "entries")  # of readings, where a bound is proven; where it is asked for
-
-
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "scene.toml"
-    path.write_text(tomli_w.dumps(TWO_PLATES))
-    return path
 
 
 def printed(*words: str | Path) -> Document:

@@ -174,20 +174,9 @@ def test_cone_closest_refuses_wrong_input(wrong: dict[str, object]) -> None:
         fringe.cone_closest(**{**right, **wrong})
 
 
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    path = tmp_path / "a scene.toml"
-    path.write_text(SCENE)
-    return path
-
-
-@pytest.fixture
-def scene(path: Path) -> fringe.Scene:
-    return fringe.Scene.load(path)
-
-
 @pytest.mark.parametrize("method", METHODS)
-def test_sense_names_what_every_sensor_sees(scene: fringe.Scene, method: str) -> None:
+def test_sense_names_what_every_sensor_sees(method: str) -> None:
+    scene = fringe.Scene.loads(SCENE)
     eye, back = scene.sense(method)["distance_sensors"]
     # The cube's top, 0.15 high, begins 5 cm beside the axis.
     assert (eye["name"], eye["object"]) == ("eye", "water")
@@ -199,27 +188,27 @@ def test_sense_names_what_every_sensor_sees(scene: fringe.Scene, method: str) ->
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_sense_as_table(path: Path, method: str) -> None:
-    done = fringe_command("sense", path, "--method", method)
+def test_sense_as_table(scene: Path, method: str) -> None:
+    done = fringe_command("sense", scene, "--method", method)
     assert (done.returncode, done.stderr) == (0, "")
     _, _, eye, back = done.stdout.splitlines()
     assert eye.split()[:4] == ["eye", "353.553", "mm", "water,"]
     assert back.split() == ["back", "sees", "nothing"]
 
 
-def test_a_scene_without_distance_sensors_has_no_readings(path: Path) -> None:
-    path.write_text(scenes.body("floor", "plate", size=[2, 2]))
-    assert json.loads(fringe_command("sense", path, "--json").stdout) == {
+def test_a_scene_without_distance_sensors_has_no_readings(scene: Path) -> None:
+    scene.write_text(scenes.body("floor", "plate", size=[2, 2]))
+    assert json.loads(fringe_command("sense", scene, "--json").stdout) == {
         "format": 1,
         "distance_sensors": [],
         "remarks": [],
     }
-    assert fringe_command("sense", path).stdout == "the scene has no distance sensors\n"
+    assert fringe_command("sense", scene).stdout == "the scene has no distance sensors\n"
 
 
-def test_unknown_method_and_missing_file(path: Path, tmp_path: Path) -> None:
+def test_unknown_method_and_missing_file(scene: Path, tmp_path: Path) -> None:
     for arguments, reason in [
-        ((path, "--method", "echo"), 'unknown method "echo"'),
+        ((scene, "--method", "echo"), 'unknown method "echo"'),
         ((tmp_path / "none.toml",), "the file does not exist"),
     ]:
         done = fringe_command("sense", *arguments)

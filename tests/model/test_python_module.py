@@ -21,10 +21,8 @@ SCENE = scenes.link("arm") + scenes.SENSOR + scenes.body("target", "plate", size
 
 
 @pytest.fixture
-def scene(tmp_path: Path) -> fringe.Scene:
-    path = tmp_path / "scene.toml"
-    path.write_text(SCENE)
-    return fringe.Scene.load(path)
+def scene() -> fringe.Scene:
+    return fringe.Scene.loads(SCENE)
 
 
 def test_plate_integral_of_many_triangles() -> None:

@@ -63,13 +63,6 @@ def prefix(installation: tuple[Path, set[Path]]) -> Path:
     return installation[0]
 
 
-@pytest.fixture
-def scene(tmp_path: Path) -> Path:
-    path = tmp_path / "hand.toml"
-    path.write_text(SCENE)
-    return path
-
-
 def output_of(command: list[str | Path], folder: Path, **variables: str) -> str:
     done = subprocess.run(
         command,
