@@ -64,3 +64,13 @@ GUARDED_SENSOR = SENSOR + body(
     "guard", "plate", size=[0.12, 0.12], translation=[0, 0, -0.03], potential="electrode"
 )
 """A square sensor before a larger guard, an electrode."""
+HEAD = """
+name = "synthetic"
+title = "Synthetic answers"
+[reference]
+rtol = 1e-3
+max_seconds = 60
+[model]
+methods = ["exact", "split:0", "split:4"]
+"""
+"""What a study has before its sweeps."""

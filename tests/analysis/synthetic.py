@@ -13,16 +13,8 @@ from geometries.scene.writer import canonical
 from geometries.studies import families, study
 from tests import scenes
 from tests.analysis.documents import PICO, empty_document, model_document, reference_document
+from tests.scenes import HEAD
 
-HEAD = """
-name = "synthetic"
-title = "Synthetic answers"
-[reference]
-rtol = 1e-3
-max_seconds = 60
-[model]
-methods = ["exact", "split:0", "split:4"]
-"""
 PARALLEL = scenes.sweep("parallel", gap=[0.01, 0.02, 0.04])
 ONE_CASE = scenes.sweep("parallel", gap=0.02)
 EDGE = scenes.sweep("edge", gap=[0.01, 0.02], height=0)

@@ -8,24 +8,16 @@ import pytest
 from tests import scenes
 from tests.bad_input.case import SCENE, SENSOR, body
 from tests.programs import analysis
+from tests.scenes import HEAD
 
-HEAD = """
-name = "bad"
-title = "A study"
-[reference]
-rtol = 1e-2
-max_seconds = 60
-[model]
-methods = ["exact"]
-"""
 SWEEP = scenes.sweep("parallel", gap=0.05)
 WHOLE = HEAD + SWEEP
 # The faulty text of a study, and what the message has to name. tests/geometries tries the keys of studies and motions.
 STUDIES = {
     "prose": ("this is a letter\n", ""),
     "NUL": (WHOLE + "\0", ""),
-    "a name with NUL": (WHOLE.replace('"bad"', '"b\\u0000d"'), "name"),
-    "a name longer than any": (WHOLE.replace('"bad"', f'"{"b" * 300}"'), "name"),
+    "a name with NUL": (WHOLE.replace('"synthetic"', '"b\\u0000d"'), "name"),
+    "a name longer than any": (WHOLE.replace('"synthetic"', f'"{"b" * 300}"'), "name"),
     "time without end": (WHOLE.replace("60", "inf"), "max_seconds"),
     "sizes of no length": (WHOLE.replace("sensor_size = [0.1, 0.1]", "sensor_size = []"), "sensor_size"),
     "a range of a thousand million": (WHOLE.replace("0.05", "{ linspace = [0.1, 0.2, 1000000000] }"), "linspace"),

@@ -13,17 +13,9 @@ from geometries.scene import reader
 from geometries.studies import families, schema, study
 from geometries.studies.machines import MACHINES
 from tests import scenes
+from tests.scenes import HEAD
 from tests.programs import in_this_process
 
-HEAD = """
-name = "n"
-title = "t"
-[reference]
-rtol = 1e-3
-max_seconds = 60
-[model]
-methods = ["exact", "split:4"]
-"""
 SWEEP = scenes.sweep("parallel", gap=0.02)
 SCENE = scenes.table("sweep", family="scene", file="arm.toml")
 EDGE = SWEEP.replace("parallel", "edge") + "height = 0\n"
@@ -237,7 +229,7 @@ def test_what_is_wrong_in_a_studys_scene_is_told_with_its_file(tmp_path: Path) -
         ("colour = 1" + HEAD + SWEEP, "colour", "unknown key"),
         ("solver = 1\n" + SWEEP, "solver", "unknown key; there are format, name, title, experiment, reference"),
         (HEAD.replace("rtol", "accuracy") + SWEEP, "reference.accuracy", "there are method, rtol"),
-        (HEAD.replace('"n"', '"../n"') + SWEEP, "name", "must not contain a path"),
+        (HEAD.replace('"synthetic"', '"../n"') + SWEEP, "name", "must not contain a path"),
         (HEAD.replace("1e-3", "0") + SWEEP, "reference.rtol", "greater than 0"),
         (HEAD.replace("1e-3", "2") + SWEEP, "reference.rtol", "a relative accuracy, less than 1"),
         (HEAD.replace('"exact", ', "") + SWEEP, "model.methods", '"exact"'),
