@@ -23,13 +23,13 @@ def fringe_command(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
 
 def in_this_process(main: Callable[[list[str]], int], *arguments: object) -> subprocess.CompletedProcess[str]:
     """Returns what came of a package's command in this process, which loads its modules once for all tests."""
-    out, err = io.StringIO(), io.StringIO()
+    words, out, err = list(map(str, arguments)), io.StringIO(), io.StringIO()
     with redirect_stdout(out), redirect_stderr(err):
         try:
-            status = main([*map(str, arguments)])
+            status = main(words)
         except SystemExit as ended:
             status = int(ended.code or 0)
-    return subprocess.CompletedProcess(arguments, status, out.getvalue(), err.getvalue())
+    return subprocess.CompletedProcess(words, status, out.getvalue(), err.getvalue())
 
 
 def analysis(*arguments: object, status: int = 0) -> subprocess.CompletedProcess[str]:

@@ -8,7 +8,7 @@ import pytest
 
 from analysis.pipeline.model_stage import model_module
 from fem_reference.bodies.remarks import remarks
-from geometries.scene import reader
+from geometries.scene import motion, reader
 from geometries.scene.person import BUILDS, POSTURES
 from geometries.scene.writer import canonical
 from geometries.studies import study
@@ -244,6 +244,18 @@ def test_a_room_is_read_by_both_and_moves_nothing(folder: Path) -> None:
     (folder / "scene.toml").write_text(room + SENSOR + LINKS)
     assert_same_conductors(folder / "scene.toml")
     assert_same_canonically(folder)
+
+
+def test_a_motion_puts_the_links_in_the_same_places() -> None:
+    path = Path(reader.__file__).parents[1] / "scenes" / "x_ray_arm.toml"
+    motion_file = path.with_suffix(".motion.toml")
+    live, frames = model_module().Scene.load(str(path)), motion.load(motion_file, reader.load(path))
+    poses = np.tile(np.eye(4), (len(frames), len(live.links), 1, 1))
+    for frame, of_links in zip(frames, poses, strict=True):
+        for link, matrix in zip(live.links, of_links, strict=True):
+            matrix[:3, :3], matrix[:3, 3] = frame.poses[link].rotation.matrix(), frame.poses[link].translation
+    found, expected = (live.readings_of(moved, "exact").change for moved in (str(motion_file), poses))
+    np.testing.assert_allclose(found, expected, rtol=1e-12)
 
 
 def test_the_canonical_text_of_every_default_case(folder: Path) -> None:
