@@ -81,5 +81,7 @@ FILES = [("--output", "field.vtu"), ("--slice", "slice.json")]
 def test_what_one_process_does_is_refused_once(scene: Path, arguments: tuple[str, ...]) -> None:
     done = run(2, scene, *arguments)
     told = [line for line in done.stderr.splitlines() if line.startswith("fem_reference:")]
+    # mpirun ends the other process as soon as one has failed, often before that has ended by itself.
+    told = [line for line in told if "ended by SIGTERM" not in line]
     assert done.returncode == 2 and len(told) == 1 and "single process" in told[0]
     assert list(scene.parent.iterdir()) == [scene]
