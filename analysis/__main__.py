@@ -32,11 +32,8 @@ _INTERRUPTED = 130
 
 def _potential(text: str) -> float | None:
     """Returns the capacitance to ground (F): none for a grounded probe, 0 for a floating one."""
-    return (
-        {"grounded": None, "floating": 0.0}[text]
-        if text in ("grounded", "floating")
-        else positive_number(text)
-    )
+    named = {"grounded": None, "floating": 0.0}
+    return named[text] if text in named else positive_number(text)
 
 
 def _seed(text: str) -> int:
@@ -82,15 +79,12 @@ def _repeated(name: str, metavar: str, does: str) -> Option:
 
 
 def _jobs(at_a_time: str) -> Option:
-    return _option(
-        "--jobs", "N", f"{at_a_time} at a time (default: by cores and memory)", type=positive_integer
-    )
+    does = f"{at_a_time} at a time (default: by cores and memory)"
+    return _option("--jobs", "N", does, type=positive_integer)
 
 
-_VERIFY = _switch(
-    "--verify",
-    "also verify the reference, as the command verify does, in the folder verification beside the results",
-)
+_ALSO = "also verify the reference, as the command verify does, in the folder verification beside the results"
+_VERIFY = _switch("--verify", _ALSO)
 _SCENE = _option("scene", "SCENE", "a name in geometries/scenes, or a file")
 _BEFORE_TOPICS: dict[str, Command] = {
     "run": ("compute a study's missing answers, then report", (
@@ -200,12 +194,12 @@ _MEASURES: dict[str, Command] = {
 
 def _topics() -> dict[str, Command]:
     """Returns the commands of the topics."""
-    kept = "where to keep the answers (default: results/{})"
-    outputs = {name: _path("--output", "DIR", kept.format(_FOLDERS.get(name, name))) for name in TOPICS}
-    return {
-        name: (does, (outputs[name], *([] if name in _MEASURED_TOGETHER else [_jobs("answers")])))
-        for name, does in TOPICS.items()
-    }
+    found: dict[str, Command] = {}
+    for name, does in TOPICS.items():
+        kept = f"where to keep the answers (default: results/{_FOLDERS.get(name, name)})"
+        jobs = () if name in _MEASURED_TOGETHER else (_jobs("answers"),)
+        found[name] = does, (_path("--output", "DIR", kept), *jobs)
+    return found
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -213,9 +207,8 @@ def main(arguments: list[str] | None = None) -> int:
     options = _parser(installation.command("analysis")).parse_args(arguments)
     before = {number: signal.signal(number, _interrupt) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
-        installation.continue_with(
-            "plotly" if options.command in ("coverage", "live", "show", "sweep") else "dolfinx"
-        )
+        needs_solver = options.command not in ("coverage", "live", "show", "sweep")
+        installation.continue_with("dolfinx" if needs_solver else "plotly")
         # The packages that commands import are slow, and this interpreter may lack them until here.
         from analysis.commands import run_command
 
@@ -241,10 +234,8 @@ def _parser(program: str) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest="command", required=True)
     _add(commands, _BEFORE_TOPICS | _topics() | _AFTER_TOPICS)
     what = "make what is stored with the project anew, or measure what a note tells"
-    measured = commands.add_parser("measure", help=what).add_subparsers(
-        dest="what", metavar="WHAT", required=True
-    )
-    _add(measured, _MEASURES)
+    measured = commands.add_parser("measure", help=what)
+    _add(measured.add_subparsers(dest="what", metavar="WHAT", required=True), _MEASURES)
     return parser
 
 

@@ -1,7 +1,5 @@
 """The commands of `python3 -m analysis`: each calls one stage or one page, tells what failed and returns the exit status."""
 
-from __future__ import annotations
-
 import argparse
 import sys
 from collections.abc import Callable
@@ -27,24 +25,17 @@ from analysis.topics.insulators import set_ups as insulators
 from analysis.topics.published.topic import PUBLISHED
 from analysis.topics.topic import Topic
 from analysis.topics.trends import changes, commits, page as trends_page
-from analysis.topics.trends.changes import Mark
 from analysis.topics.verification.topic import VERIFICATION
 from geometries.common import installation
 from geometries.common.errors import InputError
 from geometries.studies import study
-from geometries.studies.study import Study
 
-
-_TRUTHS: dict[str, Callable[[], int]] = {"corrections": corrections.make} | {
-    topic.name: lambda stored=topic.truths: stored.complete().solved for topic in TOPICS if topic.truths
-}
+_TRUTHS = {topic.name: topic.truths for topic in TOPICS if topic.truths}
 _CHECKS = {topic.name: topic.check for topic in TOPICS if topic.check}
 
 
-def _solve_truths(options: argparse.Namespace) -> int:
-    """Solves what has no record; those of the corrections all anew."""
-    print(f"{options.topic}: {_TRUTHS[options.topic]()} set-ups solved")
-    return 0
+def _solve_truths(options: argparse.Namespace) -> None:
+    print(f"{options.topic}: {_TRUTHS[options.topic].complete().solved} set-ups solved")
 
 
 def _solve_checks(options: argparse.Namespace) -> int:
@@ -61,30 +52,26 @@ def _solve_checks(options: argparse.Namespace) -> int:
     return 1 if left else 0
 
 
-MEASURES: dict[str, Callable[[argparse.Namespace], int]] = {
+MEASURES: dict[str, Callable[[argparse.Namespace], int | None]] = {
     "truths": _solve_truths,
     "field-check": _solve_checks,
     "corrections": corrections.measure,
     "benchmarks": measurements.measure,
 }
 
-
 # Exit statuses, the same for all commands of the project.
 ANSWERED, FAILED, WRONG_INPUT, NOT_REACHED = 0, 1, 2, 3
 
-
-def _output_of(options: argparse.Namespace) -> Path | None:
-    """Returns the one file that a command is to write, None if it is not named or there are several."""
-    one = options.command in ("diff", "show", "live", "sweep", "coverage")
-    return options.output if one else options.file if options.command == "golden" else None
+_WRITTEN = dict.fromkeys(("diff", "show", "live", "sweep", "coverage"), "output") | {"golden": "file"}
+"""The options that name the one file which a command is to write."""
 
 
 def run_command(options: argparse.Namespace) -> int:
     """Runs one command; returns the exit status, after one line on what went wrong if it did."""
     try:
-        if (output := _output_of(options)) is not None:
+        if (output := getattr(options, _WRITTEN.get(options.command, ""), None)) is not None:
             store.refuse_unwritable(output)
-        status = _COMMANDS[options.command](options)
+        status = _COMMANDS[options.command](options) or ANSWERED
         # Jobs are parts of a command that is still at work.
         if options.command != "job":
             index_page.make(installation.results_folder())
@@ -104,10 +91,8 @@ def run_command(options: argparse.Namespace) -> int:
     except (OSError, MemoryError) as error:
         place = f"{error.filename}: " if isinstance(error, OSError) and error.filename else ""
         reason = (error.strerror if isinstance(error, OSError) else "") or str(error) or "out of memory"
-        print(
-            f"\nanalysis: {place}{reason}; finished cases are kept, the same command goes on from there",
-            file=sys.stderr,
-        )
+        kept = "finished cases are kept, the same command goes on from there"
+        print(f"\nanalysis: {place}{reason}; {kept}", file=sys.stderr)
         return FAILED
 
 
@@ -115,13 +100,14 @@ def _run(options: argparse.Namespace) -> int:
     chosen, target = _study(options.study, options.results)
     with exclusive(target):
         night.end_left_over(target)
-        failures = workflow.run(
-            chosen, target, options.jobs, options.measure_model, lambda: _tell_of_first_report(target)
-        )
-        failures += _verified(options, target)
-        _tell(failures)
-        made = _own_report(target)
-    return _status(failures, made)
+
+        def tell() -> None:
+            """Reports the answers before the pictures are solved for, which can take as long again."""
+            now = f"The report is there and can be read now: {report.make(target).path}"
+            print(f"{now}; pictures of the potential are still to come", flush=True)
+
+        failures = workflow.run(chosen, target, options.jobs, options.measure_model, tell)
+        return _status(failures, _own_report(options, target, failures))
 
 
 def _nightly(options: argparse.Namespace) -> int:
@@ -129,12 +115,9 @@ def _nightly(options: argparse.Namespace) -> int:
         night.find_profile(options.profile)
     chosen, target = _study(options.study, options.results)
     with exclusive(target):
-        failures = night.run(
-            chosen, target, night.Options(options.profile, options.jobs, options.job_seconds)
-        )
-        failures += _verified(options, target)
-        _tell(failures)
-        made = _own_report(target)
+        asked = night.Options(options.profile, options.jobs, options.job_seconds)
+        failures = night.run(chosen, target, asked)
+        made = _own_report(options, target, failures)
         new = changes.add(target, [*changes.of_night(target), *commits.of_build()])
         tonight = new[0].time if new else None
         marks = _trends(target, lambda mark: mark.after.time == tonight)
@@ -143,7 +126,7 @@ def _nightly(options: argparse.Namespace) -> int:
     return FAILED if any(mark.is_alarm for mark in marks) or disagreements else _status(failures, made)
 
 
-def _trends(folder: Path, told: Callable[[Mark], bool]) -> list[Mark]:
+def _trends(folder: Path, told: Callable[[changes.Mark], bool]) -> list[changes.Mark]:
     """Makes the page of the trends, prints those changes that are to be told, and returns them."""
     found = [mark for mark in changes.marks(changes.load(folder)) if told(mark)]
     print(changes.to_text(found), end="")
@@ -151,21 +134,15 @@ def _trends(folder: Path, told: Callable[[Mark], bool]) -> list[Mark]:
     return found
 
 
-def _look_back(options: argparse.Namespace) -> int:
+def _look_back(options: argparse.Namespace) -> None:
     target = options.results or installation.results_folder() / "nightly"
     if options.bisect is not None:
         print(commits.find(target, options.bisect), end="")
-        return ANSWERED
+        return
     if options.count is not None:
         for commit, new in commits.count_each(target, options.count):
             print(f"{commit}: {len(new)} counts are new", flush=True)
     _trends(target, lambda _: True)
-    return ANSWERED
-
-
-def _job(file: Path) -> int:
-    night.solve(file)
-    return ANSWERED
 
 
 def _diff(old: Path, new: Path, output: Path | None) -> int:
@@ -179,31 +156,18 @@ def _diff(old: Path, new: Path, output: Path | None) -> int:
     return FAILED if found else ANSWERED
 
 
-def _study(name: str, folder: Path | None) -> tuple[Study, Path]:
+def _study(name: str, folder: Path | None) -> tuple[study.Study, Path]:
     file = study.find(name)
     chosen = study.load(file)
     return chosen, folder or installation.results_folder(file) / chosen.name
 
 
-def _verified(options: argparse.Namespace, target: Path) -> list[Failure]:
-    """Verifies the reference if the option asks for it, in the folder beside a study's results; returns the failures."""
-    if not options.verify:
-        return []
-    return VERIFICATION.stages.run(VERIFICATION.beside(target), VERIFICATION.set_ups(), options.jobs)
-
-
 def _tell(failures: list[Failure]) -> None:
     """Prints a line for each stage and reason; the report tells what was refused."""
-    cases: dict[tuple[str, str], list[str]] = {}
-    for failure in failures:
-        if not failure.refused:
-            cases.setdefault((failure.stage, failure.reason), []).append(failure.case)
-    for (stage, reason), there in cases.items():
-        place = (
-            f"{len(there)} cases ({named(tuple(there))}): "
-            if there[1:]
-            else there[0] and f"case {there[0]}: "
-        )
+    failed = (failure for failure in failures if not failure.refused)
+    for (stage, reason), alike in statistics.grouped(failed, lambda each: (each.stage, each.reason)).items():
+        cases = tuple(failure.case for failure in alike)
+        place = f"{len(cases)} cases ({named(cases)}): " if cases[1:] else cases[0] and f"case {cases[0]}: "
         print(f"analysis: {place}{stage}: {reason}", file=sys.stderr)
 
 
@@ -218,17 +182,13 @@ def _reached(made: report.Report) -> int:
     return NOT_REACHED if made.not_reached else ANSWERED
 
 
-def _tell_of_first_report(folder: Path) -> None:
-    """Reports the answers before the pictures are solved for, which can take as long again."""
-    made = report.make(folder)
-    print(
-        f"The report is there and can be read now: {made.path}; pictures of the potential are still to come",
-        flush=True,
-    )
-
-
-def _own_report(folder: Path) -> report.Report:
-    """Reports results that this run has made. If they cannot be read, somebody has removed or changed them meanwhile: OSError."""
+def _own_report(options: argparse.Namespace, folder: Path, failures: list[Failure]) -> report.Report:
+    """Verifies the reference if the option asks for it, in the folder beside this run's results, tells and adds what failed, and reports the
+    results. If they cannot be read, somebody has removed or changed them meanwhile: OSError."""
+    if options.verify:
+        beside = VERIFICATION.beside(folder)
+        failures += VERIFICATION.stages.run(beside, VERIFICATION.set_ups(), options.jobs)
+    _tell(failures)
     try:
         return _report(folder)
     except InputError as error:
@@ -242,14 +202,11 @@ def _report(folder: Path) -> report.Report:
         print(f"analysis: {refusal.sentence}", file=sys.stderr)
     if made.summaries:
         print(statistics.headline(made.summaries))
-    if made.not_reached:
-        print(
-            f"{made.not_reached} cases are short of the asked accuracy; their wider errors are in the report"
-        )
-    if made.disagreements:
-        print(
-            f"{made.disagreements} values of boundary elements and the field solver disagree by more than their errors"
-        )
+    short = "cases are short of the asked accuracy; their wider errors are in the report"
+    apart = "values of boundary elements and the field solver disagree by more than their errors"
+    for count, what in ((made.not_reached, short), (made.disagreements, apart)):
+        if count:
+            print(f"{count} {what}")
     print(f"report: {made.path}")
     return made
 
@@ -266,25 +223,23 @@ def _topic(topic: Topic[Any, Any], options: argparse.Namespace) -> int:
     return FAILED if failures else ANSWERED
 
 
-def _documentation(folder: Path | None) -> int:
-    print(f"documentation: {documentation.build(folder or installation.results_folder() / 'documentation')}")
-    return ANSWERED
+def _documentation(options: argparse.Namespace) -> None:
+    target = options.output or installation.results_folder() / "documentation"
+    print(f"documentation: {documentation.build(target)}")
 
 
-def _show(options: argparse.Namespace) -> int:
-    given = {"between": options.between, "rtol": options.rtol}
+def _show(options: argparse.Namespace) -> None:
+    given = {name: getattr(options, name) for name in ("between", "rtol")}
     given = {name: value for name, value in given.items() if value is not None}
     if given and not options.readings:
         raise InputError("", "", f"--{next(iter(given))} is an option of --readings, which is missing")
     readings = show.Readings(**given) if options.readings else None
     print(f"page: {show.make(options.scene, options.motion, options.output, readings)}")
-    return ANSWERED
 
 
-def _live(options: argparse.Namespace) -> int:
+def _live(options: argparse.Namespace) -> None:
     rtol = None if options.no_reference else options.rtol
     print(f"page: {live.make(options.scene, options.motion, options.output, rtol)}")
-    return ANSWERED
 
 
 def _sweep(options: argparse.Namespace) -> int:
@@ -295,27 +250,21 @@ def _sweep(options: argparse.Namespace) -> int:
     return status
 
 
-def _coverage(options: argparse.Namespace) -> int:
+def _coverage(options: argparse.Namespace) -> None:
     # It loads scipy and meshio, which no other command of this module needs.
     from analysis.coverage import make as coverage, survey
 
-    default = survey.Options()
-    methods = default.methods if options.method is None else tuple(options.method.split(","))
-    asked = survey.Options(
-        readings=tuple(options.reading),
-        grid=options.grid,
-        to_ground=options.potential,
-        threshold=options.threshold,
-        methods=() if methods == ("none",) else methods,
-    )
+    methods = survey.Options().methods if options.method is None else tuple(options.method.split(","))
+    compared = () if methods == ("none",) else methods
+    of_probe = options.grid, options.potential, options.threshold
+    asked = survey.Options(tuple(options.reading), *of_probe, compared)
     made = coverage.make(options.scene, tuple(options.probe), asked, options.output)
     print(f"{made.headline}\npage: {made.path}")
-    return ANSWERED
 
 
 def _honesty(options: argparse.Namespace) -> int:
     # It loads scipy, which few commands of this module need.
-    from analysis.honesty import run as honesty
+    from analysis.honesty import judging, run as honesty
 
     share = 0.0 if options.no_field_solver else options.field_solver
     given = {name: getattr(options, name) for name in ("scenes", "first", "seconds", "jobs")}
@@ -330,7 +279,7 @@ def _honesty(options: argparse.Namespace) -> int:
         league = honesty.run(target, asked)
     print(league.text, end="")
     print(f"table: {league.path}")
-    return ANSWERED if league.is_met else FAILED
+    return FAILED if judging.misses(league.rows) else ANSWERED
 
 
 def _golden(options: argparse.Namespace) -> int:
@@ -346,16 +295,16 @@ def _golden(options: argparse.Namespace) -> int:
     return FAILED if comparison is not None and comparison.faults else ANSWERED
 
 
-_COMMANDS: dict[str, Callable[[argparse.Namespace], int]] = {
+_COMMANDS: dict[str, Callable[[argparse.Namespace], int | None]] = {
     "run": _run,
     "report": lambda options: _reached(_report(options.results)),
     "nightly": _nightly,
-    "job": lambda options: _job(options.file),
+    "job": lambda options: night.solve(options.file),
     "diff": lambda options: _diff(options.old, options.new, options.output),
     "trends": _look_back,
     # The published table is kept as it is.
     **{topic.verb: partial(_topic, topic) for topic in TOPICS if topic is not PUBLISHED},
-    "documentation": lambda options: _documentation(options.output),
+    "documentation": _documentation,
     "show": _show,
     "live": _live,
     "sweep": _sweep,

@@ -1,8 +1,6 @@
 """The golden file: set-ups with stored truths, taken by fixed strides, are asked one after the other, each by the methods that its kind allows. The file is compared
 with an older one: the gate tells what moved, and what must not have."""
 
-from __future__ import annotations
-
 import fnmatch
 import hashlib
 import itertools
@@ -16,27 +14,13 @@ from typing import Any
 
 import numpy as np
 
-from analysis.honesty import judging, closed_forms
-from analysis.honesty.asking import (
-    ANSWERED,
-    BOUNDARY_ELEMENTS,
-    CHANGE,
-    METHODS,
-    PARTS,
-    Answer,
-    Stated,
-    Worker,
-    entry,
-    has_readings,
-    in_pose,
-    pair,
-    part_of,
-)
+from analysis.honesty import asking, closed_forms, judging
+from analysis.honesty.asking import CHANGE, Answer, Stated, Worker, part_of
 from analysis.pipeline.model_stage import model_module
 from analysis.pipeline.scheduler import run_all
 from analysis.pipeline.stage import Processes
 from analysis.results.answers import Estimate
-from analysis.results.store import Document, read_json, write_json
+from analysis.results.store import markdown_table, read_json, write_json
 from analysis.results.study_results import Failure
 from analysis.topics.company import set_ups as company
 from analysis.topics.corrections import set_ups as corrections
@@ -48,7 +32,6 @@ from geometries.scene.scene import Scene
 from geometries.scene.writer import canonical_and_identity
 from geometries.studies.machines import before as with_readings
 
-
 Truths = dict[str, Estimate]
 
 CORRECTIONS_STRIDE, MACHINES_STRIDE, INSULATORS_STRIDE = 25, 33, 35
@@ -59,7 +42,8 @@ CLOSED, ACCURATE, REDUCED = "formula", "reduced:1e-2", "reduced+entries:1e-2"
 ELEMENTS = "boundary-elements:1e-2"
 PAIRS, FINE_ELEMENTS = "formula of pairs", "boundary-elements:1e-3"
 _MOVING = Path(__file__).with_name("golden_moving.json")
-_OPTIONS = METHODS | {PAIRS: METHODS[CLOSED], FINE_ELEMENTS: {"method": BOUNDARY_ELEMENTS, "rtol": 1e-3}}
+_FINE: dict[str, Any] = {"method": asking.BOUNDARY_ELEMENTS, "rtol": 1e-3}
+_OPTIONS = asking.METHODS | {PAIRS: asking.METHODS[CLOSED], FINE_ELEMENTS: _FINE}
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,11 +92,11 @@ def _corrections() -> Iterator[Case]:
     """A sensor and a target alone: the matrix, the formula's pair, and the change of the sensor's own capacitance, which is a difference."""
     known = corrections.load()
     for set_up in list(corrections.set_ups(model_module()))[::CORRECTIONS_STRIDE]:
-        true, name = known[set_up.name], f"corrections/{set_up.name}"
+        true, name = known[set_up.identity], f"corrections/{set_up.name}"
         change = Estimate(true.sensor - true.sensor_alone, corrections.RTOL * true.sensor)
         truths = {
-            entry("sensor", "target"): Estimate(-true.mutual, true.error),
-            pair("sensor", "target"): Estimate(true.mutual, true.error),
+            asking.entry("sensor", "target"): Estimate(-true.mutual, true.error),
+            asking.pair("sensor", "target"): Estimate(true.mutual, true.error),
         }
         yield from _cases(name, set_up.scene, (PAIRS, REDUCED, FINE_ELEMENTS), truths, has_readings=False)
         marked = with_readings(set_up.scene, ())
@@ -124,7 +108,7 @@ def _company() -> Iterator[Case]:
     checks = company.CHECK.records()
     for set_up in (each for each in company.all_set_ups() if each.identity in checks):
         true, name = checks[set_up.identity], f"company/{set_up.machine} {set_up.number}, {set_up.ground}"
-        truths = {part_of(company.SENSOR, part): Estimate(**true[part]) for part in PARTS}
+        truths = {part_of(company.SENSOR, part): Estimate(**true[part]) for part in asking.PARTS}
         yield from _cases(name, set_up.scene, (CLOSED, ACCURATE, REDUCED, FINE_ELEMENTS), truths)
 
 
@@ -150,7 +134,7 @@ def _closed_forms() -> Iterator[Case]:
     forms = [form for form in dict.fromkeys(closed_forms.FORMS) if form is not closed_forms.bowls]
     for form, seed in itertools.product(forms, range(CLOSED_FORMS)):
         known = form(random.Random(seed), Path())
-        is_read = has_readings(known.scene)
+        is_read = asking.has_readings(known.scene)
         methods = (CLOSED, ACCURATE, REDUCED, ELEMENTS) if is_read else (REDUCED, ELEMENTS)
         name = f"closed forms/{form.__name__} {seed}"
         yield from _cases(name, known.scene, methods, known.truths, is_read)
@@ -163,7 +147,7 @@ def _moving() -> Iterator[Case]:
     for name, machine in document["machines"].items():
         text, poses = machine["scene"], machine["poses"]
         truths = {
-            part_of(in_pose(reading, number), CHANGE): Estimate(*known)
+            part_of(asking.in_pose(reading, number), CHANGE): Estimate(*known)
             for number, pose in enumerate(poses)
             for reading, known in pose["changes"].items()
         }
@@ -177,7 +161,9 @@ MOST_WIDER, MOST_SLOWER = 1.1, 1.1
 _ROUNDING = 1e-9
 """What another order of operations may alter, relative to the value: the bound on what states no error."""
 _MOST_MOVED = 20
-_HEADER = "| method | cases | quantities | moved | by % at most | by errors | stated ratio | truths held, old | new | of | time ratio |"
+_HEADER = (
+    "method", "cases", "quantities", "moved", "by % at most", "by errors", "stated ratio", "truths held, old", "new", "of", "time ratio",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -217,6 +203,12 @@ class Row:
     def time_ratio(self) -> float:
         return self.seconds[1] / self.seconds[0] if self.seconds[0] > 0 else 1.0
 
+    @property
+    def cells(self) -> tuple[object, ...]:
+        sizes = f"{100 * self.largest_part:.2g}", f"{self.largest_move:.2g}", f"{self.largest_stated:.3g}"
+        counts = self.cases, self.quantities, self.moved
+        return (*counts, *sizes, *self.held, self.truths, f"{self.time_ratio:.2f}")
+
 
 @dataclass
 class Comparison:
@@ -230,12 +222,7 @@ class Comparison:
     @property
     def text(self) -> str:
         """The table, the largest moves, warnings, faults and the verdict."""
-        lines = [_HEADER, _HEADER.count(" | ") * "|---" + "|---|"]
-        lines += [
-            f"| {name} | {row.cases} | {row.quantities} | {row.moved} | {100 * row.largest_part:.2g} | {row.largest_move:.2g} | {row.largest_stated:.3g} "
-            f"| {row.held[0]} | {row.held[1]} | {row.truths} | {row.time_ratio:.2f} |"
-            for name, row in self.rows.items()
-        ]
+        lines = markdown_table(_HEADER, [(name, *row.cells) for name, row in self.rows.items()])
         if self.moved:
             lines += ["", f"Moved: {len(self.moved)} quantities; the largest moves, in pF:"]
             lines += [f"* {line}" for _, line in sorted(self.moved, reverse=True)[:_MOST_MOVED]]
@@ -254,19 +241,18 @@ def compared(old: dict[str, Recorded], new: dict[str, Recorded], with_times: boo
         row.cases += 1
         row.truths += len(after.truths.keys() & now.values.keys())
         row.held = [row.held[0] + old[name].held, row.held[1] + after.held]
-        if was.outcome == ANSWERED and now.outcome != ANSWERED:
+        if was.outcome == asking.ANSWERED and now.outcome != asking.ANSWERED:
             found.faults.append(f"{name}: was answered, is {now.outcome}{now.reason and f': {now.reason}'}")
-        elif was.outcome == ANSWERED:
+        elif was.outcome == asking.ANSWERED:
             row.seconds = [row.seconds[0] + was.seconds, row.seconds[1] + now.seconds]
             for quantity, stated in was.values.items():
                 _compare(found, row, f"{name}: {quantity}", stated, now.values.get(quantity))
         if was.reached and not now.reached:
             found.faults.append(f"{name}: no longer reaches what was asked")
     for method, row in found.rows.items():
-        if row.held[1] < row.held[0]:
-            found.faults.append(
-                f"{method}: {row.held[1]} truths within the stated error, {row.held[0]} before"
-            )
+        before, now_held = row.held
+        if now_held < before:
+            found.faults.append(f"{method}: {now_held} truths within the stated error, {before} before")
         if row.time_ratio > MOST_SLOWER:
             slow = found.faults if with_times else found.warnings
             slow.append(f"{method}: takes {row.time_ratio:.2f} times the time")
@@ -284,10 +270,8 @@ def _compare(found: Comparison, row: Row, name: str, was: Stated, now: Stated | 
     rounding = _ROUNDING * abs(was.value)
     difference, allowed = abs(now.value - was.value), (was.error or 0.0) + (now.error or 0.0)
     move = difference / allowed if allowed > 0 else math.inf if difference > rounding else 0.0
-    words = [
-        picofarads(value, error or 0.0) for value, error in ((was.value, was.error), (now.value, now.error))
-    ]
-    line = f"{name}: {' → '.join(words)}"
+    old, new = (picofarads(*each) for each in ((was.value, was.error or 0.0), (now.value, now.error or 0.0)))
+    line = f"{name}: {old} → {new}"
     if difference > 0:
         row.moved += 1
         row.largest_part = max(row.largest_part, difference / max(abs(was.value), abs(now.value)))
@@ -310,9 +294,7 @@ _ENOUGH, _MOST_ASKED = 0.25, 5
 """Seconds after which a case is not asked again for a smaller time, and how often it is asked at most."""
 
 
-def run(
-    file: Path, against: Path | None = None, only: str = "", with_times: bool = False
-) -> Comparison | None:
+def run(file: Path, against: Path | None, only: str, with_times: bool) -> Comparison | None:
     """Asks the cases whose names hold the pattern `only`, writes the file, whole or not at all, and returns the comparison with an older
     one if there is one; InputError for what cannot be used, before anything is asked."""
     old = {name: each for name, each in load(against).items() if _matches(name, only)} if against else None
@@ -320,7 +302,10 @@ def run(
     if not chosen:
         raise InputError("", "--only", f"no case's name holds {only!r}")
     if old is not None:
-        _check(str(against), old, chosen)
+        questions = {name: each.answer.key for name, each in old.items()}
+        asked = {case.name: case.question for case in chosen}
+        if other := sorted(name for name, _ in questions.items() ^ asked.items()):
+            raise InputError(str(against), other[0], "the golden file has other cases than are asked now")
     new = recorded(chosen)
     document = {"format": _FORMAT, "cases": {name: asdict(each) for name, each in new.items()}}
     try:
@@ -336,11 +321,13 @@ def load(file: Path) -> dict[str, Recorded]:
     try:
         if document is None or document["format"] != _FORMAT:
             raise ValueError
-        return {name: _recorded(each) for name, each in document["cases"].items()}
+        return {
+            name: Recorded(each["method"], judging.answer(each["answer"]), judging.estimates(each["truths"]))
+            for name, each in document["cases"].items()
+        }
     except (ValueError, KeyError, TypeError, AttributeError) as error:
-        raise InputError(
-            str(file), "", "is no golden file, as python3 -m analysis golden writes it"
-        ) from error
+        reason = "is no golden file, as python3 -m analysis golden writes it"
+        raise InputError(str(file), "", reason) from error
 
 
 def recorded(chosen: Sequence[Case]) -> dict[str, Recorded]:
@@ -374,18 +361,3 @@ class _Job:
 
 def _matches(name: str, pattern: str) -> bool:
     return fnmatch.fnmatchcase(name, f"*{pattern}*")
-
-
-def _check(file: str, old: dict[str, Recorded], chosen: Sequence[Case]) -> None:
-    """Refuses a file whose cases are not those that are asked now."""
-    questions = {name: each.answer.key for name, each in old.items()}
-    other = sorted(
-        name for name, _ in questions.items() ^ {case.name: case.question for case in chosen}.items()
-    )
-    if other:
-        raise InputError(file, other[0], "the golden file has other cases than are asked now")
-
-
-def _recorded(document: Document) -> Recorded:
-    truths = {name: Estimate(**known) for name, known in document["truths"].items()}
-    return Recorded(document["method"], judging.answer(document["answer"]), truths)

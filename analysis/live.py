@@ -25,13 +25,12 @@ from fem_reference.bodies.remarks import remarks
 from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, is_installed, is_own, page_library, results_folder
-from geometries.scene import motion, poses as scene_poses, reader
+from geometries.scene import motion, reader
 from geometries.scene.covers import is_cover
 from geometries.scene.motion import Frame, at_rest
-from geometries.scene.poses import Pose
+from geometries.scene.poses import Pose, quaternion
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import Cuboid, PlateShape
-
 
 HEIGHTS = (0.3, 0.2, 0.15, 0.1, 0.07, 0.05, 0.03, 0.02, 0.01)
 """Distances (m) of the target from the sensor's plane on the approach."""
@@ -66,15 +65,9 @@ def of_scene(scene: Scene, motion: Sequence[Frame]) -> list[Way]:
         for beside in np.linspace(-half, half, EDGE_FRAMES)
     )
     ends = f"{100 * HEIGHTS[0]:g} cm to {100 * HEIGHTS[-1]:g} cm"
-    return [
-        *paths,
-        Way("approach", f"“{target.name}” comes from {ends} before “{sensor}”.", approach),
-        Way(
-            "over the edge",
-            f"“{target.name}” slides over the edges of “{sensor}”, {100 * EDGE_HEIGHT:g} cm before it; places are those of its centre.",
-            over,
-        ),
-    ]
+    comes = f"“{target.name}” comes from {ends} before “{sensor}”."
+    slides = f"“{target.name}” slides over the edges of “{sensor}”, {100 * EDGE_HEIGHT:g} cm before it; places are those of its centre."
+    return [*paths, Way("approach", comes, approach), Way("over the edge", slides, over)]
 
 
 def _carried_target(scene: Scene) -> Object | None:
@@ -82,11 +75,8 @@ def _carried_target(scene: Scene) -> Object | None:
     such or no sensor."""
     with_sensor = {sensor.link for sensor in scene.sensors} | {None}
     jointed = {link.name for link in scene.links if link.joint is not None}
-    found = (
-        body
-        for body in scene.objects
-        if (body.target or len(scene.objects) == 1) and body.link not in with_sensor | jointed
-    )
+    targets = [body for body in scene.objects if body.target or len(scene.objects) == 1]
+    found = (body for body in targets if body.link not in with_sensor | jointed)
     return next(found, None) if scene.sensors else None
 
 
@@ -111,18 +101,10 @@ class _Place:
         if points.mean(axis=0) @ normal < 0:
             normal = -normal
         along, length = u / np.linalg.norm(u), float(np.linalg.norm(u))
-        low, high = (points @ along).min(), (points @ along).max()
+        low, high = float((points @ along).min()), float((points @ along).max())
         assert target.link is not None
-        return _Place(
-            scene,
-            target.link,
-            normal,
-            along,
-            length,
-            float((points @ normal).min()),
-            float(low + high) / 2,
-            float(high - low) / 2,
-        )
+        height = float((points @ normal).min())
+        return _Place(scene, target.link, normal, along, length, height, (low + high) / 2, (high - low) / 2)
 
     def frame(self, name: str, height: float, beside: float) -> Frame:
         """Returns the frame in which the target is so high above the plate, and so far beside its centre."""
@@ -135,37 +117,26 @@ class _Place:
 
 def described(path: Way, reference: list[Document] | None) -> Document:
     """Describes a path for the page: the poses of all links in every frame, and the reference readings if they are solved."""
-    frames = [
-        {"name": frame.name, "poses": [_pose(pose) for pose in frame.poses.values()]} for frame in path.frames
-    ]
+
+    def pose(each: Pose) -> Document:
+        return {"translation": list(each.translation), "quaternion": quaternion(each.rotation).tolist()}
+
+    frames = [{"name": each.name, "poses": [*map(pose, each.poses.values())]} for each in path.frames]
     return {"name": path.name, "said": path.said, "frames": frames, "reference": reference}
-
-
-def _pose(pose: Pose) -> Document:
-    return {
-        "translation": list(pose.translation),
-        "quaternion": scene_poses.quaternion(pose.rotation).tolist(),
-    }
 
 
 def solved(path: Way, live: Any, rtol: float, tell: Callable[[], None]) -> list[Document]:
     """Returns for every frame of a path, by the name of the reading, its change and the error of that (F), by boundary elements.
-
-    `live` is the scene of the module fringe; `tell` is called after each frame. A frame that boundary elements refuse has no entries.
-    """
+    `live` is the scene of the module fringe; `tell` is called after each frame. A frame that boundary elements refuse has no
+    entries."""
     frames: list[Document] = []
     for frame in path.frames:
         try:
             readings = in_frame(live, frame, "boundary-elements", rtol=rtol)
         except ValueError:
             readings = {}
-        frames.append(
-            {
-                name: [reading.change, reading.error["change"] or 0.0]
-                for name, reading in readings.items()
-                if reading.change is not None
-            }
-        )
+        known = {name: each for name, each in readings.items() if each.change is not None}
+        frames.append({name: [each.change, each.error["change"] or 0.0] for name, each in known.items()})
         tell()
     return frames
 
@@ -182,7 +153,9 @@ def movable(text: str) -> str:
     for body in bodies:
         is_target = body.get("target", False) if some_are_marked else body.get("potential") != "electrode"
         if is_target and "link" not in body:
-            name = _unused(body["name"], names)
+            name = body["name"]
+            while name in names:
+                name += "'"
             names.add(name)
             added.append({"name": name})
             body["link"] = name
@@ -202,46 +175,34 @@ def covered(text: str, thickness: float, relative_permittivity: float) -> str:
 
 def files(text: str, folder: Path) -> dict[str, str]:
     """Returns the mesh files that a scene names, as it names them, in base64; `folder` is where the scene lies."""
-    names = (body.get("shape", {}).get("file") for body in tomllib.loads(text).get("object", []))
-    return {
-        name: base64.b64encode((folder.absolute() / name).read_bytes()).decode()
-        for name in names
-        if name is not None
-    }
+    shapes = (body.get("shape", {}) for body in tomllib.loads(text).get("object", []))
+    paths = {shape["file"]: folder.absolute() / shape["file"] for shape in shapes if "file" in shape}
+    return {name: base64.b64encode(path.read_bytes()).decode() for name, path in paths.items()}
 
 
-def _unused(name: str, names: set[str]) -> str:
-    while name in names:
-        name += "'"
-    return name
-
-
+_SUMMARY = (
+    "or use the sliders: every frame, the library in this page computes the readings anew. Drag the empty ground to turn the "
+    "view, scroll or pinch to come closer; with shift, dragging turns the body. On the picture, the arrow keys, page up and page down "
+    "move it by 5 mm, with shift they turn it by 3 degrees."
+)
 _SCRIPTS = ("parts.js", "live_view.js", "live_model.js", "live_readings.js", "live_controls.js", "live.js")
 
 
 def document(title: str, inputs: str, library: str, data: Document, notes: str) -> str:
     """Returns the whole page. `inputs` is the hash of what it is made from, `library` the JavaScript with the library in WebAssembly, `notes`
     the folder of the repository as seen from the page, with a slash at its end."""
+    way = "Choose a path, drag a body" if data["paths"] else "Drag a body"
     body = page.filled(
         "live.html",
         style=page.static("live.css"),
         library=page.script(library),
         script=page.static(*_SCRIPTS),
         title=title,
-        summary=_summary(data),
+        summary=f"{way}, {_SUMMARY}",
         notes=notes,
         data=page.json_in_page(data, allow_nan=False),
     )
     return page.document(title, inputs, [body], script="")
-
-
-def _summary(data: Document) -> str:
-    way = "Choose a path, drag a body" if data["paths"] else "Drag a body"
-    return (
-        f"{way}, or use the sliders: every frame, the library in this page computes the readings anew. Drag the empty ground to turn the "
-        "view, scroll or pinch to come closer; with shift, dragging turns the body. On the picture, the arrow keys, page up and page down "
-        "move it by 5 mm, with shift they turn it by 3 degrees."
-    )
 
 
 RTOL = 1e-2
@@ -250,7 +211,6 @@ LARGEST = 6_000_000
 """Bytes of a page at most."""
 _MOST_BODIES = 12
 """Bodies up to which the page begins with the reduced method, if all are plates and cuboids: it is prepared within a second."""
-
 
 COVERS = (("2 mm of plastic", 2e-3, 3.0), ("a wet film of 0.5 mm", 0.5e-3, 80.0))
 """Covers that the page puts on all sensors: name, thickness (m), relative permittivity."""
@@ -266,9 +226,8 @@ def make(name: str, motion_file: Path | None, target: Path | None, rtol: float |
     The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it. `rtol` is
     the relative error asked of the reference readings along the paths; they are not solved if it is None.
 
-    Remarks on the scene, and the progress of the reference readings, go to standard error. InputError for files that cannot be used and
-    for a page that would be too large; NoLibrary where the library for pages is missing.
-    """
+    Remarks on the scene, and the progress of the reference readings, go to standard error. InputError for files that cannot
+    be used and for a page that would be too large; NoLibrary where the library for pages is missing."""
     path = find_scene(name)
     # Refuses a wrong scene by the lines of its own file.
     reader.load(path)
@@ -280,14 +239,17 @@ def make(name: str, motion_file: Path | None, target: Path | None, rtol: float |
     moved = motion_file or motion_beside(path)
     frames = motion.load(moved, scene) if moved else ()
     place = target or (results_folder() / LIVE.folder if is_own(path) else Path.cwd()) / f"{path.stem}.html"
+    all_flat = all(isinstance(body.shape, PlateShape | Cuboid) for body in scene.objects)
     data: Document = {
         "scene": text,
         "covers": _covers(text, scene, path),
         "files": files(text, path.parent),
-        "reduced": _is_quickly_prepared(scene),
+        "reduced": len(scene.sensors) + len(scene.objects) <= _MOST_BODIES and all_flat,
     }
     ways = of_scene(scene, frames)
-    notes = _notes(place)
+    # The repository as seen from the page: a relative path where the page is within, an address elsewhere.
+    folder = place.resolve().parent
+    notes = (os.path.relpath(ROOT, folder) if folder.is_relative_to(ROOT) else ROOT.as_uri()) + "/"
     # The reference readings follow from these.
     unsolved = [described(way, None) for way in ways]
     inputs = keys.page_inputs(data, unsolved, library, rtol, model_module().__version__, notes)
@@ -297,12 +259,9 @@ def make(name: str, motion_file: Path | None, target: Path | None, rtol: float |
     data["paths"] = [described(way, reference) for way, reference in zip(ways, references)]
     data["made"] = f"This page was made from {path.name} by fringe {model_module().__version__}."
     content = document(path.stem.replace("_", " "), inputs, library, data, notes)
-    if len(content.encode()) > LARGEST:
-        raise InputError(
-            str(path),
-            "",
-            f"its page would have {len(content.encode()) / 1e6:.1f} MB, more than {LARGEST / 1e6:g}: its meshes are too large",
-        )
+    if (size := len(content.encode())) > LARGEST:
+        too_large = f"{size / 1e6:.1f} MB, more than {LARGEST / 1e6:g}: its meshes are too large"
+        raise InputError(str(path), "", f"its page would have {too_large}")
     write_text(place, content)
     return place
 
@@ -310,20 +269,11 @@ def make(name: str, motion_file: Path | None, target: Path | None, rtol: float |
 def _library() -> str:
     file = page_library()
     if not file.is_file():
-        way = (
-            "live pages are made in the repository"
-            if is_installed()
-            else "./run builds it where emscripten is installed (apt-get install emscripten node-acorn)"
-        )
+        way = "./run builds it where emscripten is installed (apt-get install emscripten node-acorn)"
+        if is_installed():
+            way = "live pages are made in the repository"
         raise NoLibrary(f"{file} is missing: {way}")
     return file.read_text(encoding="utf-8")
-
-
-def _is_quickly_prepared(scene: Scene) -> bool:
-    bodies = len(scene.sensors) + len(scene.objects)
-    return bodies <= _MOST_BODIES and all(
-        isinstance(body.shape, PlateShape | Cuboid) for body in scene.objects
-    )
 
 
 def _covers(text: str, scene: Scene, path: Path) -> list[Document]:
@@ -363,9 +313,3 @@ def _references(native: Any, ways: list[Way], rtol: float | None) -> list[list[D
     found: list[list[Document] | None] = [solved(way, native, rtol, tell) for way in ways]
     print(file=sys.stderr)
     return found
-
-
-def _notes(place: Path) -> str:
-    """Returns the repository as seen from a page: a relative path where the page is within, an address elsewhere."""
-    folder = place.resolve().parent
-    return (os.path.relpath(ROOT, folder) if folder.is_relative_to(ROOT) else ROOT.as_uri()) + "/"

@@ -1,14 +1,12 @@
 """`python3 -m analysis show SCENE`: makes one page that shows a scene and its motion: bodies in the frames of their links, and poses and readings in every frame of a
 motion; the readings by quick methods in every frame, by boundary elements in the frames of the motion file."""
 
-from __future__ import annotations
-
 import math
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -16,7 +14,7 @@ from analysis.pipeline import keys
 from analysis.pipeline.model_stage import model_module
 from analysis.report import page
 from analysis.report.index_page import MOTION
-from analysis.results.store import Document, write_text
+from analysis.results.store import Document, finite, write_text
 from fem_reference.bodies.remarks import remarks
 from geometries.common.arrays import Array
 from geometries.common.errors import InputError
@@ -24,9 +22,7 @@ from geometries.common.installation import ROOT, is_own, results_folder
 from geometries.common.tables import is_file
 from geometries.scene import motion, poses as scene_poses, reader
 from geometries.scene.motion import Frame, with_frames_between
-from geometries.scene.poses import Transform
 from geometries.scene.scene import Object, Scene, Sensor
-
 
 _DIGITS = 5
 """Decimals of a coordinate in metres: hundredths of a millimetre are finer than any screen."""
@@ -34,21 +30,13 @@ _DIGITS = 5
 
 def collect(path: Path, scene: Scene, frames: Sequence[Frame], model: Any, between: int = 0) -> Document:
     """Collects everything that the page needs, as JSON. `model` is the module fringe; InputError for what it refuses.
-
-    `between` frames are added between every two of the motion.
-    """
+    `between` frames are added between every two of the motion."""
     frames = with_frames_between(frames, between)
     index = {link.name: number for number, link in enumerate(scene.links)}
     live = load(path, model)
     return {
-        "links": [
-            {"name": link.name, "parent": index.get(link.parent) if link.parent else None}
-            for link in scene.links
-        ],
-        "objects": [
-            {"name": body.name, "link": index.get(body.link or ""), **_body(body, model)}
-            for body in scene.objects
-        ],
+        "links": [{"name": link.name, "parent": index.get(link.parent or "")} for link in scene.links],
+        "objects": [_body(body, index.get(body.link or ""), model) for body in scene.objects],
         "sensors": [
             {
                 "name": sensor.name,
@@ -83,9 +71,9 @@ def load(path: Path, model: Any) -> Any:
         raise InputError("", "", str(error)) from error
 
 
-def _body(body: Object, model: Any) -> Document:
+def _body(body: Object, link: int | None, model: Any) -> Document:
     triangles = body.pose.transform().points(body.shape.triangles())
-    return {**mesh(triangles), "obb": _box_corners(triangles, model)}
+    return {"name": body.name, "link": link, **mesh(triangles), "obb": _box_corners(triangles, model)}
 
 
 def _plates(sensor: Sensor) -> Array:
@@ -114,30 +102,23 @@ def _box_corners(triangles: Array, model: Any) -> list[list[float]]:
 def _frame(frame: Frame, scene: Scene, live: Any, model: Any) -> Document:
     for link, pose in frame.poses.items():
         live.set_pose(link, np.array(pose.translation), pose.rotation.matrix())
-    conductors = live.conductors()
+    conductors, answer = live.conductors(), live.collide()
+    close = (pair for pair in answer["pairs"] if pair["status"] != "clear")
+    pairs = [[pair["a"], pair["b"], pair["status"]] for pair in close]
     bounds = [model.aabb(conductors[body.name].reshape(-1, 3)) for body in scene.objects]
+    links = tuple(replace(link, pose=frame.poses[link.name]) for link in scene.links)
+    moved = replace(scene, links=links)
+    places = (moved.transform_of_link(link.name) for link in links)
+    # The rows of (R | t).
+    matrices = (np.column_stack([each.rotation, each.translation]).round(_DIGITS + 3) for each in places)
     return {
         "name": frame.name,
-        "links": [_matrix(transform) for transform in _transforms(frame, scene)],
+        "links": [matrix.ravel().tolist() for matrix in matrices],
         "aabb": [np.concatenate(box).round(_DIGITS).tolist() for box in bounds],
         "readings": [_reading(reading) for reading in live.sense()["distance_sensors"]],
         **_outputs(live),
-        "collisions": _collisions(live),
+        "collisions": {"tests": answer["tests"], "pairs": pairs},
     }
-
-
-def _transforms(frame: Frame, scene: Scene) -> list[Transform]:
-    """Returns the transform from every link's frame to the world."""
-    links = tuple(replace(link, pose=frame.poses[link.name]) for link in scene.links)
-    moved = replace(scene, links=links)
-    return [moved.transform_of_link(link.name) for link in links]
-
-
-def _matrix(transform: Transform) -> list[float]:
-    """Returns the rows of (R | t)."""
-    rows = np.column_stack([transform.rotation, transform.translation])
-    numbers: list[float] = rows.round(_DIGITS + 3).ravel().tolist()
-    return numbers
 
 
 def _reading(reading: Document) -> Document | None:
@@ -153,56 +134,30 @@ def _outputs(live: Any) -> Document:
         answer = live.capacitance()
     except ValueError as error:
         return {"outputs": None, "refused": str(error)}
-    return {
-        "outputs": [
-            {
-                "total": _finite(sensor["total"]),
-                "delta_voltage": sensor["delta_voltage"],
-                "objects": [
-                    [body["name"], _finite(body["capacitance"])]
-                    for body in sorted(
-                        sensor["objects"], key=lambda body: float(body["capacitance"]), reverse=True
-                    )[:3]
-                ],
-            }
-            for sensor in answer["sensors"]
-        ]
-    }
-
-
-def _finite(number: float) -> float | None:
-    """Replaces infinity, the capacitance at contact, which JSON cannot express."""
-    return number if math.isfinite(number) else None
-
-
-def _collisions(live: Any) -> Document:
-    """Returns the pairs that are not clear of each other, and how many tests were made."""
-    answer = live.collide()
-    pairs = answer["pairs"]
-    return {
-        "tests": answer["tests"],
-        "pairs": [[pair["a"], pair["b"], pair["status"]] for pair in pairs if pair["status"] != "clear"],
-    }
+    outputs = []
+    for sensor in answer["sensors"]:
+        largest = sorted(sensor["objects"], key=lambda body: -float(body["capacitance"]))[:3]
+        # At contact a capacitance is infinite.
+        named = [[body["name"], finite(body["capacitance"])] for body in largest]
+        own = {"total": finite(sensor["total"]), "delta_voltage": sensor["delta_voltage"]}
+        outputs.append(own | {"objects": named})
+    return {"outputs": outputs}
 
 
 RTOL_OF_REDUCED = 0.1
 """Relative error asked of the reduced method, which mostly reaches a tenth of it, in milliseconds."""
 
 
-@dataclass(frozen=True)
-class Method:
+class Method(NamedTuple):
     """A way to the changes of the readings; `options` are those of the module fringe."""
 
     name: str
     method: str
-    options: Document
+    options: Document = {}
 
 
-QUICK = (
-    Method("model", "exact", {}),
-    Method("formula", "formula", {}),
-    Method("reduced", "reduced", {"rtol": RTOL_OF_REDUCED}),
-)
+_REDUCED = Method("reduced", "reduced", {"rtol": RTOL_OF_REDUCED})
+QUICK = (Method("model", "exact"), Method("formula", "formula"), _REDUCED)
 
 
 @dataclass(frozen=True)
@@ -214,23 +169,16 @@ class Readings:
 
 
 def along(live: Any, frames: Sequence[Frame], options: Readings) -> Document:
-    """Returns the changes of all readings, F, with the errors that the methods state, for the page.
-
-    `frames` are those of the motion file with `options.between` between every two, `live` is the scene of the module fringe. A frame
-    that a method refuses has no value; if it refuses every frame, its reason stands in their place.
-    """
+    """Returns the changes of all readings, F, with the errors that the methods state, for the page. `frames` are those of the motion
+    file with `options.between` between every two, `live` is the scene of the module fringe. A frame that a method refuses has no
+    value; if it refuses every frame, its reason stands in their place."""
     every = range(len(frames))
-    key = every[:: options.between + 1]
     reference = Method("boundary elements", "boundary-elements", {"rtol": options.rtol})
     methods = [_series(live, frames, every, method) for method in QUICK]
-    methods.append(_series(live, frames, key, reference))
-    asked = live.roles()["readings"]
-    return {
-        "readings": [
-            {"name": name, "threshold": reading.get("threshold")} for name, reading in asked.items()
-        ],
-        "methods": methods,
-    }
+    methods.append(_series(live, frames, every[:: options.between + 1], reference))
+    asked = live.roles()["readings"].items()
+    told = [{"name": name, "threshold": reading.get("threshold")} for name, reading in asked]
+    return {"readings": told, "methods": methods}
 
 
 def in_frame(live: Any, frame: Frame, method: str, **options: Any) -> dict[str, Any]:
@@ -248,11 +196,8 @@ def _series(live: Any, frames: Sequence[Frame], asked: Sequence[int], method: Me
     refused = ""
     for number, frame in enumerate(asked):
         if method.method == "boundary-elements":
-            print(
-                f"\ranalysis: readings {number + 1} of {len(asked)} by boundary elements",
-                end="",
-                file=sys.stderr,
-            )
+            told = f"\ranalysis: readings {number + 1} of {len(asked)} by boundary elements"
+            print(told, end="", file=sys.stderr)
         try:
             found = in_frame(live, frames[frame], method.method, **method.options)
         except ValueError as error:
@@ -287,20 +232,11 @@ def document(title: str, inputs: str, data: Document, readings: Document | None)
 
 
 def _summary(data: Document) -> str:
-    nouns = {
-        "objects": "object",
-        "links": "link",
-        "sensors": "capacitive sensor",
-        "eyes": "distance sensor",
-        "frames": "frame",
-    }
-    counts = {key: len(data[key]) for key in nouns} | {"frames": len(data["frames"][:: data["every"]])}
-    parts = [_count(counts[key], noun) for key, noun in nouns.items() if counts[key]]
-    return ", ".join(parts) + ". Drag to turn, scroll to come closer, hover for names."
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+    parts = "objects", "links", "sensors", "eyes"
+    counts = [*(len(data[part]) for part in parts), len(data["frames"][:: data["every"]])]
+    nouns = "object", "link", "capacitive sensor", "distance sensor", "frame"
+    told = [f"{count} {noun}{'s' * (count > 1)}" for count, noun in zip(counts, nouns) if count]
+    return ", ".join(told) + ". Drag to turn, scroll to come closer, hover for names."
 
 
 SCENES = ROOT / "geometries" / "scenes"
@@ -310,10 +246,9 @@ MOTION_SUFFIX = ".motion.toml"
 def make(name: str, motion_file: Path | None, target: Path | None, readings: Readings | None = None) -> Path:
     """Writes the page of a scene, a file or a name in geometries/scenes; returns where it is.
 
-    The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it.
-    Without a motion file the one beside the scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it
-    stands. With `readings`, plots of the readings along the motion follow. A page that is up to date stays. Prints remarks on the scene on standard error. InputError for files that cannot be used.
-    """
+    The page of a scene of the repository is in its results, of any other scene in the current folder, unless `target` names it. Without a motion file the one beside the
+    scene is taken, SCENE.motion.toml for SCENE.toml, or else the scene as it stands. With `readings`, plots of the readings along the motion follow. A page that is up
+    to date stays. Prints remarks on the scene on standard error. InputError for files that cannot be used."""
     path = find_scene(name)
     scene = reader.load(path)
     for remark in remarks(scene):
@@ -328,8 +263,7 @@ def make(name: str, motion_file: Path | None, target: Path | None, readings: Rea
         return place
     told = None
     if readings:
-        moved = with_frames_between(frames, readings.between)
-        told = along(load(path, model), moved, readings)
+        told = along(load(path, model), with_frames_between(frames, readings.between), readings)
     write_text(place, document(path.stem.replace("_", " "), inputs, data, told))
     return place
 

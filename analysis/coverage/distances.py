@@ -1,10 +1,5 @@
 """From changes at a few distances to the distance from which a probe is noticed, for any threshold; as a table, and as a file for ParaView."""
 
-from __future__ import annotations
-
-import csv
-import io
-import os
 from pathlib import Path
 
 import meshio
@@ -13,10 +8,9 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
 from analysis.coverage.survey import Survey, over_thresholds
-from analysis.results.store import write_text
+from analysis.results.store import csv_text, write_text
 from geometries.common.arrays import Array, Flags, Indices
-from geometries.common.children import temporary_folder
-
+from geometries.common.files import whole_file
 
 FINER = 12
 """Points for each step between two distances, at which the interpolated change is compared with a threshold."""
@@ -45,7 +39,6 @@ class Curves:
 
     def noticed(self, threshold: float) -> tuple[Array, Flags]:
         """Returns the distances (n,) up to which everything is noticed, and whether a distance is only the last that was looked at.
-
         0 is a blind spot: the change is below the threshold at the first distance. NaN: the probe cannot be held there.
         """
         asked = np.log(threshold)
@@ -85,21 +78,8 @@ def _interpolated(at: Array, logs: Array, finer: Array) -> Array:
 
 
 ANY = "any"
-COLUMNS = (
-    "place",
-    "on",
-    "x_m",
-    "y_m",
-    "z_m",
-    "normal_x",
-    "normal_y",
-    "normal_z",
-    "probe",
-    "reading",
-    "threshold_F",
-    "distance_m",
-    "kind",
-)
+_PLACE = ("place", "on", "x_m", "y_m", "z_m", "normal_x", "normal_y", "normal_z")
+COLUMNS = (*_PLACE, "probe", "reading", "threshold_F", "distance_m", "kind")
 """`kind`: "noticed", up to this distance; "blind", not even at the nearest one; "at least", the farthest at which the probe was held; "blocked", the
 probe cannot be held there."""
 
@@ -111,17 +91,13 @@ def distances(
     kinds."""
     ratios = over_thresholds(survey.changes[probe], survey.thresholds, reading)
     found, is_last = Curves(survey.distances, ratios).noticed(factor)
-    kinds = np.where(
-        np.isnan(found), "blocked", np.where(found == 0, "blind", np.where(is_last, "at least", "noticed"))
-    )
+    kinds = np.select([np.isnan(found), found == 0, is_last], ["blocked", "blind", "at least"], "noticed")
     return found, kinds
 
 
 def write_csv(survey: Survey, path: Path) -> None:
     """Writes a row for each place, probe and reading, and for any of them."""
-    text = io.StringIO()
-    rows = csv.writer(text, lineterminator="\n")
-    rows.writerow(COLUMNS)
+    rows: list[tuple[object, ...]] = []
     names: list[tuple[str, int | None]] = [(reading.name, k) for k, reading in enumerate(survey.readings)]
     for p, probe in enumerate(survey.probes):
         for name, k in [*names, (ANY, None)]:
@@ -130,8 +106,8 @@ def write_csv(survey: Survey, path: Path) -> None:
             for at, (point, normal) in enumerate(zip(survey.places.points, survey.places.normals)):
                 place = (at + 1, survey.places.owners[at], *(f"{x:.5f}" for x in (*point, *normal)))
                 distance = "" if np.isnan(found[at]) else f"{found[at]:.5f}"
-                rows.writerow((*place, probe.name, name, threshold, distance, kinds[at]))
-    write_text(path, text.getvalue())
+                rows.append((*place, probe.name, name, threshold, distance, kinds[at]))
+    write_text(path, csv_text(COLUMNS, rows))
 
 
 def write_vtu(survey: Survey, path: Path) -> None:
@@ -144,7 +120,5 @@ def write_vtu(survey: Survey, path: Path) -> None:
     count = len(survey.places.points)
     cells = [("vertex", np.arange(count).reshape(-1, 1))]
     path.parent.mkdir(parents=True, exist_ok=True)
-    with temporary_folder(path.parent) as folder:
-        whole = folder / "whole.vtu"
-        meshio.write(whole, meshio.Mesh(survey.places.points, cells, point_data=data))
-        os.replace(whole, path)
+    with whole_file(path) as unfinished:
+        meshio.write(unfinished, meshio.Mesh(survey.places.points, cells, point_data=data))

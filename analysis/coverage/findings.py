@@ -9,10 +9,10 @@ import numpy as np
 
 from analysis.coverage.distances import Curves, distances
 from analysis.coverage.survey import Survey, over_thresholds
+from analysis.results.statistics import grouped
 from geometries.common.arrays import Array
 from geometries.scene.readings import readings
 from geometries.scene.scene import Scene
-
 
 NEARBY = 0.1
 """Distance (m) from a sensor's plate up to which a place counts as nearby."""
@@ -34,6 +34,10 @@ class Noticed:
     @property
     def share(self) -> float:
         return self.noticed / self.held if self.held else 0.0
+
+    @property
+    def count(self) -> str:
+        return f"{self.noticed} of {self.held}"
 
     @staticmethod
     def of(found: Array) -> Noticed:
@@ -94,9 +98,8 @@ def comparisons(survey: Survey) -> list[Comparison]:
                 ratio = np.median(np.abs(other[near] / own[near])) if near.any() else np.nan
             excess = np.median(told[both] - true[both]) if both.any() else np.nan
             false, asked = int(((true == 0) & (told > 0)).sum()), int(np.isfinite(true).sum())
-            found.append(
-                Comparison(method, probe.name, int(both.sum()), float(excess), float(ratio), false, asked)
-            )
+            medians = float(excess), float(ratio)
+            found.append(Comparison(method, probe.name, int(both.sum()), *medians, false, asked))
     return found
 
 
@@ -105,15 +108,10 @@ def around(scene: Scene, survey: Survey, probe: int) -> tuple[Noticed, Noticed, 
     found, _ = distances(survey, probe)
     names = {sensor.name for sensor in scene.sensors}
     on_sensor = np.array([name in names for name in survey.places.owners])
-    offsets = [
-        _offset(survey.places.points, *plate) for name in names for plate in scene.sensor_rectangles(name)
-    ]
-    nearby = np.min(offsets, axis=0) <= NEARBY
-    return (
-        Noticed.of(found[on_sensor]),
-        Noticed.of(found[nearby & ~on_sensor]),
-        Noticed.of(found[~nearby & ~on_sensor]),
-    )
+    plates = [plate for name in names for plate in scene.sensor_rectangles(name)]
+    nearby = np.min([_offset(survey.places.points, *plate) for plate in plates], axis=0) <= NEARBY
+    before, beside, farther = on_sensor, nearby & ~on_sensor, ~nearby & ~on_sensor
+    return Noticed.of(found[before]), Noticed.of(found[beside]), Noticed.of(found[farther])
 
 
 def on_plates(scene: Scene, survey: Survey, probe: int) -> tuple[Noticed, Noticed]:
@@ -141,16 +139,12 @@ def nearby_sentence(scene: Scene, survey: Survey) -> str:
     phrases, held = [], []
     for p, probe in enumerate(survey.probes):
         before, beside, farther = around(scene, survey, p)
-        phrases.append(f"{probe.name} at {_count(before)}, {_count(beside)} and {_count(farther)}")
+        phrases.append(f"{probe.name} at {before.count}, {beside.count} and {farther.count}")
         held.append(before.share == 1 and beside.share == 1)
-    names = [probe.name for probe in survey.probes]
-    yes = ", ".join(name for name, holds in zip(names, held) if holds)
-    no = ", ".join(name for name, holds in zip(names, held) if not holds)
-    verdict = "; ".join(
-        told
-        for told in (f"it holds for {yes}" if yes else "", f"it does not hold for {no}" if no else "")
-        if told
-    )
+    by_verdict = grouped(zip(held, survey.probes), lambda each: each[0])
+    names = {holds: ", ".join(probe.name for _, probe in each) for holds, each in by_verdict.items()}
+    told = {True: "it holds for", False: "it does not hold for"}
+    verdict = "; ".join(f"{words} {names[holds]}" for holds, words in told.items() if holds in names)
     return (
         "A sensor with a sensing volume misses what is outside of it, a capacitive sensor would notice any conducting body nearby: so the thesis that the model comes from. Here the probes "
         f"are noticed on the sensors, at other places at most {100 * NEARBY:g} cm from a sensor, and farther away: {'; '.join(phrases)}. For what is nearby {verdict}."
@@ -164,7 +158,11 @@ def centre_sentence(scene: Scene, survey: Survey) -> str:
         middle, margin = on_plates(scene, survey, p)
         if not middle.held or not margin.held:
             continue
-        phrases.append(f"{probe.name} at {_told(middle)} and at {_told(margin)}")
+        told = [
+            f"{each.count} places" + (f" (from {100 * each.median:.3g} cm)" if each.noticed else "")
+            for each in (middle, margin)
+        ]
+        phrases.append(f"{probe.name} at {' and at '.join(told)}")
         blind += [probe.name] if middle.share < margin.share else []
         weaker += [probe.name] if middle.median < margin.median else []
     if not phrases:
@@ -180,14 +178,6 @@ def centre_sentence(scene: Scene, survey: Survey) -> str:
         "A manual of such a machine warns of a blind spot at an electrode's centre. Before the middle ninth of the plates, and before their margin, the outer third on all sides, "
         f"a sensor notices by its own reading: {'; '.join(phrases)}. {verdict}"
     )
-
-
-def _count(told: Noticed) -> str:
-    return f"{told.noticed} of {told.held}"
-
-
-def _told(told: Noticed) -> str:
-    return f"{_count(told)} places" + (f" (from {100 * told.median:.3g} cm)" if told.noticed else "")
 
 
 def _position(points: Array, corner: Array, u: Array, v: Array) -> Array:

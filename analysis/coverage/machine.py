@@ -5,11 +5,8 @@ machine's Green function that the machine adds to 1/r, a grounded probe with the
 4πε·φ'ᵀ(V − G)⁻¹φ, to which a small one of capacitance C adds C·φ·φ' (model/CORRECTIONS.md, section 8). G is of low rank a little away from the
 machine: G(x, y) = c(x)·c(y), c the potentials of charges on its surface.
 
-Potentials of charges that are not too near are harmonic within the probe, and hence given on all its panels by their values at a few of them, T:
-V − G on the panels becomes W⁻¹ − G on these points, W = Tᵀ V⁻¹ T (interpolative decomposition).
-"""
-
-from __future__ import annotations
+Potentials of charges that are not too near are harmonic within the probe, and hence given on all its panels by their values at a few of
+them, T: V − G on the panels becomes W⁻¹ − G on these points, W = Tᵀ V⁻¹ T (interpolative decomposition)."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -23,7 +20,6 @@ from geometries.common.arrays import Array, Flags, Indices
 from geometries.common.errors import InputError
 from geometries.scene.scene import Object, Scene
 from geometries.scene.writer import canonical
-
 
 _RTOL, _PANELS, _FUNCTIONS = 0.004, 12000, 600
 """Accuracy of the machine's own charges, its most panels, and the most functions that stand for its answers."""
@@ -83,11 +79,8 @@ class Machine:
         self.panels: int = self._potentials.panels
         self.error: float = self._potentials.error
         self._factor = 4 * np.pi * VACUUM_PERMITTIVITY * permittivity
-        known = scene.roles()["readings"].items()
-        self.readings = tuple(
-            _reading(name, told, sign)
-            for (name, told), (_, _, sign) in zip(known, self._potentials.readings, strict=True)
-        )
+        known = zip(scene.roles()["readings"].items(), self._potentials.readings, strict=True)
+        self.readings = tuple(_reading(name, told, sign) for (name, told), (_, _, sign) in known)
         self._answers = np.zeros((0, 0), np.float32)
 
     def prepare(self, points: Array) -> None:
@@ -98,14 +91,11 @@ class Machine:
         self, level: Level, rotations: Array, translations: Array, to_ground: float | None
     ) -> tuple[Array, Flags]:
         """Returns the changes of all readings (n, readings) in F by a probe in so many poses, and whether it clears the machine (n,).
-
         `rotations` (n, 3, 3) and `translations` (n, 3) map the probe's frame to the world; the probe is grounded, or else connected to ground
-        through a capacitance (F), 0 if insulated.
-        """
+        through a capacitance (F), 0 if insulated."""
         share = None if to_ground is None else to_ground / self._factor
-        found, clears = self._potentials.changes(
-            level.points, level.inverse, rotations, translations, self._answers, share
-        )
+        posed = level.points, level.inverse, rotations, translations
+        found, clears = self._potentials.changes(*posed, self._answers, share)
         return self._factor * found, clears
 
     def small_changes(
@@ -114,9 +104,8 @@ class Machine:
         """Returns the changes as if the probe were small: its own capacitance times the potentials at the middle of its charge."""
         own = level.charges.sum()
         middle = level.charges @ level.points / own
-        loads = self._potentials.at(np.einsum("nij,j->ni", rotations, middle) + translations).astype(
-            np.float64
-        )
+        middles = np.einsum("nij,j->ni", rotations, middle) + translations
+        loads = self._potentials.at(middles).astype(np.float64)
         senses, drives, signs = zip(*self._potentials.readings)
         if to_ground is not None:
             share = to_ground / self._factor

@@ -1,8 +1,6 @@
 """`python3 -m analysis coverage SCENE`: surveys a machine and writes its page, its table and its file for ParaView. The page has the machine with the
 surface of first notice around it, and what the survey found."""
 
-from __future__ import annotations
-
 import base64
 import math
 import shlex
@@ -25,7 +23,6 @@ from geometries.common.arrays import Array
 from geometries.common.errors import InputError
 from geometries.scene import reader
 from geometries.scene.scene import Scene
-
 
 FACTORS = np.geomspace(0.1, 100, 31)
 """Thresholds of the slider, over the scene's."""
@@ -57,11 +54,9 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
     write_csv(found, table)
     write_vtu(found, place.with_suffix(".vtu"))
     inputs = keys.page_inputs(table.read_text(encoding="utf-8"))
-    shown = shlex.join(
-        [*shlex.split(installation.command("analysis")), "coverage", str(name)]
-        + [part for one in probes for part in ("--probe", one)]
-        + [part for one in options.readings for part in ("--reading", one)]
-    )
+    asked = [("--probe", one) for one in probes] + [("--reading", one) for one in options.readings]
+    words = [*shlex.split(installation.command("analysis")), "coverage", str(name)]
+    shown = shlex.join([*words, *(word for option in asked for word in option)])
     title = f"{path.stem.replace('_', ' ')}: where a probe is noticed"
     targets = {body.name for body in scene.objects if body.target}
     whole = model.Scene.load(str(path)).conductors()
@@ -70,14 +65,12 @@ def make(name: str, probes: tuple[str, ...], options: Options, target: Path | No
     return page.Made(place, "\n".join(sentences(found)))
 
 
+Bodies = dict[str, Array]
+"""Triangles (n, 3, 3) of bodies by their names."""
+
+
 def document(
-    title: str,
-    digest: str,
-    scene: Scene,
-    survey: Survey,
-    conductors: dict[str, Array],
-    table: str,
-    command: str,
+    title: str, inputs: str, scene: Scene, survey: Survey, bodies: Bodies, table: str, command: str
 ) -> str:
     """Returns the whole page."""
     body = page.filled(
@@ -86,13 +79,13 @@ def document(
         script=page.static("parts.js", "coverage.js"),
         title=title,
         finding=sentences(survey)[0],
-        data=page.json_in_page(_data(survey, conductors), allow_nan=False),
+        data=page.json_in_page(_data(survey, bodies), allow_nan=False),
         probes=[probe.name for probe in survey.probes],
         readings=[ANY, *(reading.name for reading in survey.readings)],
         steps=len(FACTORS) - 1,
         start=int(np.argmin(np.abs(FACTORS - 1))),
     )
-    return page.document(title, digest, [body, *_sections(scene, survey, table, command)])
+    return page.document(title, inputs, [body, *_sections(scene, survey, table, command)])
 
 
 def sentences(survey: Survey) -> list[str]:
@@ -102,27 +95,27 @@ def sentences(survey: Survey) -> list[str]:
         if not told.noticed:
             found.append(f"{probe.name}: no reading notices it at any of {told.held} places.")
             continue
+        lengths = told.median, told.nearest, told.farthest
+        median, nearest, farthest = (f"{100 * metres:.3g} cm" for metres in lengths)
         found.append(
-            f"{probe.name}: noticed at {told.noticed} of {told.held} places, from {_cm(told.median)} in the median "
-            f"({_cm(told.nearest)} to {_cm(told.farthest)} at nine of ten); {told.held - told.noticed} are blind."
+            f"{probe.name}: noticed at {told.noticed} of {told.held} places, from {median} in the median "
+            f"({nearest} to {farthest} at nine of ten); {told.held - told.noticed} are blind."
         )
     return found
 
 
-def _cm(metres: float) -> str:
-    return f"{100 * metres:.3g} cm"
-
-
 def _sections(scene: Scene, survey: Survey, table: str, command: str) -> list[Markup]:
     proven = [reading.name for reading in survey.readings if reading.is_proven]
-    thresholds = ", ".join(
-        f"{reading.name} {threshold * 1e15:.3g} fF"
-        for reading, threshold in zip(survey.readings, survey.thresholds)
-    )
+    known = zip(survey.readings, survey.thresholds)
+    thresholds = ", ".join(f"{reading.name} {threshold * 1e15:.3g} fF" for reading, threshold in known)
+    # Nothing has been said of a machine without sensors.
+    said = (findings.nearby_sentence, findings.centre_sentence) if scene.sensors else ()
+    told = filter(None, [sentence(scene, survey) for sentence in said])
+    claims = [page.section("What has been said of such sensors", *map(page.paragraph, told))] if said else []
     parts = [
         page.section(
             "How far each probe is noticed",
-            *(page.paragraph(sentence) for sentence in sentences(survey)),
+            *map(page.paragraph, sentences(survey)),
             page.soft(
                 f"Thresholds: {thresholds}. A place is a point of the machine's surface; the probe is held before it, its nearest point {NEAREST * 1000:g} mm to {FARTHEST:g} m away along the normal. "
                 "Its distance is that up to which every position is noticed. Blind: not noticed at the nearest position."
@@ -131,7 +124,7 @@ def _sections(scene: Scene, survey: Survey, table: str, command: str) -> list[Ma
             page.command(command),
         ),
         page.section("Blind spots", *(_blind(survey, p) for p in range(len(survey.probes)))),
-        *_claims(scene, survey),
+        *claims,
         _guarantee(proven, len(survey.readings)),
     ]
     if survey.by_method:
@@ -141,25 +134,14 @@ def _sections(scene: Scene, survey: Survey, table: str, command: str) -> list[Ma
 
 def _blind(survey: Survey, probe: int) -> Markup:
     counts = sorted(findings.blind_bodies(survey, probe), key=lambda told: -told[2])
-    rows = [
-        [name, str(held), str(blind), f"{100 * blind / held:.0f} %"] for name, held, blind in counts if blind
-    ]
+    some = [told for told in counts if told[2]]
+    rows = [[name, str(held), str(blind), f"{100 * blind / held:.0f} %"] for name, held, blind in some]
     title = page.heading(survey.probes[probe].name)
     if not rows:
         return page.lines([title, page.paragraph("No blind spot among the places.")])
     shown = page.table(["sensor or object", "places", "blind", "share"], rows[:_MOST_BLIND])
-    more = [page.soft(f"and {len(rows) - _MOST_BLIND} more, in the table")] if len(rows) > _MOST_BLIND else []
+    more = [page.soft(f"and {len(rows) - _MOST_BLIND} more, in the table")] if rows[_MOST_BLIND:] else []
     return page.lines([title, shown, *more])
-
-
-def _claims(scene: Scene, survey: Survey) -> list[Markup]:
-    """Returns the section on what has been said of such sensors; nothing for a machine without sensors."""
-    if not scene.sensors:
-        return []
-    told = [findings.nearby_sentence(scene, survey), findings.centre_sentence(scene, survey)]
-    return [
-        page.section("What has been said of such sensors", *(page.paragraph(each) for each in told if each))
-    ]
 
 
 def _guarantee(proven: list[str], count: int) -> Markup:
@@ -181,6 +163,9 @@ def _guarantee(proven: list[str], count: int) -> Markup:
 
 
 def _methods(survey: Survey) -> Markup:
+    def known(value: float, words: str) -> str:
+        return "–" if math.isnan(value) else words
+
     return page.section(
         "What other methods would have said",
         page.table_of(
@@ -188,8 +173,8 @@ def _methods(survey: Survey) -> Markup:
             ("method", lambda told: told.method),
             ("probe", lambda told: told.probe),
             ("places", lambda told: str(told.places)),
-            ("distance, median difference", lambda told: _known(told.excess, f"{100 * told.excess:+.1f} cm")),
-            ("change, median ratio", lambda told: _known(told.ratio, f"{told.ratio:.3g}")),
+            ("distance, median difference", lambda told: known(told.excess, f"{100 * told.excess:+.1f} cm")),
+            ("change, median ratio", lambda told: known(told.ratio, f"{told.ratio:.3g}")),
             ("noticed only by it", lambda told: f"{told.false} of {told.asked}"),
             text_columns=2,
         ),
@@ -201,17 +186,14 @@ def _methods(survey: Survey) -> Markup:
     )
 
 
-def _known(value: float, words: str) -> str:
-    return "–" if math.isnan(value) else words
-
-
 def _data(survey: Survey, conductors: dict[str, Array]) -> Document:
     drawn = np.unique(np.linspace(0, len(survey.places.points) - 1, MOST_DRAWN).astype(int))
     packed = []
     for p in range(len(survey.probes)):
         for k in (None, *range(len(survey.readings))):
-            steps = [_packed(distances(survey, p, k, float(factor))[0][drawn]) for factor in FACTORS]
-            packed.append(base64.b64encode(np.stack(steps).astype("<u2").tobytes()).decode())
+            steps = np.stack([distances(survey, p, k, float(factor))[0][drawn] for factor in FACTORS])
+            units = np.where(np.isnan(steps), _BLOCKED, np.round(np.nan_to_num(steps) * _PER_METRE))
+            packed.append(base64.b64encode(units.astype("<u2").tobytes()).decode())
     named = {reading.name for reading in survey.readings}
     return {
         "bodies": [{"name": name, **mesh(triangles)} for name, triangles in conductors.items()],
@@ -226,9 +208,3 @@ def _data(survey: Survey, conductors: dict[str, Array]) -> Document:
         "blocked": _BLOCKED,
         "per_metre": _PER_METRE,
     }
-
-
-def _packed(distances: Array) -> Array:
-    return np.asarray(
-        np.where(np.isnan(distances), _BLOCKED, np.round(np.nan_to_num(distances) * _PER_METRE))
-    )

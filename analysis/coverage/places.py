@@ -1,8 +1,6 @@
 """What is held before a machine, and where: probes by a text such as `sphere:0.02` or a name such as `finger`; places on the machine's surface, the directions away
 from it, and how far they are free."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Callable
@@ -17,7 +15,6 @@ from geometries.common.errors import InputError
 from geometries.scene import shapes
 from geometries.scene.meshes import read_triangles
 from geometries.scene.person import Person
-
 
 _SEGMENTS = 16
 _SHAPES: dict[str, tuple[tuple[str, ...], Callable[..., shapes.Shape]]] = {
@@ -74,6 +71,8 @@ def probe(name: str) -> Probe:
     return Probe(name, shape_of(*lengths))
 
 
+_PLACES = 2000
+"""The number of places, about, if no grid is asked for."""
 _LIFT = 1e-6
 """Distance of a ray's origin from its surface, over the size of the machine."""
 _TOGETHER = 200_000
@@ -102,30 +101,24 @@ class Places:
         return np.stack([x, np.cross(z, x), z], axis=2)
 
 
-def spread(conductors: dict[str, Array], sheets: frozenset[str], grid: float) -> Places:
-    """Spreads places over all surfaces, one for each square of side `grid` (m), on both sides of sheets; none where the way out is blocked at
+def spread(conductors: dict[str, Array], sheets: frozenset[str], grid: float | None) -> Places:
+    """Spreads places over all surfaces, one for each square of side `grid` (m) if given, on both sides of sheets; none where the way out is blocked at
     once, as of faces within other bodies. The same scene has the same places."""
-    outward = {name: 1.0 if name in sheets else _side(own) for name, own in conductors.items()}
-    triangles = np.concatenate(
-        [own if outward[name] > 0 else own[:, ::-1] for name, own in conductors.items()]
-    )
+    inwards = {name for name, own in conductors.items() if name not in sheets and _faces_inwards(own)}
+    triangles = np.concatenate([own[:, ::-1] if k in inwards else own for k, own in conductors.items()])
     names = [name for name, own in conductors.items() for _ in own]
     cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     doubled = np.linalg.norm(cross, axis=1)
     sound = doubled > 0
-    count = max(1, round(float(doubled.sum()) / 2 / grid**2))
+    count = max(1, round(float(doubled.sum()) / 2 / grid**2)) if grid else _PLACES
     ends = np.cumsum(doubled)
     chosen = np.searchsorted(ends, (np.arange(count) + 0.5) * ends[-1] / count)
     chosen = chosen[sound[np.minimum(chosen, len(sound) - 1)]]
     u, v = (np.arange(len(chosen))[:, None] * np.array(_GOLDEN) % 1).T
     folded = u + v > 1
     u, v = np.where(folded, 1 - u, u), np.where(folded, 1 - v, v)
-    corners = triangles[chosen]
-    points = (
-        corners[:, 0]
-        + u[:, None] * (corners[:, 1] - corners[:, 0])
-        + v[:, None] * (corners[:, 2] - corners[:, 0])
-    )
+    a, b, c = triangles[chosen].transpose(1, 0, 2)
+    points = a + u[:, None] * (b - a) + v[:, None] * (c - a)
     normals = cross[chosen] / doubled[chosen, None]
     owners = [names[k] for k in chosen]
     behind = [k for k, name in enumerate(owners) if name in sheets]
@@ -138,16 +131,14 @@ def spread(conductors: dict[str, Array], sheets: frozenset[str], grid: float) ->
     return Places(points[kept], normals[kept], tuple(np.array(owners)[kept]), free[kept])
 
 
-def _side(triangles: Array) -> float:
-    """Returns −1 for a closed surface whose triangles face inwards, else 1."""
-    return -1.0 if np.linalg.det(triangles - triangles[0, 0]).sum() < 0 else 1.0
+def _faces_inwards(triangles: Array) -> bool:
+    return bool(np.linalg.det(triangles - triangles[0, 0]).sum() < 0)
 
 
 def _free_length(
     origins: Array, directions: Array, triangles: Array, is_sheet: Flags, least: float
 ) -> tuple[Array, Flags]:
     """Returns how far rays go until they meet a triangle, and whether the first one, of no sheet, is met from behind: then the ray began inside.
-
     Triangles next to each other in the list, as those of a body are, are left out for the rays that miss the box around them.
     """
     free, is_inside = np.full(len(origins), np.inf), np.zeros(len(origins), dtype=bool)
@@ -184,9 +175,7 @@ def _first_hit(
     origins: Array, directions: Array, triangles: Array, least: float
 ) -> tuple[Array, Indices, Flags]:
     """Returns for each ray the length to the first triangle, infinite without any, its number, and whether the ray meets it from behind.
-
-    Möller and Trumbore (1997).
-    """
+    Möller and Trumbore (1997)."""
     a, u, v = triangles[:, 0], triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]
     origin, direction = origins[:, None], directions[:, None]
     across = np.cross(direction, v)

@@ -22,15 +22,14 @@ from geometries.scene.shapes import SHEETS
 from geometries.scene.writer import canonical
 from geometries.studies.families import FLOATING, GROUNDED
 
-
 BOUNDARY_ELEMENTS, SMALL = "boundary-elements", "small-probe"
 """The survey's own method; and its limit for small probes, the probe's capacitance times the potentials φ·φ' at its middle."""
 NEAREST, FARTHEST, COUNT = 0.005, 1.0, 9
 """The distances (m) between a place and the nearest point of a probe."""
 NEGLIGIBLE = 0.03
 """Changes below this part of the threshold are those of the limit for small probes."""
-_PLACES, _COMPARED = 2000, 12
-"""The number of places, about, if no grid is asked for, and at how many of them methods are compared."""
+_COMPARED = 12
+"""At how many places methods are compared."""
 _SAMPLE = 3000
 """Largest number of points for which the machine's answers are chosen."""
 RESOLUTION = 0.5e-15
@@ -107,23 +106,19 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
     machine = Machine(live, scene.medium.relative_permittivity)
     chosen = _chosen(machine.readings, options.readings)
     conductors = live.conductors()
-    sheets = frozenset(sensor.name for sensor in scene.sensors) | frozenset(
-        body.name for body in scene.objects if isinstance(body.shape, SHEETS)
-    )
-    places = spread(conductors, sheets, options.grid or _grid_for(conductors))
+    flat = [body.name for body in scene.objects if isinstance(body.shape, SHEETS)]
+    sheets = frozenset([sensor.name for sensor in scene.sensors] + flat)
+    places = spread(conductors, sheets, options.grid)
     distances = np.geomspace(NEAREST, FARTHEST, COUNT)
     ways = [approach(respond(probe, model), places, distances, live) for probe in probes]
-    thresholds = tuple(
-        options.threshold or reading.threshold or 5 * RESOLUTION for reading in machine.readings
-    )
+    asked, usual = options.threshold, 5 * RESOLUTION
+    thresholds = tuple(asked or reading.threshold or usual for reading in machine.readings)
     small = partial(machine.small_changes, to_ground=options.to_ground)
     estimates = [way.changes(small) for way in ways]
     farthest = places.points[:1] + FARTHEST * places.normals[:1]
     machine.prepare(_where_it_counts(ways, estimates, thresholds, farthest))
-    changes = tuple(
-        _accurate(machine, thresholds, options.to_ground, way, estimate)[..., chosen]
-        for way, estimate in zip(ways, estimates)
-    )
+    accurate = partial(_accurate, machine, thresholds, options.to_ground)
+    changes = tuple(accurate(way, estimate)[..., chosen] for way, estimate in zip(ways, estimates))
     count = _COMPARED if options.methods else 0
     compared = np.unique(np.linspace(0, len(places.points) - 1, count).astype(np.int64))
 
@@ -140,18 +135,9 @@ def survey(path: Path, scene: Scene, probes: tuple[Probe, ...], options: Options
         )
         for method in options.methods
     }
-    return Survey(
-        tuple(machine.readings[k] for k in chosen),
-        tuple(thresholds[k] for k in chosen),
-        places,
-        distances,
-        probes,
-        changes,
-        compared,
-        by_method,
-        machine.panels,
-        machine.error,
-    )
+    read, noticed = tuple(machine.readings[k] for k in chosen), tuple(thresholds[k] for k in chosen)
+    told = changes, compared, by_method, machine.panels, machine.error
+    return Survey(read, noticed, places, distances, probes, *told)
 
 
 def at_rest(path: Path, scene: Scene, model: Any) -> Any:
@@ -171,12 +157,6 @@ def _chosen(readings: tuple[Reading, ...], names: tuple[str, ...]) -> list[int]:
     return [known.index(name) for name in names] if names else list(range(len(known)))
 
 
-def _grid_for(conductors: dict[str, Array]) -> float:
-    triangles = np.concatenate(list(conductors.values()))
-    cross = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
-    return float(np.sqrt(np.linalg.norm(cross, axis=1).sum() / 2 / _PLACES))
-
-
 def approach(response: Response, places: Places, distances: Array, live: Any) -> Approach:
     """Returns the way of a probe whose lowest point is at each distance from each place, from the nearest one outwards."""
     posed = live.copy()
@@ -190,10 +170,8 @@ def approach(response: Response, places: Places, distances: Array, live: Any) ->
         fits &= distance + (high - low) < places.free
         for k in np.flatnonzero(fits):
             posed.set_pose(LINK, there[k], rotations[k])
-            fits[k] = not any(
-                pair["status"] == "collision" and _PROBE in (pair["a"], pair["b"])
-                for pair in posed.collide()["pairs"]
-            )
+            met = (pair for pair in posed.collide()["pairs"] if pair["status"] == "collision")
+            fits[k] = not any(_PROBE in (pair["a"], pair["b"]) for pair in met)
         found.append(fits.copy())
     levels = tuple(response.level(float(distance)) for distance in distances)
     return Approach(rotations, translations, levels, np.stack(found, axis=1))
@@ -210,9 +188,8 @@ def _where_it_counts(
             placed = np.einsum("nij,pj->npi", way.rotations[here], level.points)
             found.append((placed + translations[here, None]).reshape(-1, 3))
     points = np.concatenate(found)
-    return np.asarray(
-        points[np.random.default_rng(1).choice(len(points), min(len(points), _SAMPLE), replace=False)]
-    )
+    count = min(len(points), _SAMPLE)
+    return np.asarray(np.random.default_rng(1).choice(points, count, replace=False))
 
 
 def _accurate(
@@ -226,9 +203,8 @@ def _accurate(
         fits &= np.isfinite(estimate[:, step]).all(axis=1)
         known = np.nan_to_num(over_thresholds(estimate[:, step], thresholds), nan=0.0)
         counts = np.flatnonzero(fits & (known > NEGLIGIBLE))
-        found[counts, step], clears = machine.changes(
-            level, way.rotations[counts], translations[counts], to_ground
-        )
+        posed = way.rotations[counts], translations[counts]
+        found[counts, step], clears = machine.changes(level, *posed, to_ground)
         fits[counts] = clears
         found[~fits, step] = np.nan
         exact[counts, step] = clears

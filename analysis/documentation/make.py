@@ -1,7 +1,5 @@
 """`python3 -m analysis documentation`: makes one site of the notes, the algorithms' pages and the references of Python and C++."""
 
-from __future__ import annotations
-
 import os
 import shutil
 import subprocess
@@ -33,9 +31,8 @@ def build(folder: Path) -> Path:
             [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-b", "html"]
             + ["-d", str(unfinished / "doctrees"), "-c", str(HERE), str(ROOT), str(site)]
         )
-        _run(
-            ["doxygen", str(HERE / "Doxyfile")], FRINGE_DOCUMENTATION=str(site / "analysis" / "documentation")
-        )
+        own = site / "analysis" / "documentation"
+        _run(["doxygen", str(HERE / "Doxyfile")], FRINGE_DOCUMENTATION=str(own))
         shutil.rmtree(folder, ignore_errors=True)
         site.rename(folder)
     return folder / "analysis" / "documentation" / "index.html"

@@ -1,10 +1,7 @@
 """Replaces the measured tables of model/MEASUREMENTS.md: python3 -m analysis measure benchmarks.
 
-A table stands between the comments `<!-- table N of PROGRAM -->` and `<!-- end -->`: it is the N-th table of what the program measures.
-The programs take some minutes and should run alone.
-"""
-
-from __future__ import annotations
+A table stands between the comments `<!-- table N of PROGRAM -->` and `<!-- end -->`: it is the
+N-th table of what the program measures. The programs take some minutes and should run alone."""
 
 import argparse
 import math
@@ -59,24 +56,19 @@ def reduced_tables(printed: str) -> str:
 
 
 def _table(groups: list[tuple[str, str, str, str]]) -> str:
-    lines = [
-        "| | rtol | error %, median / worst | where reached | µs, mean / median / longest |",
-        "|---|---|---|---|---|",
-    ]
+    titles = "| | rtol | error %, median / worst | where reached | µs, mean / median / longest |"
+    lines = [titles, "|---|---|---|---|---|"]
     for name, count, integral, accuracies in groups:
         what = f"{count} set-ups of the default study" if name == "scene files" else f"{name}, {count}"
         what += f" (the triangle integral: {_time(integral)} µs)"
         for number, found in enumerate(_ACCURACIES.findall(accuracies)):
             rtol, median, worst, reached, worst_reached, covered, *times = found
             if covered != count:
-                raise ValueError(
-                    f"{name}, reduced, rtol {rtol}: {covered} of {count} within the stated errors"
-                )
+                within = f"{covered} of {count} within the stated errors"
+                raise ValueError(f"{name}, reduced, rtol {rtol}: {within}")
             reaching = f"{reached}: {_error(worst_reached)}" if int(reached) else "0"
-            lines.append(
-                f"| {'' if number else what} | {rtol} | {_error(median)} / {_error(worst)} | {reaching} "
-                f"| {' / '.join(map(_time, times))} |"
-            )
+            errors, taken = f"{_error(median)} / {_error(worst)}", " / ".join(map(_time, times))
+            lines.append(f"| {'' if number else what} | {rtol} | {errors} | {reaching} | {taken} |")
     return "\n".join(lines) + "\n"
 
 
@@ -103,7 +95,6 @@ def updated(page: str, measured: Callable[[str], str] = output_of) -> str:
     return _TABLE.sub(lambda found: found[1] + tables(once(found[3]))[int(found[2]) - 1] + found[4], page)
 
 
-def measure(_: argparse.Namespace) -> int:
+def measure(_: argparse.Namespace) -> None:
     """Runs the benchmarks and replaces the tables."""
     PAGE.write_text(updated(PAGE.read_text(encoding="utf-8")), encoding="utf-8")
-    return 0

@@ -3,8 +3,6 @@ of its own whose end ends no run.
 
 Those names are of parts of readings, also in poses of a motion, and of entries of the Maxwell matrix where there are none."""
 
-from __future__ import annotations
-
 import math
 import multiprocessing
 import os
@@ -12,6 +10,7 @@ import signal
 import threading
 import time
 from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass, field, replace
 from multiprocessing.connection import Connection
 from types import FrameType
@@ -21,7 +20,6 @@ from analysis.pipeline.model_stage import model_module
 from geometries.common.children import end_with
 from geometries.scene.readings import readings
 from geometries.scene.scene import Scene
-
 
 FIELD_SOLVER = "field-solver"
 BOUNDARY_ELEMENTS = "boundary-elements"
@@ -76,7 +74,6 @@ class Answer:
 
 ANSWERED, REFUSED, LATE, ENDED = "answered", "refused", "late", "ended"
 """Outcomes of a question: an answer, a refusal by name, none in time, and a process that ended or an error that names no input."""
-
 
 CHANGE = "change"
 PARTS = ("value", "background", CHANGE)
@@ -171,9 +168,8 @@ def _answered(text: str, has_readings: bool, options: dict[str, Any]) -> Answer:
 
 
 def _guess(answer: dict[str, Any]) -> float | None:
-    if answer["options"]["method"] != AUTO:
-        return None
-    return float(answer["expected_seconds"] / answer["seconds"])
+    by_auto = answer["options"]["method"] == AUTO
+    return float(answer["expected_seconds"] / answer["seconds"]) if by_auto else None
 
 
 def _changes(answer: Any) -> dict[str, Stated]:
@@ -201,20 +197,15 @@ def _pairs(answer: dict[str, Any]) -> dict[str, Stated]:
 
 def matrix_values(names: Sequence[str], values: Any, errors: Any, by: str) -> dict[str, Stated]:
     """Returns what is stated of the entries of a Maxwell matrix."""
-    return {
-        entry(names[i], names[j]): stated(float(values[i][j]), float(errors[i][j]), by)
-        for i in range(len(names))
-        for j in range(i + 1)
-    }
+    places = ((i, j) for i in range(len(names)) for j in range(i + 1))
+    numbers = ((i, j, float(values[i][j]), float(errors[i][j])) for i, j in places)
+    return {entry(names[i], names[j]): stated(value, error, by) for i, j, value, error in numbers}
 
 
 def stated(value: float | None, error: float | None, by: str) -> Stated:
     """Returns what is stated; a number that is not finite is one that is not known."""
-    return Stated(_known(value), _known(error), by)
-
-
-def _known(number: float | None) -> float | None:
-    return number if number is not None and math.isfinite(number) else None
+    value, error = (each if each is not None and math.isfinite(each) else None for each in (value, error))
+    return Stated(value, error, by)
 
 
 def _ring(number: int, frame: FrameType | None) -> None:
@@ -229,15 +220,12 @@ _PATIENCE = 0.2
 """Seconds after which the waiting thread looks whether it is to stop."""
 
 
-class Worker:
+class Worker(AbstractContextManager["Worker"]):
     """One process at a time, started when it is first asked, and anew after it has ended; a context manager."""
 
     def __init__(self) -> None:
         self._process: Any = None
         self._pipe: Connection | None = None
-
-    def __enter__(self) -> Worker:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.end()
@@ -274,10 +262,9 @@ class Worker:
 
     def end(self) -> None:
         """Ends the process, if there is one."""
-        if self._process is not None:
+        if self._pipe is not None:
             self._process.kill()
             self._process.join()
-        if self._pipe is not None:
             self._pipe.close()
         self._process = self._pipe = None
 

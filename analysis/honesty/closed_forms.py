@@ -1,8 +1,6 @@
 """Scenes whose answers are known in closed form, with these answers: capacitances over 4πε, which are lengths, with errors of
 rounding, below 1e-9."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -16,7 +14,6 @@ from analysis.honesty.asking import entry, part_of
 from analysis.honesty.scenes import Chance, bowl, logarithmic, mesh, turn, uniform
 from analysis.results.answers import Estimate
 from analysis.topics.verification import truths
-from analysis.topics.verification.truths import dielectric, two_balls
 from geometries.scene.poses import AxisRotation, Pose
 from geometries.scene.scene import Medium, Object, Reading, Scene
 from geometries.scene.shapes import Cuboid, Disc, Ellipsoid, PlateShape, Shape, Sphere
@@ -68,7 +65,7 @@ def of_crossing_spheres(a: float, b: float) -> float:
 def beside_insulator(radius: float, other: float, gap: float, permittivity: float) -> float:
     """Returns the capacitance of a sphere beside an insulating sphere of radius `other`: multipoles about both centres. The gap has to be at least
     a third of the smaller radius, for the error to be below 1e-9."""
-    return two_balls(radius, other, radius + other + gap, dielectric(permittivity))[0]
+    return truths.two_balls(radius, other, radius + other + gap, truths.dielectric(permittivity))[0]
 
 
 Truths = dict[str, Estimate]
@@ -210,14 +207,6 @@ def _estimate(length: float, error: float = _ROUNDING) -> Estimate:
     return Estimate(_UNIT * length, abs(_UNIT * length) * error)
 
 
-FORMS: tuple[Callable[[Chance, Path], Known], ...] = (
-    one_body,
-    two_spheres,
-    one_body,
-    two_spheres,
-    coaxial_discs,
-    bowls,
-    coated_spheres,
-    crossing_spheres,
-)
+_OF_MANY: tuple[Callable[[Chance, Path], Known], ...] = (one_body, two_spheres)
+FORMS = (*_OF_MANY, *_OF_MANY, coaxial_discs, bowls, coated_spheres, crossing_spheres)
 """What is drawn from; those of many shapes or roles are there twice."""

@@ -1,8 +1,6 @@
 """Records of scenes with all answers, one line of JSON each, how stated errors are held against independent references, and the league's table: per
 method and kind how often they held, and what missed the target worst."""
 
-from __future__ import annotations
-
 import json
 import math
 import statistics
@@ -15,8 +13,8 @@ from typing import Any
 from analysis.honesty.asking import ANSWERED, ENDED, FIELD_SOLVER, FINER, LATE, REFUSED, Answer, Stated
 from analysis.results.answers import Estimate
 from analysis.results.refusals import without_numbers
+from analysis.results.store import markdown_table
 from geometries.common.measured import picofarads
-
 
 FILE = "answers.jsonl"
 
@@ -38,7 +36,9 @@ def load(folder: Path) -> dict[int, Record]:
     file = folder / FILE
     for line in file.read_text(encoding="utf-8").splitlines() if file.is_file() else []:
         try:
-            record = _record(json.loads(line))
+            read = json.loads(line)
+            answers = {name: answer(each) for name, each in read["answers"].items()}
+            record = Record(read["seed"], read["kind"], estimates(read["truths"]), answers)
         except (ValueError, KeyError, TypeError):
             continue
         before = found.setdefault(record.seed, record)
@@ -53,10 +53,9 @@ def append(folder: Path, record: Record) -> None:
         file.write(json.dumps(asdict(record)) + "\n")
 
 
-def _record(document: dict[str, Any]) -> Record:
-    truths = {name: Estimate(**known) for name, known in document["truths"].items()}
-    answers = {name: answer(each) for name, each in document["answers"].items()}
-    return Record(document["seed"], document["kind"], truths, answers)
+def estimates(documents: dict[str, Any]) -> dict[str, Estimate]:
+    """Reads stored truths."""
+    return {name: Estimate(**known) for name, known in documents.items()}
 
 
 def answer(document: dict[str, Any]) -> Answer:
@@ -143,12 +142,10 @@ def _judged(
         Judged(record.seed, record.kind, method, quantity, value, stated, answer.by, known, by)
         for by, known in _references(record, method, quantity, answer.by)
     ]
-    for each in beside:
-        if each.reference.error <= _ENOUGH * stated:
-            return each
+    accurate = [each for each in beside if each.reference.error <= _ENOUGH * stated]
     # An answer that contradicts a reference by more than both errors is wrong, however wide the reference is.
     wrong = [each for each in beside if not each.is_held]
-    return wrong[0] if wrong else Unjudged(record.kind, method, False)
+    return next(iter(accurate + wrong), Unjudged(record.kind, method, False))
 
 
 def _references(record: Record, method: str, quantity: str, by: str) -> Iterator[tuple[str, Estimate]]:
@@ -234,21 +231,13 @@ class Row:
 
     def cells(self) -> tuple[str, ...]:
         widths = [each.width for each in self.judged if each.width is not None]
-        known = bool(self.judged)
-        return (
-            self.method,
-            self.kind,
-            str(self.scenes),
-            str(self.answers),
-            str(len(self.judged)),
-            f"{100 * self.held:.1f} %" if known else "",
-            _number(self.worst) if known else "",
-            _number(statistics.median(widths)) if widths else "",
-            str(self.unknown),
-            *(str(self.outcomes[outcome]) for outcome in (REFUSED, LATE, ENDED)),
-            f"{100 * self.guessed:.0f} %" if self.guesses else "",
-            "missed" if self.misses_target else "",
-        )
+        counts = map(str, (self.scenes, self.answers, len(self.judged)))
+        held = (f"{100 * self.held:.1f} %", _number(self.worst)) if self.judged else ("", "")
+        width = _number(statistics.median(widths)) if widths else ""
+        without = map(str, (self.unknown, *(self.outcomes[outcome] for outcome in (REFUSED, LATE, ENDED))))
+        guessed = f"{100 * self.guessed:.0f} %" if self.guesses else ""
+        missed = "missed" if self.misses_target else ""
+        return (self.method, self.kind, *counts, *held, width, *without, guessed, missed)
 
 
 def rows(records: Iterable[Record], methods: Sequence[str]) -> list[Row]:
@@ -270,8 +259,7 @@ def misses(found: Iterable[Row]) -> list[Row]:
 
 def text(found: Sequence[Row], command: str) -> str:
     """Returns table, refusals and worst findings as Markdown; `command` shows one scene, if followed by its seed."""
-    lines = [_line(_HEADER), _line(("---",) * len(_HEADER))]
-    lines += [_line(row.cells()) for row in found]
+    lines = markdown_table(_HEADER, [row.cells() for row in found])
     lines += ["", *_refusals(found), "", *_findings(found, command), "", _verdict(found)]
     return "\n".join(lines) + "\n"
 
@@ -286,10 +274,8 @@ def _refusals(found: Sequence[Row]) -> list[str]:
 
 def _findings(found: Sequence[Row], command: str) -> list[str]:
     wrong = [each for row in found if row.kind != _EVERY_KIND for each in row.judged if not each.is_held]
-    lines = [
-        f"Errors larger than stated: {len(wrong)}. The worst ones, in pF, {command} SEED shows a scene:",
-        "",
-    ]
+    worst = f"The worst ones, in pF, {command} SEED shows a scene:"
+    lines = [f"Errors larger than stated: {len(wrong)}. {worst}", ""]
     seen: Counter[tuple[str, str]] = Counter()
     for each in sorted(wrong, key=lambda each: -each.ratio):
         seen[each.method, each.kind] += 1
@@ -301,7 +287,7 @@ def _findings(found: Sequence[Row], command: str) -> list[str]:
 def finding(each: Judged) -> str:
     """Returns one judged answer in a line."""
     by = f" by {each.answered_by}" if each.answered_by not in ("", each.method) else ""
-    known = picofarads(each.reference.value, each.reference.error)
+    known = each.reference.in_picofarads
     return (
         f"seed {each.seed}, {each.kind}, {each.method}{by}: {each.quantity} {picofarads(each.value, each.stated)}, "
         f"{each.by} {known}: {_number(each.ratio)} times what is stated"
@@ -314,10 +300,6 @@ def _verdict(found: Sequence[Row]) -> str:
     if not missed:
         return f"The target is met for each method and kind: {target}."
     return f"The target, {target}, is missed by {len(missed)} of {sum(row.kind != _EVERY_KIND for row in found)} methods and kinds."
-
-
-def _line(cells: Sequence[str]) -> str:
-    return f"| {' | '.join(cells)} |"
 
 
 def _number(value: float) -> str:

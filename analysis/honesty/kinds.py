@@ -1,7 +1,5 @@
 """The kinds of random scenes, and the scene that a seed stands for."""
 
-from __future__ import annotations
-
 import itertools
 import random
 from collections.abc import Callable, Iterator
@@ -11,9 +9,8 @@ from pathlib import Path
 from analysis.honesty import scenes
 from analysis.honesty.asking import has_readings
 from analysis.honesty.closed_forms import FORMS, Known
-from analysis.honesty.scenes import Chance
 from analysis.results.answers import Estimate
-from geometries.scene.scene import Object, Scene
+from geometries.scene.scene import Scene
 from geometries.scene.shapes import ROUND_SHAPES
 from geometries.scene.writer import canonical
 
@@ -34,11 +31,11 @@ class Drawn:
     truths: dict[str, Estimate]
 
 
-def _alone(make: Callable[[Chance], Scene]) -> Callable[[Chance, Path], Known]:
+def _alone(make: Callable[[scenes.Chance], Scene]) -> Callable[[scenes.Chance, Path], Known]:
     return lambda chance, folder: Known(make(chance), {})
 
 
-KINDS: dict[str, Callable[[Chance, Path], Known]] = {
+KINDS: dict[str, Callable[[scenes.Chance, Path], Known]] = {
     "plates": _alone(scenes.plates),
     "sizes": _alone(scenes.sizes),
     "round": _alone(scenes.round_targets),
@@ -76,12 +73,9 @@ def drawn(seed: int, folder: Path) -> Drawn:
 
 def _finer(scene: Scene) -> Scene:
     """Returns the scene with round bodies of more sides."""
-    if sum(isinstance(body.shape, ROUND_SHAPES) for body in scene.objects) > _MOST_FINER:
-        return scene
-    return replace(scene, objects=tuple(map(_with_more_sides, scene.objects)))
-
-
-def _with_more_sides(body: Object) -> Object:
-    if not isinstance(body.shape, ROUND_SHAPES):
-        return body
-    return replace(body, shape=replace(body.shape, segments=max(_FINE_SEGMENTS, body.shape.segments)))
+    objects, round_ones = list(scene.objects), 0
+    for number, body in enumerate(scene.objects):
+        if isinstance(body.shape, ROUND_SHAPES):
+            finer = replace(body.shape, segments=max(_FINE_SEGMENTS, body.shape.segments))
+            objects[number], round_ones = replace(body, shape=finer), round_ones + 1
+    return scene if round_ones > _MOST_FINER else replace(scene, objects=tuple(objects))

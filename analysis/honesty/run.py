@@ -1,7 +1,5 @@
 """Runs the league: asks every method for every scene, keeps the answers, and writes the table."""
 
-from __future__ import annotations
-
 import functools
 import itertools
 import queue
@@ -13,23 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from analysis.honesty import asking, judging
-from analysis.honesty.asking import (
-    ALL,
-    ANSWERED,
-    ENDED,
-    FIELD_SOLVER,
-    FINER,
-    LATE,
-    METHODS,
-    PARTS,
-    REFUSED,
-    Answer,
-    Stated,
-    Worker,
-    matrix_values,
-    part_of,
-    stated,
-)
+from analysis.honesty.asking import ALL, FIELD_SOLVER, FINER, METHODS, Answer, Worker
 from analysis.honesty.judging import Judged, Record, judged
 from analysis.honesty.kinds import KINDS, Drawn, drawn, seeds
 from analysis.pipeline import keys, reference_stage
@@ -67,11 +49,8 @@ class Options:
 
 def options(kinds: str | None, of_methods: str | None, **more: object) -> Options:
     """Returns options of which names are lists with commas, as on the command line; InputError for one that is not known."""
-    return Options(
-        kinds=_named("--kinds", kinds, tuple(KINDS)),
-        methods=_named("--methods", of_methods, ALL),
-        **more,  # type: ignore[arg-type]
-    )
+    of_kinds, methods = _named("--kinds", kinds, tuple(KINDS)), _named("--methods", of_methods, ALL)
+    return Options(kinds=of_kinds, methods=methods, **more)  # type: ignore[arg-type]
 
 
 def _named(option: str, names: str | None, known: tuple[str, ...]) -> tuple[str, ...]:
@@ -90,15 +69,11 @@ class League:
     path: Path
     text: str
 
-    @property
-    def is_met(self) -> bool:
-        return not judging.misses(self.rows)
-
 
 def run(folder: Path, asked: Options) -> League:
     """Asks what has no answer yet in the folder, then writes the table; KeyboardInterrupt keeps all scenes that are finished."""
     model_module()
-    known, codes = judging.load(folder), (keys.model_code(), keys.reference_code())
+    stored, codes = judging.load(folder), (keys.model_code(), keys.reference_code())
     chosen = itertools.islice(seeds(asked.first, frozenset(asked.kinds)), asked.scenes)
     scenes = [drawn(seed, folder / MESHES) for seed in chosen]
     workers = asked.jobs or parallel_jobs()
@@ -106,43 +81,33 @@ def run(folder: Path, asked: Options) -> League:
         idle: queue.SimpleQueue[Worker] = queue.SimpleQueue()
         for _ in range(workers):
             idle.put(stack.enter_context(Worker()))
-        jobs = [
-            _Scene(
-                scene,
-                known.setdefault(scene.seed, Record(scene.seed, scene.kind, scene.truths)),
-                functools.cache(functools.partial(_key, scene, asked.seconds, *codes)),
-                asked,
-                folder,
-                idle,
-            )
-            for scene in scenes
-        ]
+        jobs = []
+        for scene in scenes:
+            record = stored.setdefault(scene.seed, _unanswered(scene))
+            key = functools.cache(functools.partial(_key, scene, asked.seconds, *codes))
+            jobs.append(_Scene(scene, record, key, asked, folder, idle))
         run_all([job for job in jobs if job.missing], workers, "scenes")
     wanted = (*asked.methods, FINER, FIELD_SOLVER)
-    current = [
-        Record(
-            job.scene.seed,
-            job.scene.kind,
-            job.scene.truths,
-            {
-                method: answer
-                for method, answer in job.record.answers.items()
-                if method in wanted and answer.key == job.key(method)
-            },
-        )
-        for job in jobs
-    ]
+    current = []
+    for job in jobs:
+        known = {method: each for method, each in job.record.answers.items() if method in wanted}
+        answers = {method: each for method, each in known.items() if each.key == job.key(method)}
+        current.append(replace(_unanswered(job.scene), answers=answers))
     found = judging.rows(current, asked.methods)
     text = judging.text(found, f"{installation.command('analysis')} honesty --only")
     write_text(folder / TABLE, text)
     return League(found, folder / TABLE, text)
 
 
+def _unanswered(scene: Drawn) -> Record:
+    return Record(scene.seed, scene.kind, scene.truths)
+
+
 def show(seed: int, folder: Path, asked: Options) -> Iterator[str]:
     """Asks the methods for one scene, and returns its file and every answer, line by line, as they come."""
     scene = drawn(seed, folder / MESHES)
     yield f"# seed {seed}: {scene.kind}\n{scene.text}"
-    record = Record(seed, scene.kind, scene.truths)
+    record = _unanswered(scene)
     processes = Processes()
     with Worker() as worker:
         for method in _asked_of(scene, asked):
@@ -152,10 +117,7 @@ def show(seed: int, folder: Path, asked: Options) -> Iterator[str]:
                 if each.value is not None:
                     known = each.error is not None and f"{picofarads(each.value, each.error)} pF"
                     yield f"  {name}: {known or 'error unknown'}"
-    yield from (
-        f"closed form\n  {name}: {picofarads(each.value, each.error)} pF"
-        for name, each in scene.truths.items()
-    )
+    yield from (f"closed form\n  {name}: {each.in_picofarads} pF" for name, each in scene.truths.items())
     found = (each for method in record.answers if method != FINER for each in judged(record, method))
     yield from (judging.finding(each) for each in found if isinstance(each, Judged))
 
@@ -185,21 +147,18 @@ def field_answer(scene: Drawn, folder: Path, processes: Processes) -> Answer:
     begin = time.monotonic()
     try:
         answer = MatrixAnswer.of(reference_stage.solve(file, processes, *asked))
-    except Refused as error:
-        return Answer(REFUSED, time.monotonic() - begin, str(error))
     except NoAnswer as error:
-        return Answer(LATE if _LATE in str(error) else ENDED, time.monotonic() - begin, str(error))
-    matrix = answer.conductors, answer.maxwell, answer.error, FIELD_SOLVER
-    values = _of_readings(answer) if scene.has_readings else matrix_values(*matrix)
-    return Answer(ANSWERED, time.monotonic() - begin, values=values)
-
-
-def _of_readings(answer: MatrixAnswer) -> dict[str, Stated]:
-    return {
-        part_of(name, part): stated(getattr(reading, part).value, getattr(reading, part).error, FIELD_SOLVER)
-        for name, reading in answer.readings.items()
-        for part in PARTS
-    }
+        outcome = asking.LATE if _LATE in str(error) else asking.ENDED
+        outcome = asking.REFUSED if isinstance(error, Refused) else outcome
+        return Answer(outcome, time.monotonic() - begin, str(error))
+    values = asking.matrix_values(answer.conductors, answer.maxwell, answer.error, FIELD_SOLVER)
+    if scene.has_readings:
+        values = {
+            asking.part_of(name, part): asking.stated(each.value, each.error, FIELD_SOLVER)
+            for name, reading in answer.readings.items()
+            for part, each in vars(reading).items()
+        }
+    return Answer(asking.ANSWERED, time.monotonic() - begin, values=values)
 
 
 def _asked_of(scene: Drawn, asked: Options) -> list[str]:
@@ -238,9 +197,8 @@ class _Scene:
     def missing(self) -> list[str]:
         """The methods that have not answered yet."""
         have = {method: answer.key for method, answer in self.record.answers.items()}
-        return [
-            method for method in _asked_of(self.scene, self.asked) if have.get(method) != self.key(method)
-        ]
+        asked = _asked_of(self.scene, self.asked)
+        return [method for method in asked if have.get(method) != self.key(method)]
 
     @property
     def seconds(self) -> float:
@@ -248,7 +206,7 @@ class _Scene:
         return 2 * self.asked.seconds
 
     def run(self, processes: Processes) -> Failure | None:
-        new = Record(self.scene.seed, self.scene.kind, self.scene.truths)
+        new = _unanswered(self.scene)
         worker = self.idle.get()
         try:
             for method in self.missing:

@@ -1,8 +1,6 @@
 """Random scenes whose answers are not known: one function for each kind, and how sizes, sensors and bodies are drawn by chance. Metres, degrees; the sensor lies in the plane
 z = 0 and looks along +z."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 import random
@@ -13,28 +11,13 @@ from typing import Any
 import numpy as np
 
 from geometries.common.arrays import Array
-from geometries.scene import meshes
+from geometries.scene import meshes, shapes
 from geometries.scene.covers import covers
 from geometries.scene.joints import Joint
 from geometries.scene.person import Person
 from geometries.scene.poses import AxisRotation, Pose, Vector3
 from geometries.scene.scene import Link, Medium, Object, Plate, Reading, Scene, Sensor
-from geometries.scene.shapes import (
-    Arc,
-    Capsule,
-    Cone,
-    Cuboid,
-    Cylinder,
-    Disc,
-    Ellipsoid,
-    MeshShape,
-    PlateShape,
-    RoundedCuboid,
-    Shape,
-    Sphere,
-)
 from geometries.studies.machines import ARM, GUARD, HOUSING, NONE, around, before as with_readings
-
 
 Chance = random.Random
 """Python promises that its numbers stay the same in all versions."""
@@ -56,10 +39,8 @@ def uniform(chance: Chance, low: float, high: float) -> float:
 
 def turn(chance: Chance) -> AxisRotation:
     """Draws a rotation by up to half a turn about any axis."""
-    x, y, z = (chance.gauss(0, 1) for _ in range(3))
-    return AxisRotation(
-        (round(x, _DIGITS), round(y, _DIGITS), round(z, _DIGITS) or 1.0), uniform(chance, 0, 180)
-    )
+    x, y, z = (round(chance.gauss(0, 1), _DIGITS) for _ in range(3))
+    return AxisRotation((x, y, z or 1.0), uniform(chance, 0, 180))
 
 
 def sensor(chance: Chance, name: str = "front", x: float = 0.0) -> Sensor:
@@ -69,35 +50,35 @@ def sensor(chance: Chance, name: str = "front", x: float = 0.0) -> Sensor:
     return Sensor(name, (Plate(corner, (width, 0.0, 0.0), (0.0, height, 0.0)),))
 
 
-def angular(chance: Chance) -> Shape:
+def angular(chance: Chance) -> shapes.Shape:
     """Draws a plate or a box with sides of 2 to 30 cm."""
     x, y, z = (logarithmic(chance, 0.02, 0.3) for _ in range(3))
-    return PlateShape((x, y)) if chance.random() < 0.3 else Cuboid((x, y, z))
+    return shapes.PlateShape((x, y)) if chance.random() < 0.3 else shapes.Cuboid((x, y, z))
 
 
-def round_body(chance: Chance, low: float = 0.02, high: float = 0.3, is_solid: bool = False) -> Shape:
+def round_body(chance: Chance, low: float = 0.02, high: float = 0.3, is_solid: bool = False) -> shapes.Shape:
     """Draws a body with a curved surface, whose sizes are in this range; a sheet only if it need not be solid."""
     a, b, c = (logarithmic(chance, low, high) for _ in range(3))
     segments = chance.choice(_SEGMENTS)
-    shapes: list[Shape] = [
-        Sphere(a / 2, segments),
-        Cylinder(a / 2, b, segments),
-        Capsule(a / 4, b, segments),
-        Ellipsoid((a / 2, b / 2, c / 2), segments),
-        Cone(a / 2, b, segments),
-        Arc(a / 4, a / 2, b / 4, chance.choice((120.0, 360.0)), segments),
-        RoundedCuboid((a, b, c), min(a, b, c) / 4, segments),
+    bodies: list[shapes.Shape] = [
+        shapes.Sphere(a / 2, segments),
+        shapes.Cylinder(a / 2, b, segments),
+        shapes.Capsule(a / 4, b, segments),
+        shapes.Ellipsoid((a / 2, b / 2, c / 2), segments),
+        shapes.Cone(a / 2, b, segments),
+        shapes.Arc(a / 4, a / 2, b / 4, chance.choice((120.0, 360.0)), segments),
+        shapes.RoundedCuboid((a, b, c), min(a, b, c) / 4, segments),
     ]
     if not is_solid:
-        shapes.append(Disc(a / 2, segments))
-    return chance.choice(shapes)
+        bodies.append(shapes.Disc(a / 2, segments))
+    return chance.choice(bodies)
 
 
 def before(
     name: str,
-    shape: Shape,
+    shape: shapes.Shape,
     gap: float,
-    aside: tuple[float, float] = (0.0, 0.0),
+    aside: tuple[float, float],
     rotation: AxisRotation = _UPRIGHT,
     **more: Any,
 ) -> Object:
@@ -110,11 +91,6 @@ def before(
 def aside(chance: Chance, reach: float = 0.05) -> tuple[float, float]:
     """Draws how far a body is beside the sensor's middle along x and y."""
     return uniform(chance, -reach, reach), uniform(chance, -reach, reach)
-
-
-def radius_of(shape: Shape) -> float:
-    """Returns the radius of the smallest ball about the origin of the shape's frame that contains its triangles."""
-    return float(np.linalg.norm(shape.triangles().reshape(-1, 3), axis=1).max())
 
 
 _GAPS = (0.005, 0.3)
@@ -132,22 +108,21 @@ def plates(chance: Chance) -> Scene:
     """A sensor by itself before a plate in any direction."""
     size = logarithmic(chance, 0.02, 0.3), logarithmic(chance, 0.02, 0.3)
     rotation = turn(chance)
-    target = before(TARGET, PlateShape(size), _gap(chance), aside(chance), rotation)
+    target = before(TARGET, shapes.PlateShape(size), _gap(chance), aside(chance), rotation)
     return on_machine(chance, Scene(sensors=(sensor(chance),), objects=(target,)), NONE)
 
 
 def sizes(chance: Chance) -> Scene:
     """A machine before a wall, a box, a ball or a person of 1 cm to 5 m."""
     gap, size = logarithmic(chance, 0.005, 0.5), logarithmic(chance, 0.01, 5.0)
-    shapes: dict[str, Shape] = {
-        "wall": Cuboid((size, size, 0.1)),
-        "box": Cuboid((size, uniform(chance, 0.3, 1) * size, uniform(chance, 0.3, 1) * size)),
-        "ball": Sphere(size / 2, 48),
-        "person": Person(
-            min(max(size, 0.4), 1.9), posture=chance.choice(("standing", "lying", "arm_stretched"))
-        ),
+    tall = min(max(size, 0.4), 1.9)
+    bodies: dict[str, shapes.Shape] = {
+        "wall": shapes.Cuboid((size, size, 0.1)),
+        "box": shapes.Cuboid((size, uniform(chance, 0.3, 1) * size, uniform(chance, 0.3, 1) * size)),
+        "ball": shapes.Sphere(size / 2, 48),
+        "person": Person(tall, posture=chance.choice(("standing", "lying", "arm_stretched"))),
     }
-    target = before(TARGET, shapes[chance.choice(sorted(shapes))], gap, aside(chance, 0.3 * size))
+    target = before(TARGET, bodies[chance.choice(sorted(bodies))], gap, aside(chance, 0.3 * size))
     scene = Scene(sensors=(sensor(chance),), objects=(target,))
     return on_machine(chance, scene, HOUSING, GUARD, ARM)
 
@@ -166,13 +141,10 @@ def flat_boxes(chance: Chance) -> Scene:
         thickness = width * logarithmic(chance, 1e-3, 0.1)
         # The second one lies beyond the first, which lies flat.
         gap = _gap(chance) + 0.5 * number
-        rotation = turn(chance) if number == 0 and chance.random() < 0.5 else None
+        rotation = turn(chance) if number == 0 and chance.random() < 0.5 else _UPRIGHT
         name = TARGET if number == 0 else "second target"
-        shape = Cuboid((width, depth, thickness))
-        at = aside(chance)
-        bodies.append(
-            before(name, shape, gap, at, rotation) if rotation is not None else before(name, shape, gap, at)
-        )
+        shape = shapes.Cuboid((width, depth, thickness))
+        bodies.append(before(name, shape, gap, aside(chance), rotation))
     return on_machine(chance, Scene(sensors=(sensor(chance),), objects=tuple(bodies)), NONE, HOUSING)
 
 
@@ -202,9 +174,8 @@ def floating(chance: Chance) -> Scene:
     """A sensor on a machine, and a target that floats, or is connected to the ground through 0.01 to 100 pF."""
     shape = angular(chance) if chance.random() < 0.7 else round_body(chance)
     to_ground = chance.choice((0.0, logarithmic(chance, 1e-14, 1e-10)))
-    target = before(
-        TARGET, shape, _gap(chance), aside(chance), turn(chance), potential="floating", to_ground=to_ground
-    )
+    grounding = {"potential": "floating", "to_ground": to_ground}
+    target = before(TARGET, shape, _gap(chance), aside(chance), turn(chance), **grounding)
     return on_machine(chance, Scene(sensors=(sensor(chance),), objects=(target,)), HOUSING, GUARD)
 
 
@@ -235,9 +206,9 @@ def _pair(chance: Chance) -> tuple[Sensor, Sensor]:
     return first, replace(second, plates=(replace(plate, corner=(x + shift, y, z)),))
 
 
-def _box(chance: Chance) -> Cuboid:
+def _box(chance: Chance) -> shapes.Cuboid:
     x, y, z = (logarithmic(chance, 0.02, 0.2) for _ in range(3))
-    return Cuboid((x, y, z))
+    return shapes.Cuboid((x, y, z))
 
 
 def _gap(chance: Chance) -> float:
@@ -258,11 +229,9 @@ def revolved(outline: list[tuple[float, float]], segments: int = _FACETS) -> Arr
     """Returns the triangles (n, 3, 3) of the polygon `outline` of (distance from the axis, z), turned about z; its sides follow
     each other so that their left side is outside."""
     angles = 2 * math.pi * np.arange(segments + 1) / segments
-    rings = [
-        np.column_stack([r * np.cos(angles), r * np.sin(angles), np.full_like(angles, z)]) for r, z in outline
-    ]
-    for ring in rings:
-        ring[-1] = ring[0]
+    circle, heights = np.column_stack([np.cos(angles), np.sin(angles)]), np.ones((segments + 1, 1))
+    circle[-1] = circle[0]
+    rings = [np.hstack([r * circle, z * heights]) for r, z in outline]
     triangles = []
     for (r, _), (s, _), a, b in zip(outline, outline[1:], rings, rings[1:]):
         if r > 0:
@@ -272,7 +241,7 @@ def revolved(outline: list[tuple[float, float]], segments: int = _FACETS) -> Arr
     return np.concatenate(triangles)
 
 
-def mesh(triangles: Array, folder: Path) -> MeshShape:
+def mesh(triangles: Array, folder: Path) -> shapes.MeshShape:
     """Writes triangles to a file in the folder that is named by their content; returns them as a shape."""
     name = hashlib.sha256(np.ascontiguousarray(triangles).tobytes()).hexdigest()[:16]
     file = folder.resolve() / f"{name}.ply"
@@ -280,7 +249,7 @@ def mesh(triangles: Array, folder: Path) -> MeshShape:
         folder.mkdir(parents=True, exist_ok=True)
         meshes.write(triangles, file)
     digest = hashlib.sha256(file.read_bytes()).hexdigest()
-    return MeshShape(str(file), digest, 1.0, meshes.read_triangles(file))
+    return shapes.MeshShape(str(file), digest, 1.0, meshes.read_triangles(file))
 
 
 def bowl(radius: float, half_angle: float, segments: int, rows: int) -> Array:
@@ -305,11 +274,9 @@ def hollow(chance: Chance, folder: Path) -> Scene:
             "thick cup": [(0.0, low), (radius, low), (radius, high), (radius - wall, high)]
             + [(radius - wall, low + wall), (0.0, low + wall)],
         }
-        triangles = (
-            bowl(radius, uniform(chance, 0.5, 2.5), _FACETS, _ROWS)
-            if kind == "bowl"
-            else revolved(outlines[kind])
-        )
+        is_bowl = kind == "bowl"
+        half_angle = uniform(chance, 0.5, 2.5) if is_bowl else 0.0
+        triangles = bowl(radius, half_angle, _FACETS, _ROWS) if is_bowl else revolved(outlines[kind])
         objects = (before(TARGET, mesh(triangles, folder), gap, at, rotation),)
     scene = Scene(sensors=(sensor(chance),), objects=objects)
     return on_machine(chance, scene, NONE, HOUSING)
@@ -319,23 +286,15 @@ def _tray(radius: float, height: float, gap: float, at: tuple[float, float]) -> 
     """Returns five plates, one conductor, that are a box which opens towards the sensor."""
     x, y = at
     middle = gap + height / 2
-    sides: tuple[tuple[float, float, AxisRotation], ...] = (
-        (-radius, 0.0, AxisRotation((0.0, 1.0, 0.0), 90.0)),
-        (radius, 0.0, AxisRotation((0.0, 1.0, 0.0), 90.0)),
-        (0.0, -radius, AxisRotation((1.0, 0.0, 0.0), 90.0)),
-        (0.0, radius, AxisRotation((1.0, 0.0, 0.0), 90.0)),
-    )
-    # A plate turned about y by 90 degrees has its x along -z, one about x its y along z.
-    walls = [
-        Object(
-            f"side {number}",
-            PlateShape((height, 2 * radius) if rotation.axis[1] else (2 * radius, height)),
-            pose=Pose((x + dx, y + dy, middle), rotation),
-            conductor=TARGET,
-        )
-        for number, (dx, dy, rotation) in enumerate(sides)
-    ]
-    bottom = PlateShape((2 * radius, 2 * radius))
+    about_x, about_y = (AxisRotation(axis, 90.0) for axis in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
+    sides = ((-radius, 0.0), (radius, 0.0), (0.0, -radius), (0.0, radius))
+    walls = []
+    for number, (dx, dy) in enumerate(sides):
+        # A plate turned about y by 90 degrees has its x along -z, one about x its y along z.
+        shape = shapes.PlateShape((height, 2 * radius) if dx else (2 * radius, height))
+        pose = Pose((x + dx, y + dy, middle), about_y if dx else about_x)
+        walls.append(Object(f"side {number}", shape, pose=pose, conductor=TARGET))
+    bottom = shapes.PlateShape((2 * radius, 2 * radius))
     return (Object("bottom", bottom, pose=Pose((x, y, gap + height)), conductor=TARGET), *walls)
 
 
@@ -345,16 +304,15 @@ def unsensed(chance: Chance) -> Scene:
     reach = 0.0
     for number in range(chance.choice((2, 2, 3, 4))):
         shape = angular(chance) if chance.random() < 0.6 else round_body(chance)
-        radius = radius_of(shape)
+        # That of the smallest ball about the origin of the shape's frame that contains its triangles.
+        radius = float(np.linalg.norm(shape.triangles().reshape(-1, 3), axis=1).max())
         gap = radius * logarithmic(chance, 0.05, 2.0)
         x = 0.0 if number == 0 else round(reach + gap + radius, 6)
         reach = x + radius
-        potential = (
-            "electrode" if number == 0 else chance.choice(("electrode", "electrode", "grounded", "floating"))
-        )
-        bodies.append(
-            Object(f"body {number}", shape, pose=Pose((x, 0.0, 0.0), turn(chance)), potential=potential)
-        )
+        potentials = ("electrode", "electrode", "grounded", "floating")
+        potential = "electrode" if number == 0 else chance.choice(potentials)
+        pose = Pose((x, 0.0, 0.0), turn(chance))
+        bodies.append(Object(f"body {number}", shape, pose=pose, potential=potential))
     medium = Medium(uniform(chance, 1, 80)) if chance.random() < 0.2 else Medium()
     return Scene(medium=medium, objects=tuple(bodies))
 
@@ -364,7 +322,7 @@ def robot(chance: Chance) -> Scene:
     count = chance.choice((3, 4))
     links = [Link("base")]
     thick = logarithmic(chance, 0.05, 0.12)
-    objects = [Object("foot", Cylinder(thick, 0.1, _FACETS), "base", Pose((0.0, 0.0, 0.05)))]
+    objects = [Object("foot", shapes.Cylinder(thick, 0.1, _FACETS), "base", Pose((0.0, 0.0, 0.05)))]
     begin = 0.1 + thick
     for number in range(1, count + 1):
         axis: Vector3 = (0.0, 1.0, 0.0) if number > 1 else (0.0, 0.0, 1.0)
@@ -380,21 +338,17 @@ def robot(chance: Chance) -> Scene:
     plate = Plate((-width / 2, -height / 2, 0.0), (width, 0.0, 0.0), (0.0, height, 0.0))
     # A target may not be on the link that carries a sensor.
     links += [Link("tool", end, Pose((0.0, 0.0, off))), Link("hand", "tool")]
-    return Scene(
-        links=tuple(links),
-        sensors=(Sensor("front", (plate,), "tool"),),
-        objects=(*objects, hand(chance, "hand")),
-        readings=(Reading("front", "front", ("front",)),),
-    )
+    sensor, reading = Sensor("front", (plate,), "tool"), Reading("front", "front", ("front",))
+    bodies = (*objects, hand(chance, "hand"))
+    return Scene(links=tuple(links), sensors=(sensor,), objects=bodies, readings=(reading,))
 
 
 def _limb(chance: Chance, name: str, link: str, thick: float, long: float) -> Object:
     """Draws a limb from the link's origin along z that reaches half its thickness beyond `long`."""
-    kind = chance.choice(("box", "cylinder", "capsule"))
     length, radius = long + thick / 2, thick / 2
-    pose = Pose((0.0, 0.0, length / 2))
-    if kind == "box":
-        return Object(name, Cuboid((thick, thick, length)), link, pose)
-    if kind == "cylinder":
-        return Object(name, Cylinder(radius, length, _FACETS), link, pose)
-    return Object(name, Capsule(radius, length - 2 * radius, _FACETS), link, pose)
+    kinds: tuple[shapes.Shape, ...] = (
+        shapes.Cuboid((thick, thick, length)),
+        shapes.Cylinder(radius, length, _FACETS),
+        shapes.Capsule(radius, length - 2 * radius, _FACETS),
+    )
+    return Object(name, chance.choice(kinds), link, Pose((0.0, 0.0, length / 2)))

@@ -6,8 +6,6 @@ finished jobs report their failures, in a folder that every night makes anew, so
 All jobs of a folder of results have one name. While a night may have some on a cluster, a file in that folder says by which profile; a night that was killed leaves it
 behind, and whoever works in the folder next ends those jobs first: no case is ever solved twice at once."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import shlex
@@ -23,7 +21,7 @@ from analysis.pipeline import reference_stage
 from analysis.pipeline.scheduler import Progress, parallel_jobs
 from analysis.pipeline.stage import Finished, Processes, environment_of_modules, forget_unfinished_forms
 from analysis.results.store import Document, is_current, read_json, write_json, write_text
-from analysis.results.study_results import Failure, case_folder, write_manifest
+from analysis.results.study_results import Failure, asked, case_folder, write_manifest
 from analysis.study import workflow
 from analysis.study.workflow import Work
 from analysis.topics.trade_off import measure as trade_off
@@ -31,7 +29,6 @@ from geometries.common.children import ENDS_WITH_PARENT
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT
 from geometries.studies.study import Study
-
 
 # The folder of a night's jobs, within the results; every night makes it anew.
 FOLDER = "jobs"
@@ -50,13 +47,9 @@ class Chunk:
 
 def group(works: list[Work], seconds: float, workers: int) -> list[Chunk]:
     """Groups the cases into jobs of about `seconds` each: shorter if some workers would have none, and at most a thousand.
-
-    The costly cases come first, and each goes to the job that has least to do.
-    """
+    The costly cases come first, and each goes to the job that has least to do."""
     total = sum(work.cost for work in works)
     count = min(len(works), _MOST, max(workers, round(total / seconds)))
-    if count == 0:
-        return []
     # Dealt out like cards, back and forth: equal up to one case, and fast for a hundred thousand cases.
     hands: list[list[Work]] = [[] for _ in range(count)]
     for number, work in enumerate(sorted(works, key=lambda work: -work.cost)):
@@ -67,32 +60,15 @@ def group(works: list[Work], seconds: float, workers: int) -> list[Chunk]:
     return [Chunk(f"{night}-{number:04}", hand) for number, hand in enumerate(hands)]
 
 
-def write_jobs(chunks: list[Chunk], study: Study, results: Path) -> None:
-    """Writes a file for each job into the results' folder of jobs."""
-    asked = {
-        "rtol": study.rtol,
-        "max_seconds": study.max_seconds,
-        "error": study.error,
-        "methods": list(study.methods),
-        "reference_method": study.reference_method,
-    }
-    for chunk in chunks:
-        document: Document = {"asked": asked, "works": [vars(work) for work in chunk.works]}
-        # On one line, which is several times as fast to write; there may be a hundred thousand cases.
-        write_text(results / FOLDER / f"{chunk.name}.json", json.dumps(document))
-
-
 def solve(file: Path) -> None:
     """Solves the unanswered cases of a job's file, then writes its failures beside it; InputError if there is no such file.
-
     Stops silently when the file disappears: another night has begun and has taken over the remaining cases.
     """
     document = read_json(file)
     if document is None:
         raise InputError(str(file), "", "is not the file of a job")
-    asked = document["asked"]
-    asked["methods"] = tuple(asked["methods"])
-    study = Study(name="", title="", sweeps=(), **asked)
+    methods = {"methods": tuple(document["asked"]["methods"])}
+    study = Study(name="", title="", sweeps=(), **document["asked"] | methods)
     results = file.resolve().parent.parent
     failures: list[Failure] = []
     for entry in document["works"]:
@@ -111,11 +87,9 @@ def failures_of_jobs(chunks: list[Chunk], results: Path) -> list[Failure]:
         if report is not None:
             found += [Failure(**failure) for failure in report["failures"]]
         else:
-            lost = [work.case for work in chunk.works if _left(work, results).keys]
-            found += [
-                Failure(case, reference_stage.SOLVE, "its job ended without an answer; see snakemake.log")
-                for case in lost
-            ]
+            lost = (work.case for work in chunk.works if _left(work, results).keys)
+            reason = "its job ended without an answer; see snakemake.log"
+            found += [Failure(case, reference_stage.SOLVE, reason) for case in lost]
     return found
 
 
@@ -169,9 +143,8 @@ def _cancel(folder: Path, profile: Path) -> None:
     if not program.is_file():
         return
     # It goes on if this process is killed: jobs are not this machine's children.
-    done = subprocess.run(
-        [sys.executable, str(program), name_of_jobs(folder)], capture_output=True, text=True, check=False
-    )
+    command = [sys.executable, str(program), name_of_jobs(folder)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode != 0:
         reason = Finished(done.returncode, done.stdout, done.stderr).reason
         raise OSError(f"jobs called {name_of_jobs(folder)} may be left on the cluster: {reason}")
@@ -228,7 +201,10 @@ def prepare(works: list[Work], study: Study, folder: Path, seconds: float, worke
     workflow.forget(works, folder)
     forget_unfinished_forms()
     grouped = group(works, seconds, workers)
-    write_jobs(grouped, study, folder)
+    for chunk in grouped:
+        document: Document = {"asked": asked(study), "works": [vars(work) for work in chunk.works]}
+        # On one line, which is several times as fast to write; there may be a hundred thousand cases.
+        write_text(folder / FOLDER / f"{chunk.name}.json", json.dumps(document))
     return grouped
 
 
@@ -255,9 +231,8 @@ def find_profile(profile: str) -> Path:
         if (place / "config.yaml").is_file():
             return place.resolve()
     known = ", ".join(sorted(path.name for path in _PROFILES.iterdir()))
-    raise InputError(
-        profile, "", f"is neither a folder with a config.yaml nor one of the known profiles: {known}"
-    )
+    reason = f"is neither a folder with a config.yaml nor one of the known profiles: {known}"
+    raise InputError(profile, "", reason)
 
 
 def _carry(jobs: list[Chunk], folder: Path, command: list[str], workers: int) -> None:
@@ -287,12 +262,9 @@ def _carry(jobs: list[Chunk], folder: Path, command: list[str], workers: int) ->
 
 def _show(jobs: list[Chunk], folder: Path, workers: int, ended: threading.Event) -> None:
     """Shows the progress, counted by stored answers, until Snakemake has ended."""
-    left = {
-        case_folder(folder, work.case) / file: cost
-        for job in jobs
-        for work in job.works
-        for file, cost in work.seconds.items()
-    }
+    left: dict[Path, float] = {}
+    for work in (work for job in jobs for work in job.works):
+        left |= {case_folder(folder, work.case) / file: cost for file, cost in work.seconds.items()}
     count = len(left)
     with Progress(sum(left.values()), count, workers) as progress:
         while True:

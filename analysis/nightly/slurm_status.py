@@ -1,7 +1,6 @@
 """`python3 -m analysis.nightly.slurm_status JOB`: what Snakemake asks of a job of SLURM: success, failed or running.
 
-SLURM's controller is asked; no accounting database is needed. A job that it knows nothing of has failed.
-"""
+SLURM's controller is asked; no accounting database is needed. A job that it knows nothing of has failed."""
 
 from __future__ import annotations
 

@@ -1,10 +1,7 @@
 """Computes the keys of stored answers. A key is a hash of everything that can change the answer: equal keys, equal answers.
 
-It covers the scene, the options and the version of the code: a hash of the stage's sources and, for the reference, the versions
-of the packages that it uses.
-"""
-
-from __future__ import annotations
+It covers the scene, the options and the version of the code: a hash of the stage's
+sources and, for the reference, the versions of the packages that it uses."""
 
 import functools
 import hashlib
@@ -17,7 +14,6 @@ from pathlib import Path
 
 from geometries.common.installation import ROOT, is_installed, module_folders
 from geometries.studies.study import Study
-
 
 _SOURCE_SUFFIXES = {".cpp", ".hpp", ".h", ".txt", ".cmake", ".in"}
 # The files of geometries that read scenes. A new family or a new motion must not invalidate answers.
@@ -75,9 +71,8 @@ def code_of(places: Iterable[str], repository: Path = ROOT) -> str:
 
 def reference_code(repository: Path = ROOT) -> str:
     """Returns the version of the reference: a hash of its sources, of the scene reader's, and of the packages' versions."""
-    sources = [
-        path for kind in ("*.py", "*.cpp", "*.hpp") for path in (repository / "fem_reference").rglob(kind)
-    ]
+    solver, kinds = repository / "fem_reference", ("*.py", "*.cpp", "*.hpp")
+    sources = [path for kind in kinds for path in solver.rglob(kind)]
     for pattern in _SCENE_SOURCES:
         found = (repository / "geometries").glob(pattern)
         sources += [path for path in found if path.name not in _NOT_SOLVING]

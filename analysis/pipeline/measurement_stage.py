@@ -1,7 +1,5 @@
 """Runs the programs of the build that measure the model by itself, without a study."""
 
-from __future__ import annotations
-
 import functools
 import os
 import shlex
@@ -25,14 +23,14 @@ _ANSWER = "ANSWER.json"
 @dataclass(frozen=True)
 class Measurement:
     """`arguments` name the answer's file as ANSWER.json; `seconds` is the expected time; `sources` are the folders and
-    files of the repository that determine the result."""
+    files of the repository that determine the result besides the model and how it is built."""
 
     name: str
     file: str
     program: str
     arguments: tuple[str, ...]
     seconds: float
-    sources: tuple[str, ...]
+    sources: tuple[str, ...] = ()
 
     @property
     def command(self) -> str:
@@ -51,48 +49,21 @@ def timed(answer: str) -> tuple[str, ...]:
     )
 
 
-_BUILD = ("CMakeLists.txt", "CMakePresets.json")
+def _drawn(count: str) -> tuple[str, ...]:
+    """Returns the options of a program that is to try so many random cases."""
+    return "--count", count, "--json", _ANSWER
+
+
+_SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json")
+_STRESS, _COLLISION = ("tests/model/stress",), ("tests/model/collision",)
+_STABLE, _SCENES = "stability of the integral", "collisions of scenes"
+_TIMES, _PAIRS = "times of collision queries", "answers of collision queries"
 MEASUREMENTS = (
-    Measurement(
-        "run time against error",
-        RUN_TIMES,
-        "plate_integral_benchmark",
-        timed(_ANSWER),
-        40,
-        ("model", *_BUILD),
-    ),
-    Measurement(
-        "stability of the integral",
-        STABILITY,
-        "plate_integral_stress",
-        ("--count", "100000", "--json", _ANSWER),
-        60,
-        ("model", "tests/model/stress", *_BUILD),
-    ),
-    Measurement(
-        "answers of collision queries",
-        COLLISION[0],
-        "collision_stress",
-        ("--count", "50000", "--json", _ANSWER),
-        20,
-        ("model", "tests/model/collision", *_BUILD),
-    ),
-    Measurement(
-        "times of collision queries",
-        COLLISION[1],
-        "collision_benchmark",
-        ("21", _ANSWER),
-        20,
-        ("model", *_BUILD),
-    ),
-    Measurement(
-        "collisions of scenes",
-        COLLISION[2],
-        "scene_collision_benchmark",
-        ("5", _ANSWER),
-        10,
-        ("model", *_BUILD),
-    ),
+    Measurement("run time against error", RUN_TIMES, "plate_integral_benchmark", timed(_ANSWER), 40),
+    Measurement(_STABLE, STABILITY, "plate_integral_stress", _drawn("100000"), 60, _STRESS),
+    Measurement(_PAIRS, COLLISION[0], "collision_stress", _drawn("50000"), 20, _COLLISION),
+    Measurement(_TIMES, COLLISION[1], "collision_benchmark", ("21", _ANSWER), 20),
+    Measurement(_SCENES, COLLISION[2], "scene_collision_benchmark", ("5", _ANSWER), 10),
 )
 
 
@@ -103,7 +74,7 @@ def stages(folder: Path) -> list[Stage]:
 
 def stage(measurement: Measurement, folder: Path) -> Stage:
     """Returns the stage of one measurement. Its key depends on the machine, as do run times and the instructions that the code chooses."""
-    code = keys.code_of(measurement.sources, ROOT)
+    code = keys.code_of((*_SOURCES, *measurement.sources), ROOT)
     key = keys.measurement_key(measurement.command, code, machine.identity())
     target = folder / measurement.file
     answer = functools.partial(_answer, measurement, target)

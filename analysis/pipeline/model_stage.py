@@ -1,8 +1,6 @@
 """The answers of the model's module for one case: the model's by every method, with the time of each; and the matrix by boundary elements with its errors, or why they
 have none."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 import time
@@ -23,7 +21,6 @@ from geometries.scene.scene import Scene
 from geometries.scene.shapes import ROUND_SHAPES, MeshShape
 from geometries.studies.families import GROUNDED
 from geometries.studies.study import Study
-
 
 NAME = "model"
 # Evaluations per method. One of an integral takes about a microsecond, so the smallest of many times is stored; methods that take
@@ -66,7 +63,14 @@ def knows(scene: Scene) -> bool:
 def answer(scene: Path, methods: tuple[str, ...]) -> Document:
     """Evaluates a scene file by every method. Of a method that refuses it the reason is stored; "exact" must have an answer."""
     module = model_module()
-    answers = {method: _answer_or_refusal(module, scene, method) for method in methods}
+    answers: Document = {}
+    for method in methods:
+        try:
+            answers[method] = _timed(module, scene, options(method))
+        except ValueError as error:
+            if method == COMPARED_METHOD:
+                raise
+            answers[method] = {"refused": str(error).removeprefix(f"{scene}: ")}
     return {"format": 1, "version": str(module.__version__), "methods": answers}
 
 
@@ -74,15 +78,6 @@ def options(method: str) -> dict[str, Any]:
     """Returns the options of the model for a method of a study (`geometries.studies.study.METHODS`)."""
     accuracy = {"rtol": STATED_RTOLS[method], "entries": True} if method in STATED_RTOLS else {}
     return {"method": method, **accuracy}
-
-
-def _answer_or_refusal(module: Any, scene: Path, method: str) -> Document:
-    try:
-        return _timed(module, scene, options(method))
-    except ValueError as error:
-        if method == COMPARED_METHOD:
-            raise
-        return {"refused": str(error).removeprefix(f"{scene}: ")}
 
 
 def _timed(module: Any, scene: Path, asked: dict[str, Any]) -> Document:
@@ -104,11 +99,9 @@ _ROUND = "round bodies: boundary elements answer for the polyhedron of their tri
 
 
 def boundary_rtol(study: Study, scene: Scene, alone: float | None = None) -> float:
-    """Returns the relative accuracy asked of boundary elements in a case; `alone` is the case's.
-
-    If that is None, it is the study's where they answer alone, and for a mesh, whose charges converge so slowly that a tenth would take minutes and
-    gigabytes. Beside the field solver it is a tenth of it. With dielectric bodies it is at least that at which refinement ends in seconds.
-    """
+    """Returns the relative accuracy asked of boundary elements in a case; `alone` is the case's. If that is None, it is the study's where they
+    answer alone, and for a mesh, whose charges converge so slowly that a tenth would take minutes and gigabytes. Beside the field solver it is a
+    tenth of it. With dielectric bodies it is at least that at which refinement ends in seconds."""
     if alone is not None:
         return alone
     is_insulated = any(body.relative_permittivity is not None for body in scene.objects)
@@ -125,15 +118,10 @@ def boundary_answer(scene: Path, study: Study, alone: float | None = None) -> Do
         # This program wrote the scene: somebody has removed or changed it since.
         raise NoAnswer(str(error)) from error
     wanted = boundary_rtol(study, described, alone)
-    return {"rtol": wanted, **_boundary_or_refusal(scene, described, wanted)}
-
-
-def _boundary_or_refusal(scene: Path, described: Scene, wanted: float) -> Document:
     if any(isinstance(body.shape, ROUND_SHAPES) for body in described.objects):
-        return {"refused": _ROUND}
+        return {"rtol": wanted, "refused": _ROUND}
     try:
-        solved: Document = model_module().Scene.load(str(scene)).maxwell(rtol=wanted)
+        return {"rtol": wanted, **model_module().Scene.load(str(scene)).maxwell(rtol=wanted)}
     except ValueError as error:
         # Without the path the reason is the same in every folder.
-        return {"refused": str(error).removeprefix(f"{scene}: ")}
-    return solved
+        return {"rtol": wanted, "refused": str(error).removeprefix(f"{scene}: ")}

@@ -1,7 +1,5 @@
 """The field reference's answer for one case, from a process of its own."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from analysis.pipeline.stage import Finished, NoAnswer, Processes, Refused, parsed, unfinished_file

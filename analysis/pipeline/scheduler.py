@@ -1,13 +1,11 @@
 """Runs jobs in parallel, as many as cores and memory allow, with a progress bar that shows the remaining time."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys
 from collections.abc import Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from typing import Any, Protocol
 
 import psutil
@@ -78,7 +76,7 @@ def remaining_seconds(total: float, done: float, elapsed: float, workers: int) -
     return elapsed * (total - done) / done
 
 
-class Progress:
+class Progress(AbstractContextManager["Progress"]):
     """A bar that counts expected cost rather than jobs, with the time that is left; a context manager."""
 
     def __init__(
@@ -89,9 +87,6 @@ class Progress:
             self._bar: Any = tqdm(total=total, bar_format=layout, ncols=100, disable=not shown)
         self._count, self._workers, self._done, self._shown = count, workers, done, shown
         self.tell(0)
-
-    def __enter__(self) -> Progress:
-        return self
 
     def __exit__(self, *_: object) -> None:
         self._bar.close()

@@ -1,7 +1,5 @@
 """Set-ups of a topic, each answered by one stage; finished set-ups are not computed again."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -92,8 +90,7 @@ class SetUpStages(Generic[SomeSetUp]):
     `name` is that of the topic: of the folder of its answers, beside the folders of the studies' results, of the files in it, and of the
     stage that a failure is reported under; `what` is the set-ups' in the progress bar. The answers depend on the model with its boundary
     elements, on the files `sources` of the repository, and on the relative accuracy `rtol` asked of boundary elements. `answer` computes
-    the answer of a set-up, whose scene is in a file; `seconds` is how long it is expected to take.
-    """
+    the answer of a set-up, whose scene is in a file; `seconds` is how long it is expected to take."""
 
     name: str
     what: str
@@ -117,13 +114,10 @@ class SetUpStages(Generic[SomeSetUp]):
         """Returns the answers in a folder that are up to date, by the set-up's id."""
         if not folder.is_dir():
             return {}
-        current = self.code()
-        found = {}
-        for each in set_ups:
-            answer = read_current(self.path(folder, each), self._key(each, current))
-            if answer is not None:
-                found[each.id] = answer
-        return found
+        code = self.code()
+        keyed = ((each, self._key(each, code)) for each in set_ups)
+        stored = {each.id: read_current(self.path(folder, each), key) for each, key in keyed}
+        return {name: answer for name, answer in stored.items() if answer is not None}
 
     def code(self, repository: Path = ROOT) -> str:
         """Returns the version of the code that makes the answers."""

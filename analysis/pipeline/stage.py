@@ -1,8 +1,6 @@
 """One stage of one case: what computes an answer, and the file and the key under which the answer is stored; and the child processes of stages, which can all be stopped
 at once."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal
@@ -19,7 +17,6 @@ from analysis.results.store import Document, is_current, write_json
 from analysis.results.study_results import Failure
 from geometries.common.children import ending_with_this
 from geometries.common.installation import ROOT, cache_folder
-
 
 _LONGEST_REASON = 300
 
@@ -129,11 +126,9 @@ class Refused(NoAnswer):
 
 @dataclass(frozen=True)
 class Stage:
-    """Computes an answer and stores it in the file `target` under `key`.
-
-    A failure is reported under `name` and `case`; the case is empty for what belongs to no case. `seconds` is the expected time on one
-    core. `answer` returns the document to store; NoAnswer, ValueError and RuntimeError say why there is none.
-    """
+    """Computes an answer and stores it in the file `target` under `key`. A failure is reported under `name` and `case`; the case is
+    empty for what belongs to no case. `seconds` is the expected time on one core. `answer` returns the document to store; NoAnswer,
+    ValueError and RuntimeError say why there is none."""
 
     name: str
     case: str

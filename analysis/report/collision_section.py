@@ -1,7 +1,5 @@
 """The report's section on collision detection: where the thesis' algorithm fails, and times beside other libraries."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
@@ -33,26 +31,25 @@ def section(answers: Document | None, queries: Document | None, scenes: Document
 
 
 def _parts(answers: Document | None, queries: Document | None, scenes: Document | None) -> Iterator[Markup]:
+    def by_name(entries: Sequence[Document]) -> Named:
+        return {entry["name"]: entry for entry in entries}
+
     if answers is not None:
         classes = answers["answer"]["classes"]
-        yield page.finding(finding_on_answers(classes))
-        yield from (_classes_table(classes), page.soft(_ANSWERS))
+        yield from (page.finding(finding_on_answers(classes)), _classes_table(classes), page.soft(_ANSWERS))
     if queries is not None:
-        rows = {entry["name"]: _by_name(entry["peers"]) for entry in queries["answer"]["rows"]}
-        yield page.finding(finding_on_queries(rows))
-        yield from (_queries_table(rows), page.soft(_QUERIES))
+        rows = {entry["name"]: by_name(entry["peers"]) for entry in queries["answer"]["rows"]}
+        names = list(dict.fromkeys(name for peers in rows.values() for name in peers))
+        cells = [[row, *(_query_cell(peers, name) for name in names)] for row, peers in rows.items()]
+        table = page.table(["pairs of", *names], cells)
+        yield from (page.finding(finding_on_queries(rows)), table, page.soft(_QUERIES))
     if scenes is not None:
-        frames = {entry["objects"]: _by_name(entry["ways"]) for entry in scenes["answer"]["scenes"]}
-        yield page.finding(finding_on_scenes(frames))
-        yield from (_scenes_table(frames), page.soft(_SCENES))
+        frames = {entry["objects"]: by_name(entry["ways"]) for entry in scenes["answer"]["scenes"]}
+        yield from (page.finding(finding_on_scenes(frames)), _scenes_table(frames), page.soft(_SCENES))
 
 
 Named = dict[str, Document]
 """What was measured of each library, or way, by its name."""
-
-
-def _by_name(entries: Sequence[Document]) -> Named:
-    return {entry["name"]: entry for entry in entries}
 
 
 def finding_on_answers(classes: Sequence[Document]) -> str:
@@ -68,19 +65,19 @@ def finding_on_answers(classes: Sequence[Document]) -> str:
 
 def finding_on_queries(queries: dict[str, Named]) -> str:
     """Compares the times of every row with those of the fastest other library."""
-    ratios: dict[str, float] = {}
+    ratios: list[tuple[float, str]] = []
     for name, peers in queries.items():
         others = [float(peer["nanoseconds"]) for library, peer in peers.items() if library != OWN]
         if others and OWN in peers:
-            ratios[name] = min(others) / peers[OWN]["nanoseconds"]
+            ratios.append((min(others) / peers[OWN]["nanoseconds"], name))
     if not ratios:
         return "No other library was measured."
-    slower = [name for name, ratio in ratios.items() if ratio < 1]
-    least, most = min(ratios, key=lambda name: ratios[name]), max(ratios, key=lambda name: ratios[name])
+    slower = [name for ratio, name in ratios if ratio < 1]
+    (least, nearest), (most, farthest) = min(ratios), max(ratios)
     comparison = f"slower in: {', '.join(slower)}" if slower else "in no row slower"
     return (
-        f"Beside the fastest other library of each row fringe is {comparison}; that library takes from {_figures(ratios[least])} "
-        f"({least}) to {_figures(ratios[most])} times as long ({most})."
+        f"Beside the fastest other library of each row fringe is {comparison}; that library takes from {_figures(least)} "
+        f"({nearest}) to {_figures(most)} times as long ({farthest})."
     )
 
 
@@ -89,11 +86,8 @@ def finding_on_scenes(scenes: dict[int, Named]) -> str:
     (few, small), (many, large) = list(scenes.items())[0], list(scenes.items())[-1]
     agree = all(len({way["collisions"] for way in ways.values()}) == 1 for ways in scenes.values())
     own = large[OWN]["milliseconds"]
-    others = ", ".join(
-        f"{_figures(way['milliseconds'] / own)} times as long by {name}"
-        for name, way in large.items()
-        if name != OWN
-    )
+    ratios = {name: _figures(way["milliseconds"] / own) for name, way in large.items() if name != OWN}
+    others = ", ".join(f"{ratio} times as long by {name}" for name, ratio in ratios.items())
 
     def growth(way: str, what: str) -> str:
         return _figures(large[way][what] / small[way][what] if small[way][what] else float("nan"))
@@ -119,27 +113,17 @@ def _figures(number: float) -> str:
 
 
 def _classes_table(classes: Sequence[Document]) -> Markup:
-    counted = {
-        "wrong": "wrong",
-        "unproven": "unproven",
-        "exactly": "exact",
-        "thesis wrong": "thesis_wrong",
-        "did not end": "thesis_endless",
-    }
-    return page.table(
-        ["class", "pairs", "intersecting", *counted],
-        [
-            [page.code(each["name"]), f"{each['pairs']:,}", _share(each["intersecting"], each["pairs"])]
-            + [f"{each[what]:,}" for what in counted.values()]
-            for each in classes
-        ],
+    return page.table_of(
+        classes,
+        ("class", lambda each: page.code(each["name"])),
+        ("pairs", lambda each: f"{each['pairs']:,}"),
+        ("intersecting", lambda each: _share(each["intersecting"], each["pairs"])),
+        ("wrong", lambda each: f"{each['wrong']:,}"),
+        ("unproven", lambda each: f"{each['unproven']:,}"),
+        ("exactly", lambda each: f"{each['exact']:,}"),
+        ("thesis wrong", lambda each: f"{each['thesis_wrong']:,}"),
+        ("did not end", lambda each: f"{each['thesis_endless']:,}"),
     )
-
-
-def _queries_table(queries: dict[str, Named]) -> Markup:
-    names = list(dict.fromkeys(name for peers in queries.values() for name in peers))
-    rows = [[row, *(_query_cell(peers, name) for name in names)] for row, peers in queries.items()]
-    return page.table(["pairs of", *names], rows)
 
 
 def _query_cell(peers: Named, name: str) -> str:
@@ -153,14 +137,8 @@ def _query_cell(peers: Named, name: str) -> str:
 
 
 def _scenes_table(scenes: dict[int, Named]) -> Markup:
-    rows = [
-        [
-            f"{objects:,}",
-            *(
-                page.two_lines(f"{way['milliseconds']:,.3g}", f"{way['collisions']:,}", small=True)
-                for way in ways.values()
-            ),
-        ]
-        for objects, ways in scenes.items()
-    ]
+    def cell(way: Document) -> Markup:
+        return page.two_lines(f"{way['milliseconds']:,.3g}", f"{way['collisions']:,}", small=True)
+
+    rows = [[f"{objects:,}", *map(cell, ways.values())] for objects, ways in scenes.items()]
     return page.table(["objects", *next(iter(scenes.values()))], rows)

@@ -1,7 +1,5 @@
 """Small drawings for pages: of a scene, and of a figure."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -12,7 +10,6 @@ from analysis.report.plot import GRID, SENSOR_COLOUR
 from analysis.report.plots_in_space import EYE, colours, cut, triangles
 from geometries.common.arrays import Array
 from geometries.scene.scene import Scene
-
 
 WIDTH, HEIGHT = 220, 140
 MARGIN = 8
@@ -25,8 +22,7 @@ _DARKEST = 0.62
 
 def of_scene(scene: Scene, label: str) -> Markup:
     """Draws a scene as the figures in space show it: sensors blue, targets orange, the machine grey. `label` describes it in words."""
-    colour_of = colours(scene, SENSOR_COLOUR)
-    bodies = triangles(scene)
+    colour_of, bodies = colours(scene, SENSOR_COLOUR), triangles(scene)
     everything = np.concatenate(list(bodies.values()))
     longest = float(np.ptp(everything.reshape(-1, 3), axis=0).max()) / _PIECES
     pieces, paint = [], []
@@ -35,24 +31,22 @@ def of_scene(scene: Scene, label: str) -> Markup:
         pieces.append(small)
         paint += [_shaded(colour_of[name], triangle) for triangle in small]
     corners = np.concatenate(pieces)
-    towards, across, up = _axes()
+    # The directions towards the eye, to the right and up.
+    towards, across = np.array(EYE) / np.linalg.norm(EYE), np.cross([0.0, 0.0, 1.0], EYE)
+    across /= np.linalg.norm(across)
+    up = np.cross(towards, across)
     depth = (corners @ towards).mean(axis=1)
     flat = fitted(np.stack([corners @ across, -(corners @ up)], axis=-1))
     polygons = []
     for index in np.argsort(depth):
-        points = " ".join(f"{x:.1f},{y:.1f}" for x, y in flat[index])
-        polygons.append(
-            Markup('<polygon points="{}" fill="{}" stroke="{}"/>').format(points, *2 * [paint[index]])
-        )
+        shape = Markup('<polygon points="{}" fill="{}" stroke="{}"/>')
+        polygons.append(shape.format(_written(flat[index]), *2 * [paint[index]]))
     return svg(polygons, label)
 
 
-def _axes() -> tuple[Array, Array, Array]:
-    """Returns the directions towards the eye, to the right and up."""
-    towards = np.array(EYE) / np.linalg.norm(EYE)
-    across = np.cross([0.0, 0.0, 1.0], towards)
-    across /= np.linalg.norm(across)
-    return towards, across, np.cross(towards, across)
+def _written(points: Array) -> str:
+    """Returns points (n, 2) as SVG has them."""
+    return " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
 
 
 def fitted(points: Array, keep_aspect: bool = True) -> Array:
@@ -94,11 +88,8 @@ def thumbnail(data: list[Trace], layout: dict[str, Any], label: str) -> Markup:
     drawn = [(trace, points) for trace, points in _all_points(data, layout) if len(points)]
     if not drawn:
         return Markup("")
-    whole = np.concatenate([points for _, points in drawn])
-    placed = np.split(
-        fitted(whole * np.array([1.0, -1.0]), keep_aspect=False),
-        np.cumsum([len(points) for _, points in drawn]),
-    )
+    whole = fitted(np.concatenate([points for _, points in drawn]) * np.array([1.0, -1.0]), keep_aspect=False)
+    placed = np.split(whole, np.cumsum([len(points) for _, points in drawn]))
     line = Markup('<path class="axes" d="M{0},{0}V{1}H{2}" fill="none" stroke="{3}" stroke-width="1.5"/>')
     parts = [line.format(MARGIN / 2, HEIGHT - MARGIN / 2, WIDTH - MARGIN / 2, GRID)]
     for (trace, _), own in zip(drawn, placed):
@@ -109,18 +100,14 @@ def thumbnail(data: list[Trace], layout: dict[str, Any], label: str) -> Markup:
 def _all_points(data: list[Trace], layout: dict[str, Any]) -> list[tuple[Trace, Array]]:
     """Returns the points (n, 2) of each trace; a bar has two, its ends. Bars stand on those before them, as in a stacked figure."""
     found = []
-    above: dict[float, float] = {}
-    below: dict[float, float] = {}
-    for trace in data:
-        if trace.get("type", "scatter") not in _DRAWN:
-            continue
+    stacked: dict[tuple[float, bool], float] = {}
+    for trace in (trace for trace in data if trace.get("type", "scatter") in _DRAWN):
         points = _points(trace, layout)
         if trace.get("type") == "bar":
             ends = []
             for x, height in points:
-                stack = above if height >= 0 else below
-                start = stack.get(x, 0.0)
-                stack[x] = start + height
+                start = stacked.get((x, height >= 0), 0.0)
+                stacked[x, height >= 0] = start + height
                 ends += [(x, start), (x, start + height)]
             points = np.array(ends).reshape(-1, 2)
         found.append((trace, points))
@@ -152,28 +139,20 @@ def _colour(trace: Trace, part: str) -> str:
 def _marks(trace: Trace, points: Array) -> list[Markup]:
     parts = []
     if "lines" in trace.get("mode", "lines"):
-        path = " ".join(f"{x:.1f},{y:.1f}" for x, y in points)
         line = Markup('<polyline points="{}" fill="none" stroke="{}" stroke-width="1.5"/>')
-        parts.append(line.format(path, _colour(trace, "line")))
+        parts.append(line.format(_written(points), _colour(trace, "line")))
     if "markers" in trace.get("mode", ""):
-        step = math.ceil(len(points) / _MARKS)
+        step, colour = math.ceil(len(points) / _MARKS), _colour(trace, "marker")
         mark = Markup('<circle cx="{}" cy="{}" r="{}" fill="{}"/>')
-        parts += [
-            mark.format(f"{x:.1f}", f"{y:.1f}", _RADIUS, _colour(trace, "marker")) for x, y in points[::step]
-        ]
+        parts += [mark.format(f"{x:.1f}", f"{y:.1f}", _RADIUS, colour) for x, y in points[::step]]
     return parts
 
 
 def _bars(trace: Trace, ends: Array) -> list[Markup]:
     width = 1.4 * (WIDTH - 2 * MARGIN) / len(ends)
     bar = Markup('<rect x="{}" y="{}" width="{}" height="{}" fill="{}"/>')
-    return [
-        bar.format(
-            f"{x - width / 2:.1f}",
-            f"{min(y, end):.1f}",
-            f"{width:.1f}",
-            f"{abs(end - y):.1f}",
-            _colour(trace, "marker"),
-        )
-        for (x, y), (_, end) in zip(ends[::2], ends[1::2])
-    ]
+    parts = []
+    for (x, y), (_, end) in zip(ends[::2], ends[1::2]):
+        numbers = (f"{number:.1f}" for number in (x - width / 2, min(y, end), width, abs(end - y)))
+        parts.append(bar.format(*numbers, _colour(trace, "marker")))
+    return parts

@@ -1,8 +1,6 @@
 """Pages that lead to others: `report.html`, the summary of a study, with a link to the page of every question, and the list of everything that
 was made, with the pages of scenes that reports lead to."""
 
-from __future__ import annotations
-
 import os
 import re
 from dataclasses import dataclass
@@ -14,13 +12,10 @@ from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.report import drawing, page
-from analysis.report.drawing import thumbnail
 from analysis.results import table
 from analysis.results.study_results import CaseResult, Results
-from analysis.results.table import Row
 from analysis.results.units import percent, too
 from geometries.studies.machines import NONE
-
 
 _FINDING = re.compile(r'<p class="finding">(.*?)</p>', re.DOTALL)
 _PARAGRAPH = re.compile(r"<p[^>]*>(.*?)</p>", re.DOTALL)
@@ -77,12 +72,12 @@ def first_finding(text: Markup) -> Markup:
 
 def first_picture(text: Markup, title: str) -> Markup:
     """Returns a thumbnail of the first figure of a page's body that has enough points, or else of the first figure; empty without any."""
-    drawn = [thumbnail(data, layout, title) for data, layout in page.figures_of(text)]
+    drawn = [drawing.thumbnail(data, layout, title) for data, layout in page.figures_of(text)]
     rich = [each for each in drawn if each.count("<circle") + each.count("<rect") >= _FEWEST]
     return next(iter(rich + [each for each in drawn if each]), Markup(""))
 
 
-def how_wrong(results: Results, rows: list[Row], cases: str) -> list[Answer]:
+def how_wrong(results: Results, rows: list[table.Row], cases: str) -> list[Answer]:
     """Returns how wrong the model is in each family of a study, and on machines, with a drawing of each, which leads to a case that
     has the potential around it, if any has. `cases` is the folder of the cases as seen from the index."""
     places: dict[str, dict[str, list[CaseResult]]] = {}
@@ -92,23 +87,19 @@ def how_wrong(results: Results, rows: list[Row], cases: str) -> list[Answer]:
         where = alone if machine == NONE else _ON_A_MACHINE
         words = "" if machine == NONE else f"{case.family}, {machine.replace('+', ' and ')}"
         places.setdefault(where, {}).setdefault(words, []).append(case)
-    return [
-        Answer(
-            where,
-            _how_wrong([case.id for own in kinds.values() for case in own], rows),
-            [
-                Picture(
-                    f"{cases}/{shown.id}/{page.CASE_PAGE}", drawing.of_scene(shown.scene, shown.name), words
-                )
-                for words, own in kinds.items()
-                for shown in [next((case for case in own if case.slice), own[0])]
-            ],
-        )
-        for where, kinds in places.items()
-    ]
+    found = []
+    for where, kinds in places.items():
+        pictures = []
+        for words, own in kinds.items():
+            shown = next((case for case in own if case.slice), own[0])
+            drawn = drawing.of_scene(shown.scene, shown.name)
+            pictures.append(Picture(f"{cases}/{shown.id}/{page.CASE_PAGE}", drawn, words))
+        says = _how_wrong([case.id for own in kinds.values() for case in own], rows)
+        found.append(Answer(where, says, pictures))
+    return found
 
 
-def _how_wrong(cases: list[str], rows: list[Row]) -> str:
+def _how_wrong(cases: list[str], rows: list[table.Row]) -> str:
     """Tells the model's error in the change of a reading, or in the charge on the target where no change is known."""
     own = [row for row in table.compared(rows) if row.case.id in cases]
     changes = [row for row in own if row.is_change]
@@ -133,11 +124,6 @@ class ScenePage:
     title: str
     says: str
 
-    def beside(self, results: Path) -> str | None:
-        """Returns the page's file as seen from the folder of a study's results; None where it was not made."""
-        file = Path(self.folder) / f"{self.scene}.html"
-        return f"../{file.as_posix()}" if (results.resolve().parent / file).is_file() else None
-
 
 LIVE = ScenePage(
     "live",
@@ -157,8 +143,8 @@ MOTION = ScenePage(
 
 def all_beside(results: Path) -> list[tuple[ScenePage, str]]:
     """Returns the pages that were made, with their files as seen from the folder of a study's results."""
-    found = [(page, page.beside(results)) for page in (LIVE, MOTION)]
-    return [(page, file) for page, file in found if file is not None]
+    found = [(page, f"{page.folder}/{page.scene}.html") for page in (LIVE, MOTION)]
+    return [(page, f"../{file}") for page, file in found if (results.resolve().parent / file).is_file()]
 
 
 FILE = "index.html"
@@ -179,15 +165,15 @@ def make(folder: Path) -> Path | None:
     if not made or not os.access(folder, os.W_OK):
         return None
     target = folder / FILE
-    listed = {
-        name: [(file.relative_to(folder).as_posix(), _title(file)) for file in files]
-        for name, files in made.items()
-    }
+    listed = {}
+    for name, files in made.items():
+        listed[name] = [(file.relative_to(folder).as_posix(), _title(file)) for file in files]
     inputs = keys.page_inputs(listed)
     if not page.is_current(target, inputs):
-        sections = [
-            page.section(name.replace("_", " "), *map(_line, entries)) for name, entries in listed.items()
-        ]
+        sections = []
+        for name, entries in listed.items():
+            links = (page.paragraph(page.link(*entry)) for entry in entries)
+            sections.append(page.section(name.replace("_", " "), *links))
         page.write(target, page.document(_TITLE, inputs, [page.header(_TITLE), *sections], ""))
     return target
 
@@ -195,10 +181,8 @@ def make(folder: Path) -> Path | None:
 def _files(folder: Path) -> list[Path]:
     """Returns what a person opens of what is in a folder, pages first."""
     found = [path for path in folder.iterdir() if path.suffix in _LISTED and path.name not in _NOT_LISTED]
-    ordered = sorted(
-        found, key=lambda path: (_LISTED.index(path.suffix), path.name != page.REPORT, path.name)
-    )
-    return ordered or [site for site in [folder / _SITE] if site.is_file()]
+    found.sort(key=lambda path: (_LISTED.index(path.suffix), path.name != page.REPORT, path.name))
+    return found or [site for site in [folder / _SITE] if site.is_file()]
 
 
 def _title(file: Path) -> str:
@@ -208,7 +192,3 @@ def _title(file: Path) -> str:
     with file.open(encoding="utf-8", errors="replace") as opened:
         found = _PAGE_TITLE.search(opened.read(_TITLE_WITHIN))
     return unescape(found[1]) if found else file.name
-
-
-def _line(entry: tuple[str, str]) -> Markup:
-    return page.paragraph(page.link(*entry))

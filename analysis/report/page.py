@@ -1,9 +1,5 @@
 """HTML pages that work offline: their frame and their parts."""
 
-from __future__ import annotations
-
-import csv
-import io
 import itertools
 import json
 import re
@@ -19,8 +15,7 @@ from plotly.offline import get_plotlyjs
 from plotly.utils import PlotlyJSONEncoder
 
 from analysis.report.plot import Panel, Plot
-from analysis.results.store import Document, write_text
-
+from analysis.results.store import Document, csv_text, write_text
 
 Trace = dict[str, Any]
 _COLUMNS = ("value", "error", "error below", "note", "set-up")
@@ -28,30 +23,21 @@ _IN_SPACE = ("mesh3d", "scatter3d", "cone", "surface")
 _BREAK = re.compile(r"<br>")
 
 
-def has_table(traces: list[Trace]) -> bool:
-    """Tells whether a figure is of numbers along two axes, and not of bodies in space."""
-    return not any(trace.get("type") in _IN_SPACE for trace in traces)
-
-
 def to_csv(traces: list[Trace], layout: dict[str, Any]) -> str:
     """Returns a line for each point of a figure: its series, where it is along both axes, which give the columns their names, and of its value, its
     error, its note and its set-up those that any point has."""
     rows = [row for trace in traces for row in _rows(trace)]
     used = [column for column in range(3, 3 + len(_COLUMNS)) if any(row[column] is not None for row in rows)]
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
     titles = [layout.get(axis, {}).get("title", {}).get("text") or axis[0] for axis in ("xaxis", "yaxis")]
-    writer.writerow(["series", *titles, *(_COLUMNS[column - 3] for column in used)])
-    writer.writerows([*row[:3], *(row[column] for column in used)] for row in rows)
-    return text.getvalue()
+    header = ["series", *titles, *(_COLUMNS[column - 3] for column in used)]
+    return csv_text(header, ([*row[:3], *(row[column] for column in used)] for row in rows))
 
 
 def _rows(trace: Trace) -> Iterator[list[Any]]:
     name, across, upwards = trace.get("name", ""), trace.get("x") or [], trace.get("y") or []
     if "z" in trace:
-        for y, values, texts, cases in zip(
-            upwards, trace["z"], *(trace.get(key) or [[]] * len(upwards) for key in ("text", "customdata"))
-        ):
+        told = (trace.get(key) or [[]] * len(upwards) for key in ("text", "customdata"))
+        for y, values, texts, cases in zip(upwards, trace["z"], *told):
             for column, (x, value) in enumerate(zip(across, values)):
                 yield [name, x, y, value, None, None, _note(texts, column), _at(cases, column)]
         return
@@ -93,7 +79,6 @@ _WORDS = 6
 # The mark of the inputs is within so many characters of a page's beginning; its scripts may take megabytes.
 _MARK_WITHIN = 1000
 
-
 _FOLDER = Path(__file__).parent
 _TEMPLATES = Environment(
     loader=FileSystemLoader(_FOLDER / "templates"),
@@ -105,13 +90,9 @@ _TEMPLATES = Environment(
 _MINUS = re.compile(r"(?<![\w.)\]])-(?=[\d.∞])")
 
 
-def _typographic(text: str) -> str:
-    """Sets a minus sign before numbers in plain text; the hyphen of a keyboard is shorter than the plus it stands below. HTML, as of
-    commands that readers copy, is left as it is."""
-    return text if isinstance(text, Markup) else _MINUS.sub("−", text)
-
-
-_TEMPLATES.filters["typographic"] = _typographic
+# Sets a minus sign before numbers in plain text; the hyphen of a keyboard is shorter than the plus it stands below. HTML, as
+# of commands that readers copy, is left as it is.
+_TEMPLATES.filters["typographic"] = lambda text: text if isinstance(text, Markup) else _MINUS.sub("−", text)
 _PARTS: Any = _TEMPLATES.get_template("parts.html").module
 
 
@@ -304,7 +285,8 @@ def _figure(panel: Panel, with_data: bool) -> dict[str, object]:
     config = {"responsive": True, "displaylogo": False, "displayModeBar": False}
     parts = (json_in_page(part, cls=PlotlyJSONEncoder) for part in (content["data"], layout, config))
     file = ""
-    if with_data and has_table(content["data"]):
+    # Bodies in space have no numbers along two axes.
+    if with_data and not any(trace.get("type") in _IN_SPACE for trace in content["data"]):
         words = "_".join(re.findall(r"[a-z0-9]+", panel.caption.lower())[:_WORDS])
         file = f"{DATA}/{words or 'figure'}.csv"
     return {"height": layout.get("height", _HEIGHT), "data": Markup(", ").join(parts), "file": file}
@@ -325,8 +307,6 @@ def measured_section(
     known = [document for document in asked if document is not None]
     if not known:
         return section(title, paragraph(_ABSENT))
-    first, commands = known[0], "; ".join(document["command"] for document in known)
-    again = (
-        f"{first['processor']} with {first['instruction_sets']}. Again, from the project's folder: {commands}"
-    )
-    return section(title, *parts(*asked), soft(before + again))
+    machine = f"{known[0]['processor']} with {known[0]['instruction_sets']}"
+    again = f"Again, from the project's folder: {'; '.join(document['command'] for document in known)}"
+    return section(title, *parts(*asked), soft(f"{before}{machine}. {again}"))

@@ -1,13 +1,13 @@
 """The parts, colours and axes of all plots."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from html import escape
 from typing import Any, TypeVar
 
 import plotly.graph_objects as go
+
+from analysis.results.statistics import grouped
 
 # Okabe and Ito's palette, which colour-blind readers can distinguish; the symbols do the same in grey print.
 _COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
@@ -106,16 +106,9 @@ def joined(name: str, x: Any, y: Any, colour: str, hover: str, bars: Any = None,
     """Returns points joined by lines, with error bars if given; `hover` is what a point shows beside the name. More is `dash`, or what plotly
     calls it."""
     line = {"color": colour, "dash": more.pop("dash", "solid"), "width": 2}
-    shown = {"mode": "lines+markers", "marker": {"color": colour, "size": 6}, **more}
-    return go.Scatter(
-        x=x,
-        y=y,
-        name=name,
-        line=line,
-        error_y=None if bars is None else {"array": bars, "thickness": 1.5},
-        hovertemplate=f"{hover}<extra>{escape(name)}</extra>",
-        **shown,
-    )
+    shown: dict[str, Any] = {"mode": "lines+markers", "line": line, **more}
+    marker = shown.pop("marker", {"color": colour, "size": 6})
+    return marks(name, x, y, marker, hover, bars, **shown)
 
 
 def marks(
@@ -123,16 +116,10 @@ def marks(
 ) -> go.Scatter:
     """Returns points, with error bars if given; `hover` is what a point shows beside the name unless it says so itself, in `<extra>`. More is
     what plotly calls it."""
-    return go.Scatter(
-        x=x,
-        y=y,
-        mode="markers",
-        marker=marker,
-        name=name,
-        error_y=None if bars is None else {"array": bars, "thickness": 1.5},
-        hovertemplate=hover if "<extra>" in hover else f"{hover}<extra>{escape(name)}</extra>",
-        **more,
-    )
+    told = hover if "<extra>" in hover else f"{hover}<extra>{escape(name)}</extra>"
+    if bars is not None:
+        more["error_y"] = {"array": bars, "thickness": 1.5}
+    return go.Scatter(x=x, y=y, name=name, hovertemplate=told, **{"mode": "markers", "marker": marker} | more)
 
 
 def by_family(
@@ -145,18 +132,12 @@ def by_family(
 ) -> list[go.Scatter]:
     """Returns points for each family in its colour and symbol, in the order of all `families` if given; `shown` tells what of an item are `x`
     and `y`, and what else plotly knows, such as `customdata`."""
-    members: dict[str, list[_Item]] = {name: [] for name in families or ()}
-    for item in items:
-        members.setdefault(family(item), []).append(item)
+    members = {name: list[_Item]() for name in families or ()} | grouped(items, family)
     names = list(members)
     return [
-        marks(
-            name,
-            marker=family_marker(name, names, size=size),
-            hover=hover,
-            **{what: [of(item) for item in own] for what, of in shown.items()},
-        )
+        marks(name, marker=family_marker(name, names, size=size), hover=hover, **values)
         for name, own in members.items()
+        for values in [{what: list(map(of, own)) for what, of in shown.items()}]
     ]
 
 

@@ -1,7 +1,5 @@
 """Draws a set-up: the two plates in space, and the potential in the plane through their centres."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 
 import numpy as np
@@ -42,9 +40,7 @@ def cut(corners: Array, longest: float) -> Array:
 
 def coloured(scene: Scene) -> Panel:
     """Returns a scene's bodies in space, targets coloured by capacitance to the first sensor per area (fF/cm²), ε/d in the model.
-
-    Needs the module fringe; ModuleNotFoundError without it.
-    """
+    Needs the module fringe; ModuleNotFoundError without it."""
     module, sensor = model_module(), scene.sensors[0]
     bodies = triangles(scene)
     hit = {body.name for body, target in zip(scene.objects, targets(scene)) if target}
@@ -61,13 +57,9 @@ def coloured(scene: Scene) -> Panel:
             added += module.plate_integral(pieces, corner, edge_u, edge_v)
         permittivity = VACUUM_PERMITTIVITY * scene.medium.relative_permittivity
         density = permittivity * added / areas(pieces) * CENTIMETRE**2 / _FEMTOFARAD
-        looks = {
-            "colorscale": "YlOrRd",
-            "colorbar": {"title": "fF/cm²", "thickness": 12},
-            "cmin": 0,
-            # Parts in contact have no finite value.
-            "cmax": density[np.isfinite(density)].max(initial=0.0),
-        }
+        looks = {"colorscale": "YlOrRd", "colorbar": {"title": "fF/cm²", "thickness": 12}, "cmin": 0}
+        # Parts in contact have no finite value.
+        looks["cmax"] = density[np.isfinite(density)].max(initial=0.0)
         traces.append(mesh(name, pieces, intensity=density.round(_DIGITS), intensitymode="cell", **looks))
     share = f" to {sensor.name}" if scene.sensors[1:] else ""
     machine = ", machine (grey)" if len(hit) < len(scene.objects) else ""
@@ -170,36 +162,29 @@ def figure_in_space(traces: list[object], bodies: dict[str, Array]) -> go.Figure
         f"{axis}axis": {"title": f"{axis} (cm)", "nticks": _MOST_TICKS if side > _SHORT else _FEWEST_TICKS}
         for axis, side in zip("xyz", sides)
     }
-    view |= {
-        "aspectmode": "manual",
-        "aspectratio": dict(zip("xyz", sides)),
-        "camera": {"eye": dict(zip("xyz", EYE))},
-    }
+    view |= {"aspectmode": "manual", "aspectratio": dict(zip("xyz", sides))}
+    view["camera"] = {"eye": dict(zip("xyz", EYE))}
     return figure(traces, {}, {}, height=420, scene=view, margin={"l": 0, "r": 0, "t": 0, "b": 0})
 
 
 def _slice(case: CaseResult, slice_of: Document) -> go.Figure:
     along, z = np.array(slice_of["along"]) / CENTIMETRE, np.array(slice_of["z"]) / CENTIMETRE
     potential = np.array(slice_of["potential"], dtype=np.float64)
-    traces: list[object] = [
-        go.Contour(
-            x=along,
-            y=z,
-            z=np.round(potential, 3),
-            zmin=0,
-            zmax=1,
-            contours={"start": 0, "end": 1, "size": 0.05},
-            line={"width": 0.5},
-            colorscale="Blues",
-            colorbar={"title": "V", "thickness": 12},
-            hovertemplate="along %{x:.3g} cm, z %{y:.3g} cm: %{z:.3f} V<extra></extra>",
-        )
-    ]
-    traces += _cuts(case, np.array(slice_of["origin"]), np.array(slice_of["direction"]))
-    same_scale = {"scaleanchor": "x", "constrain": "domain"}
-    return figure(
-        traces, axis("along the plane (cm)", constrain="domain"), axis("z (cm)", **same_scale), height=420
+    filled = go.Contour(
+        x=along,
+        y=z,
+        z=np.round(potential, 3),
+        zmin=0,
+        zmax=1,
+        contours={"start": 0, "end": 1, "size": 0.05},
+        line={"width": 0.5},
+        colorscale="Blues",
+        colorbar={"title": "V", "thickness": 12},
+        hovertemplate="along %{x:.3g} cm, z %{y:.3g} cm: %{z:.3f} V<extra></extra>",
     )
+    traces = [filled, *_cuts(case, np.array(slice_of["origin"]), np.array(slice_of["direction"]))]
+    upwards = axis("z (cm)", scaleanchor="x", constrain="domain")
+    return figure(traces, axis("along the plane (cm)", constrain="domain"), upwards, height=420)
 
 
 def _cuts(case: CaseResult, origin: Array, direction: Array) -> list[go.Scatter]:

@@ -1,7 +1,5 @@
 """The model held against the reference: value against value, and the error over what describes a set-up."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any
@@ -31,12 +29,8 @@ def error_of_changes(rows: list[Row]) -> Plot:
     known = compared(rows)
     machines = sorted(dict.fromkeys(row.machine for row in known), key=lambda machine: machine == NONE)
     changes = [row for row in known if row.is_change]
-    panels = [
-        Panel(
-            "change of the reading, delta_self where there is no machine",
-            _errors_of_changes(changes, "change", machines),
-        )
-    ]
+    caption = "change of the reading, delta_self where there is no machine"
+    panels = [Panel(caption, _errors_of_changes(changes, "change", machines))]
     # Without machines the change is nothing but delta_self.
     beside = (MUTUAL, DELTA_SELF) if any(row.quantity == CHANGE for row in known) else (MUTUAL,)
     for quantity in beside:
@@ -77,23 +71,22 @@ def _errors(
     for each, name in names.items():
         own = [(at, row) for at, row in points if group(row) == each]
         if own:
-            marker = family_marker(each, list(names))
-            traces.append(error_points([at for at, _ in own], [row for _, row in own], name, marker))
+            traces.append(error_points(own, name, family_marker(each, list(names))))
     return figure(traces, x, axis(f"model error in {what} (%)", zeroline=True, zerolinewidth=2))
 
 
 PERCENT = 100.0
 
 
-def families_of(rows: list[Row]) -> list[str]:
-    return list(dict.fromkeys(row.case.family for row in rows))
-
-
 def model_against_reference(rows: list[Row]) -> Plot:
     """Plots the model's values over the reference's, with error bars; on the diagonal they agree."""
     present = _quantities(rows)
     panels = [Panel(quantity, _values(rows, quantity)) for quantity in present]
-    shares = [f"{_shares(rows, quantity)} of {quantity}" for quantity in present]
+    shares = []
+    for quantity in present:
+        ratios = sorted(1 + row.model_error for row in rows if row.quantity == quantity)
+        middle = f"{ratios[0]:.2f} to {ratios[-1]:.2f} times (median {float(np.median(ratios)):.2f})"
+        shares.append(f"{middle} the reference's value of {quantity}")
     return Plot(
         "Model against reference",
         f"The exact model's value is {' and '.join(shares)}.",
@@ -107,24 +100,17 @@ def _quantities(rows: list[Row]) -> list[str]:
     return [quantity for quantity in QUANTITIES if any(row.quantity == quantity for row in rows)]
 
 
-def _shares(rows: list[Row], quantity: str) -> str:
-    ratios = sorted(1 + row.model_error for row in rows if row.quantity == quantity)
-    middle = float(np.median(ratios))
-    return f"{ratios[0]:.2f} to {ratios[-1]:.2f} times (median {middle:.2f}) the reference's value"
-
-
 def _values(rows: list[Row], quantity: str) -> go.Figure:
     chosen = [row for row in rows if row.quantity == quantity]
-    every = [
-        value / PICOFARAD for row in chosen for value in (row.reference.value, row.model[COMPARED_METHOD])
-    ]
+    both = ((row.reference.value, row.model[COMPARED_METHOD]) for row in chosen)
+    every = [value / PICOFARAD for values in both for value in values]
     positive = [value for value in every if 0 < value < math.inf]
     ends = [min(positive) / 1.5, max(positive) * 1.5]
     points = by_family(
         chosen,
         lambda row: row.case.family,
         "%{text}<br>reference %{x:.5g} pF, model %{y:.5g} pF<extra></extra>",
-        families=families_of(rows),
+        families=list(dict.fromkeys(row.case.family for row in rows)),
         x=lambda row: row.reference.value / PICOFARAD,
         y=lambda row: row.model[COMPARED_METHOD] / PICOFARAD,
         text=hover_text,
@@ -144,51 +130,40 @@ def hover_text(row: Row) -> str:
 
 def errors_over_set_ups(rows: list[Row]) -> list[Plot]:
     """Plots the model error over each number that describes one plate before another; lengths are in sensor sizes."""
+    offset = axis("lateral offset of the centres over sensor size", zeroline=False)
     return [
-        _error_over(rows, "gap/size", "gap over sensor size", lambda s: s.gap_over_size, True),
-        _error_over(rows, "tilt", "tilt (degrees)", lambda s: s.tilt_degrees, False),
-        _error_over(
-            rows,
-            "lateral offset",
-            "lateral offset of the centres over sensor size",
-            lambda s: s.lateral_offset_over_size,
-            False,
-        ),
-        _error_over(rows, "size ratio", "target size over sensor size", lambda s: s.size_ratio, True),
+        _error_over(rows, "gap/size", log_axis("gap over sensor size"), lambda s: s.gap_over_size),
+        _error_over(rows, "tilt", axis("tilt (degrees)", zeroline=False), lambda s: s.tilt_degrees),
+        _error_over(rows, "lateral offset", offset, lambda s: s.lateral_offset_over_size),
+        _error_over(rows, "size ratio", log_axis("target size over sensor size"), lambda s: s.size_ratio),
     ]
 
 
-def _error_over(
-    rows: list[Row], name: str, label: str, value: Callable[[SetUp], float], logarithmic: bool
-) -> Plot:
+def _error_over(rows: list[Row], name: str, x: dict[str, Any], value: Callable[[SetUp], float]) -> Plot:
     described = [(value(row.set_up), row) for row in rows if row.set_up is not None]
-    present = _quantities([row for _, row in described])
-    families = {family: family for family in families_of([row for _, row in described])}
-    x = log_axis(label) if logarithmic else axis(label, zeroline=False)
+    described.sort(key=lambda point: point[0])
+    families = {row.case.family: row.case.family for row in rows if row.set_up is not None}
     panels = []
-    for quantity in present:
-        points = sorted(
-            ((at, row) for at, row in described if row.quantity == quantity), key=lambda point: point[0]
-        )
+    for quantity in _quantities([row for _, row in described]):
+        points = [(at, row) for at, row in described if row.quantity == quantity]
         panels.append(Panel(quantity, _errors(points, lambda row: row.case.family, families, quantity, x)))
     return Plot(f"Model error over {name}", _finding(described, name), panels)
 
 
-def error_points(at: list[float], rows: list[Row], name: str, marker: dict[str, Any]) -> go.Scatter:
-    """Returns points of model errors in percent over `at`, with the reference's own error as their bars."""
+def error_points(points: list[tuple[float, Row]], name: str, marker: dict[str, Any]) -> go.Scatter:
+    """Returns points of model errors in percent over numbers, with the reference's own error as their bars."""
+    at, rows = zip(*points)
     errors = [row.model_error for row in rows]
     ends = [row.model_error_interval for row in rows]
     hover = "%{text}<br>model error %{y:+.2f} %<extra></extra>"
-    points = marks(
-        name, at, [PERCENT * error for error in errors], marker, hover, text=list(map(hover_text, rows))
-    )
     bars = {
         "symmetric": False,
         "array": [PERCENT * (high - error) for (_, high), error in zip(ends, errors)],
         "arrayminus": [PERCENT * (error - low) for (low, _), error in zip(ends, errors)],
         "thickness": 1.5,
     }
-    return points.update(customdata=[row.case.id for row in rows], error_y=bars)
+    more = {"text": list(map(hover_text, rows)), "customdata": [row.case.id for row in rows]}
+    return marks(name, list(at), [PERCENT * error for error in errors], marker, hover, error_y=bars, **more)
 
 
 def _finding(described: list[tuple[float, Row]], name: str) -> str:

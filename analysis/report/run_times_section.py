@@ -1,7 +1,5 @@
 """The report's section on how long the model's methods take and how wrong they are, on fixed sets of triangles."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 
 from markupsafe import Markup
@@ -56,12 +54,8 @@ def section(document: Document | None) -> Markup:
 
 def _parts(document: Document) -> Iterator[Markup]:
     sets = by_set(document["answer"]["benchmarks"])
-    yield page.finding(finding(sets))
-    yield page.paragraph(
-        "ns per triangle, and the largest relative error below. Bold: no other method is both faster and more accurate."
-    )
-    yield _table(sets)
-    yield page.soft(_SETS)
+    words = "ns per triangle, and the largest relative error below. Bold: no other method is both faster and more accurate."
+    yield from (page.finding(finding(sets)), page.paragraph(words), _table(sets), page.soft(_SETS))
 
 
 def finding(sets: dict[str, dict[str, Document]]) -> str:
@@ -86,19 +80,19 @@ def _methods(sets: dict[str, dict[str, Document]]) -> list[str]:
     return list(dict.fromkeys(method for times in sets.values() for method in times))
 
 
-def _title(name: str, times: dict[str, Document]) -> str:
-    return f"{name.replace('_', ' ')}, {max(int(entry['triangles']) for entry in times.values()):,} triangles"
-
-
 def _table(sets: dict[str, dict[str, Document]]) -> Markup:
-    rows = [
-        [page.code(method), *(_cell(times, method) if method in times else "" for times in sets.values())]
-        for method in _methods(sets)
-    ]
-    return page.table(["method", *(_title(name, times) for name, times in sets.items())], rows)
+    titles = ["method"]
+    for name, times in sets.items():
+        count = max(int(entry["triangles"]) for entry in times.values())
+        titles.append(f"{name.replace('_', ' ')}, {count:,} triangles")
+    methods = _methods(sets)
+    rows = [[page.code(method), *(_cell(times, method) for times in sets.values())] for method in methods]
+    return page.table(titles, rows)
 
 
 def _cell(times: dict[str, Document], method: str) -> str:
+    if method not in times:
+        return ""
     nanoseconds = seconds(times[method]) / _NANOSECOND
     text = f"{nanoseconds:,.0f}" if nanoseconds >= 100 else f"{nanoseconds:.3g}"
     cell = page.two_lines(text, f"{times[method]['error']:.0e}")

@@ -1,7 +1,7 @@
 """The sections of the report that are text and tables; every sentence with a number is computed from the rows."""
 
-from __future__ import annotations
-
+import itertools
+from collections import Counter
 from collections.abc import Callable
 
 import numpy as np
@@ -10,15 +10,14 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.results.answers import MatrixAnswer
 from analysis.results.refusals import refusals
-from analysis.results.statistics import ALL_FAMILIES, Summary
+from analysis.results.statistics import ALL_FAMILIES, Summary, grouped
 from analysis.results.study_results import COMPARED_METHOD, Results
 from analysis.results.symmetry import Pair
 from analysis.results.table import CHANGE, QUANTITIES, Row
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, in_sentence
 from analysis.results.units import percent, signed_percent, too
-from geometries.common.measured import PICOFARAD, picofarads
+from geometries.common.measured import PICOFARAD
 from geometries.studies.study import NO_REFERENCE
-
 
 _QUESTION = (
     "How wrong is the fast triangle-integral model of a capacitive proximity sensor, where, and how sure are we? The model "
@@ -38,7 +37,6 @@ _ERROR = (
     "reference's own error carried over; the two are never added up."
 )
 
-
 FILES = (
     "Beside this page: table.csv with a row for each case and quantity, of a sensor and an object, of a sensor, or of a reading, and the folder cases with the answers and "
     "the page of every case. A click on a point in a plot opens its case, and CSV beside its caption the plot's data."
@@ -47,28 +45,21 @@ FILES = (
 
 def refused(results: Results) -> Markup:
     """Returns a sentence for each reason for which a method refuses cases; empty without any."""
-    found = refusals(results)
-    return page.lines(
-        page.paragraph(f"{refusal.sentence[0].upper()}{refusal.sentence[1:]}.") for refusal in found
-    )
+    told = (refusal.sentence for refusal in refusals(results))
+    return page.lines(page.paragraph(f"{sentence[0].upper()}{sentence[1:]}.") for sentence in told)
 
 
 def answered_by(rows: list[Row]) -> str:
     """Tells by which method the values are known, and what kind of error it states."""
-    counts = {
-        (method, kind): sum((row.known.answered_by, row.known.error_kind) == (method, kind) for row in rows)
-        for method in (FIELD, BOUNDARY)
-        for kind in (PROVEN, ESTIMATED)
-    }
+    counts = Counter((row.known.answered_by, row.known.error_kind) for row in rows)
     told = [
-        f"{count} by {in_sentence(method)} with {kind} errors"
-        for (method, kind), count in counts.items()
-        if count
+        f"{counts[method, kind]} by {in_sentence(method)} with {kind} errors"
+        for method, kind in itertools.product((FIELD, BOUNDARY), (PROVEN, ESTIMATED))
+        if counts[method, kind]
     ]
     kept = sum(row.known.field_is_proven and row.known.answered_by != FIELD for row in rows)
-    proven = (
-        f" The field solver proves wider intervals of {kept} of them, which table.csv keeps." if kept else ""
-    )
+    wider = f" The field solver proves wider intervals of {kept} of them, which table.csv keeps."
+    proven = wider if kept else ""
     return f"Of {len(rows)} values, {' and '.join(told)}: the method that states less error answers.{proven}"
 
 
@@ -80,50 +71,41 @@ def headline(results: Results, rows: list[Row], summaries: list[Summary]) -> Mar
     parts = [page.folded("What the words mean", page.lines(meaning))]
     for quantity, summary in whole.items():
         where = "On machines, change of the reading" if quantity == CHANGE else quantity
-        sure = (
-            f"the reference is sure to {percent(summary.sure_to)} or better."
-            if summary.sure_to < 1
-            else "of at least one of them no reference knows more than its order of magnitude."
+        sure = "of at least one of them no reference knows more than its order of magnitude."
+        if summary.sure_to < 1:
+            sure = f"the reference is sure to {percent(summary.sure_to)} or better."
+        told = (
+            f"{where}: the model is {percent(summary.rms)} off (rms over {summary.count} cases), median {percent(summary.median)}, "
+            f"worst {too(summary.worst)}; {sure}"
         )
-        parts.append(
-            page.finding(
-                f"{where}: the model is {percent(summary.rms)} off (rms over {summary.count} cases), median {percent(summary.median)}, "
-                f"worst {too(summary.worst)}; {sure}"
-            )
-        )
+        parts.append(page.finding(told))
     if rows:
         parts.append(page.paragraph(answered_by(rows)))
     if not summaries:
         return page.lines(parts)
-    strong = frozenset(index for index, summary in enumerate(summaries) if summary.family == ALL_FAMILIES)
-    table = [
-        page.table_of(
-            summaries,
-            ("quantity", lambda s: s.quantity),
-            ("family, or machine", lambda s: s.family),
-            ("cases", lambda s: str(s.count)),
-            ("rms", lambda s: percent(s.rms)),
-            ("median size", lambda s: percent(s.median)),
-            ("worst", lambda s: too(s.worst)),
-            ("reference sure to", lambda s: percent(s.sure_to) if s.sure_to < 1 else "unknown"),
-            ("worst case", lambda s: page.case_link(s.worst_case, results.cases[s.worst_case].name, "cases")),
-            text_columns=2,
-            strong=strong,
-        )
-    ]
-    return page.beside(parts, table)
+    table = page.table_of(
+        summaries,
+        ("quantity", lambda s: s.quantity),
+        ("family, or machine", lambda s: s.family),
+        ("cases", lambda s: str(s.count)),
+        ("rms", lambda s: percent(s.rms)),
+        ("median size", lambda s: percent(s.median)),
+        ("worst", lambda s: too(s.worst)),
+        ("reference sure to", lambda s: percent(s.sure_to) if s.sure_to < 1 else "unknown"),
+        ("worst case", lambda s: page.case_link(s.worst_case, results.cases[s.worst_case].name, "cases")),
+        text_columns=2,
+        strong=frozenset(index for index, each in enumerate(summaries) if each.family == ALL_FAMILIES),
+    )
+    return page.beside(parts, [table])
 
 
 def trust(results: Results, rows: list[Row], pairs: list[Pair]) -> Markup:
     """Returns why the reference can be believed: set-ups that must agree, delta_self in two ways, accuracies not reached.
-
-    Empty if the study does not use the reference.
-    """
+    Empty if the study does not use the reference."""
     if results.error == NO_REFERENCE:
         return Markup("")
-    return page.section(
-        "Agreement and accuracy in this study", *_pairs(pairs), *_checks(rows), *_accuracy(results, rows)
-    )
+    parts = *_pairs(pairs), *_checks(rows), *_accuracy(results, rows)
+    return page.section("Agreement and accuracy in this study", *parts)
 
 
 def _pairs(pairs: list[Pair]) -> list[Markup]:
@@ -139,8 +121,8 @@ def _pairs(pairs: list[Pair]) -> list[Markup]:
         ("relation", lambda pair: pair.relation),
         ("quantity", lambda pair: pair.quantity),
         ("by", lambda pair: pair.method),
-        ("first (pF)", lambda pair: picofarads(pair.first_value.value, pair.first_value.error)),
-        ("second (pF)", lambda pair: picofarads(pair.second_value.value, pair.second_value.error)),
+        ("first (pF)", lambda pair: pair.first_value.in_picofarads),
+        ("second (pF)", lambda pair: pair.second_value.in_picofarads),
         ("difference", lambda pair: f"{pair.difference:.1e}"),
         ("within errors", lambda pair: "yes" if pair.agrees else "no"),
         text_columns=5,
@@ -156,10 +138,8 @@ def _checks(rows: list[Row]) -> list[Markup]:
     checked = [(row.known.field or row.reference, row.check) for row in rows if row.check is not None]
     title = page.heading("delta_self in two ways")
     if not checked:
-        return [
-            title,
-            page.paragraph("No case has a reference of the sensor alone to check delta_self with."),
-        ]
+        none = "No case has a reference of the sensor alone to check delta_self with."
+        return [title, page.paragraph(none)]
     agreeing = sum(value.agrees_with(check) for value, check in checked)
     largest = max(abs(value.value - check.value) for value, check in checked)
     sentence = (
@@ -170,31 +150,25 @@ def _checks(rows: list[Row]) -> list[Markup]:
 
 
 def _accuracy(results: Results, rows: list[Row]) -> list[Markup]:
-    solved = [case.reference for case in results.cases.values() if case.reference is not None]
-    short = [
-        case for case in results.cases.values() if case.reference is not None and not case.reference.reached
-    ]
-    seconds = [answer.seconds for answer in solved]
+    known = [(case.name, case.reference) for case in results.cases.values() if case.reference is not None]
+    solved = [answer for _, answer in known]
+    short = [name for name, answer in known if not answer.reached]
     parts = [page.heading("Accuracy")]
     if solved:
         worst = max((row.reference_error for row in rows), default=0.0)
-        parts.append(
-            page.finding(
-                f"{len(solved) - len(short)} of {len(solved)} solves reached the asked relative accuracy of {results.rtol:g}, in "
-                f"{np.median(seconds):.1f} s (median) each; the largest relative error of a compared value is {worst:.1e}."
-            )
+        seconds = np.median([answer.seconds for answer in solved])
+        told = (
+            f"{len(solved) - len(short)} of {len(solved)} solves reached the asked relative accuracy of {results.rtol:g}, in "
+            f"{seconds:.1f} s (median) each; the largest relative error of a compared value is {worst:.1e}."
         )
+        parts.append(page.finding(told))
     enclosed = [answer for answer in solved if answer.is_proven]
     if enclosed:
         parts.append(page.finding(_widths(enclosed)))
-    listed = "; ".join(case.name for case in short)
     if short:
-        parts.append(page.paragraph(f"Short of it, kept with their wider errors: {listed}."))
-    parts += [
-        page.soft(f"How the error is obtained: {method}.")
-        for method in sorted({answer.method for answer in solved})
-    ]
-    return parts
+        parts.append(page.paragraph(f"Short of it, kept with their wider errors: {'; '.join(short)}."))
+    methods = sorted({answer.method for answer in solved})
+    return parts + [page.soft(f"How the error is obtained: {method}.") for method in methods]
 
 
 def _widths(enclosed: list[MatrixAnswer]) -> str:
@@ -238,7 +212,7 @@ def all_rows(rows: list[Row]) -> Markup:
         rows,
         ("case", lambda row: page.case_link(row.case.id, row.case.name)),
         ("quantity", lambda row: f"{row.quantity} {row.reading}".strip()),
-        ("reference (pF)", lambda row: picofarads(row.reference.value, row.reference.error)),
+        ("reference (pF)", lambda row: row.reference.in_picofarads),
         ("by", lambda row: row.known.answered_by),
         ("exact model (pF)", of_model(lambda row: f"{row.model[COMPARED_METHOD] / PICOFARAD:.5f}")),
         ("model error", of_model(lambda row: signed_percent(row.model_error, 2))),
@@ -272,13 +246,12 @@ def reproduce(results: Results, rows: list[Row]) -> Markup:
 
 
 def _versions(results: Results, rows: list[Row]) -> list[list[str]]:
-    software: dict[str, set[str]] = {}
+    used: list[tuple[str, str]] = []
     for case in results.cases.values():
-        for name, version in (case.reference.versions if case.reference else {}).items():
-            software.setdefault(name, set()).add(version)
-        if case.model is not None:
-            software.setdefault("model", set()).add(case.model.version)
-    versions_of = {name: ", ".join(sorted(versions)) for name, versions in software.items()}
-    counts = {quantity: str(sum(row.quantity == quantity for row in rows)) for quantity in QUANTITIES}
-    counted = {f"rows of {quantity}": count for quantity, count in counts.items()}
+        used += (case.reference.versions if case.reference else {}).items()
+        used += [("model", case.model.version)] if case.model is not None else []
+    software = grouped(used, lambda each: each[0]).items()
+    versions_of = {name: ", ".join(sorted({version for _, version in own})) for name, own in software}
+    counts = Counter(row.quantity for row in rows)
+    counted = {f"rows of {quantity}": str(counts[quantity]) for quantity in QUANTITIES}
     return [[name, value] for name, value in (versions_of | results.machine | counted).items()]

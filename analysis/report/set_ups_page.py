@@ -1,7 +1,5 @@
 """One small page for hundreds of set-ups. It shows the set-up that its address names after the #: drawing, numbers, commands."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 from typing import Any
@@ -63,9 +61,7 @@ def _data(around: Around, shown: list[Shown]) -> Document:
     """Collects what the script needs: the look of the figure, the commands, and the set-ups."""
     drawn: dict[str, Any] = plots_in_space.in_space(shown[0].scene).figure.to_plotly_json()
     layout = {key: value for key, value in drawn["layout"].items() if key != "template"}
-    looks = [
-        {key: value for key, value in trace.items() if key not in _COORDINATES} for trace in drawn["data"]
-    ]
+    looks = [{key: trace[key] for key in trace if key not in _COORDINATES} for trace in drawn["data"]]
     model = installation.model_command()
     # The text before the target is the same for most set-ups, so it is stored once.
     heads = list(dict.fromkeys(_around_target(each.text)[0] for each in shown))
@@ -83,23 +79,20 @@ def _data(around: Around, shown: list[Shown]) -> Document:
 
 def _around_target(text: str) -> tuple[str, str]:
     """Returns a scene's text in two, before the target and the rest, with each array on a line of its own."""
-    before, mark, rest = _ARRAY.sub(_on_one_line, text).partition(_TARGET)
+
+    def on_one_line(array: re.Match[str]) -> str:
+        return " ".join(array[0].split()).replace("[ ", "[").replace(", ]", "]")
+
+    before, mark, rest = _ARRAY.sub(on_one_line, text).partition(_TARGET)
     return before, mark + rest
-
-
-def _on_one_line(array: re.Match[str]) -> str:
-    return " ".join(array[0].split()).replace("[ ", "[").replace(", ]", "]")
 
 
 def _set_up(each: Shown, heads: list[str]) -> Document:
     bodies = plots_in_space.triangles(each.scene)
     indexed = map(plots_in_space.indexed, bodies.values())
+    told = ("name", "family", "description", "findings", "rows")
     return {
-        "name": each.name,
-        "family": each.family,
-        "description": each.description,
-        "findings": each.findings,
-        "rows": each.rows,
+        **{part: getattr(each, part) for part in told},
         "head": heads.index(_around_target(each.text)[0]),
         "scene": _around_target(each.text)[1],
         "bodies": [{"vertices": p.tolist(), "triangles": numbers.tolist()} for p, numbers in indexed],

@@ -1,7 +1,5 @@
 """The report's section on the integral's errors, compared with its conditioning: the effect of rounding its input."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from markupsafe import Markup
@@ -27,12 +25,9 @@ def section(document: Document | None) -> Markup:
 
 
 def _parts(document: Document) -> Iterator[Markup]:
-    yield page.finding(finding(document))
-    yield page.paragraph(
-        "Error over conditioning, the largest and what 99 % are below; values not finite, values wrong by more than 1 %."
-    )
-    yield _table(_by_class(document))
-    yield page.soft(_WHAT)
+    words = "Error over conditioning, the largest and what 99 % are below; values not finite, values wrong by more than 1 %."
+    table = _table(_by_class(document))
+    yield from (page.finding(finding(document)), page.paragraph(words), table, page.soft(_WHAT))
 
 
 def _by_class(document: Document) -> dict[str, dict[str, Document]]:
@@ -47,7 +42,12 @@ def _by_class(document: Document) -> dict[str, dict[str, Document]]:
 def finding(document: Document) -> str:
     """Tells whether the exact method keeps the limit, where it does not, and the worst of every method over all classes."""
     limit, classes = float(document["answer"]["limit"]), _by_class(document)
-    failing = [name for name, errors in classes.items() if EXACT in errors and _fails(errors[EXACT], limit)]
+
+    def fails(errors: Document) -> bool:
+        wrong = errors["not_finite"] + errors["wrong_by_1_percent"]
+        return bool(wrong > 0 or (errors["largest_over_conditioning"] or 0) > limit)
+
+    failing = [name for name, errors in classes.items() if EXACT in errors and fails(errors[EXACT])]
     if failing or not document["passed"]:
         verdict = f"{EXACT} fails" + (f", in: {', '.join(failing)}." if failing else ".")
     else:
@@ -65,17 +65,11 @@ def _methods(classes: dict[str, dict[str, Document]]) -> list[str]:
     return sorted(names, key=lambda name: (name != EXACT, name != _THESIS, name))
 
 
-def _fails(errors: Document, limit: float) -> bool:
-    wrong = errors["not_finite"] + errors["wrong_by_1_percent"]
-    return bool(wrong > 0 or (errors["largest_over_conditioning"] or 0) > limit)
-
-
 def _sentence(classes: dict[str, dict[str, Document]], method: str) -> str:
     found = [errors[method] for errors in classes.values() if method in errors]
     largest = max(errors["largest_over_conditioning"] or 0 for errors in found)
-    count, not_finite, wrong = (
-        sum(errors[what] for errors in found) for what in ("triangles", "not_finite", "wrong_by_1_percent")
-    )
+    counts = "triangles", "not_finite", "wrong_by_1_percent"
+    count, not_finite, wrong = (sum(errors[what] for errors in found) for what in counts)
     return (
         f"Over {count:,} triangles {_LABELS.get(method, method)} is off by up to {largest:.2g} times the conditioning; {not_finite:,} of "
         f"its values are not finite, {wrong:,} are wrong by more than 1 %."

@@ -9,6 +9,7 @@ import numpy as np
 
 from analysis.results.store import Document
 from geometries.common.arrays import Array
+from geometries.common.measured import picofarads
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,11 @@ class Estimate:
         """Tells whether the two intervals overlap."""
         return abs(self.value - other.value) <= self.error + other.error
 
+    @property
+    def in_picofarads(self) -> str:
+        """The value with its error in pF, as people read it."""
+        return picofarads(self.value, self.error)
+
 
 @dataclass(frozen=True)
 class ReadingAnswer:
@@ -34,10 +40,8 @@ class ReadingAnswer:
     @staticmethod
     def of(document: Document) -> ReadingAnswer:
         """Returns the reading in a document of the field solver or of boundary elements."""
-        parts = ("value", "background", "change")
-        return ReadingAnswer(
-            *(Estimate(float(document[part]), float(document["error"][part])) for part in parts)
-        )
+        parts, errors = ("value", "background", "change"), document["error"]
+        return ReadingAnswer(*(Estimate(float(document[part]), float(errors[part])) for part in parts))
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +58,10 @@ class MatrixAnswer:
     """What the field solver or boundary elements answer: the Maxwell matrix (n, n) in F with its error, sensors first in `conductors`; for each
     sensor `delta_self`, and for each reading its change. Older answers have no readings.
 
-    Where the field solver encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound; its `delta_self` and
-    the changes of its `readings` are its own values, from two solutions on the same mesh. Other errors are estimates. Boundary elements
-    have no `levels` and name no `method` and no `versions`; `lower_bounds` says of each entry of their diagonal whether it cannot exceed
-    the truth, and `rtol` is the relative accuracy that they were asked for.
-    """
+    Where the field solver encloses the truth, from `lower` to `upper`, the error is the distance to the farther bound; its
+    `delta_self` and the changes of its `readings` are its own values, from two solutions on the same mesh. Other errors are estimates.
+    Boundary elements have no `levels` and name no `method` and no `versions`; `lower_bounds` says of each entry of their diagonal
+    whether it cannot exceed the truth, and `rtol` is the relative accuracy that they were asked for."""
 
     conductors: tuple[str, ...]
     maxwell: Array
@@ -97,10 +100,7 @@ class MatrixAnswer:
             lower=lower,
             upper=upper,
             is_proven=is_enclosed and not any(doubts),
-            delta_self={
-                name: Estimate(change["value"], change["error"])
-                for name, change in document.get("delta_self", {}).items()
-            },
+            delta_self={name: Estimate(**change) for name, change in document.get("delta_self", {}).items()},
             readings={each["name"]: ReadingAnswer.of(each) for each in document.get("readings", [])},
             **{name: document[name] for name in ("unknowns", "seconds", "reached")},
             levels=tuple(
@@ -165,11 +165,7 @@ class ModelChange:
     def of(reading: Document, method: str) -> ModelChange:
         """Returns the change in the document of a reading."""
         error = reading.get("error", {}).get("change")
-        return ModelChange(
-            float(reading["change"]),
-            None if error is None else float(error),
-            reading.get("answered_by", method),
-        )
+        return ModelChange(reading["change"], error, reading.get("answered_by", method))
 
 
 @dataclass(frozen=True)
@@ -185,25 +181,14 @@ class ModelAnswer:
     @staticmethod
     def of(document: Document) -> ModelAnswer:
         """Returns the answer in a stored `model.json`; KeyError when a part is missing."""
-        answered = {
-            method: answer for method, answer in document["methods"].items() if "refused" not in answer
-        }
-        values = {
-            method: {
-                sensor["name"]: ModelValue.of(sensor, method, float(answer["seconds"]))
-                for sensor in answer["sensors"]
-            }
-            for method, answer in answered.items()
-        }
-        changes = {
-            method: {
-                reading["name"]: ModelChange.of(reading, method)
-                for reading in answer.get("readings", [])
-                if reading["change"] is not None
-            }
-            for method, answer in answered.items()
-        }
-        refused = {
-            method: answer["refused"] for method, answer in document["methods"].items() if "refused" in answer
-        }
-        return ModelAnswer(values, changes, refused, document["version"])
+        found = ModelAnswer({}, {}, {}, document["version"])
+        for method, answer in document["methods"].items():
+            if "refused" in answer:
+                found.refused[method] = answer["refused"]
+                continue
+            seconds = float(answer["seconds"])
+            known = (each for each in answer.get("readings", []) if each["change"] is not None)
+            sensors = answer["sensors"]
+            found.values[method] = {each["name"]: ModelValue.of(each, method, seconds) for each in sensors}
+            found.changes[method] = {each["name"]: ModelChange.of(each, method) for each in known}
+        return found

@@ -1,7 +1,5 @@
 """Describes this machine: what determines run times and the instruction set that the model chooses."""
 
-from __future__ import annotations
-
 import platform
 from pathlib import Path
 from typing import Any
@@ -24,25 +22,18 @@ def description() -> dict[str, str]:
 
 def instruction_sets() -> str:
     """Returns the wide instruction sets that the processor has."""
-    flags = _flags()
-    return (
-        ", ".join(name for flag, name in _INSTRUCTION_SETS.items() if flag in flags)
-        or "neither AVX-512 nor AVX2"
-    )
+    found = [name for flag, name in _INSTRUCTION_SETS.items() if flag in _flags()]
+    return ", ".join(found) or "neither AVX-512 nor AVX2"
 
 
 def identity() -> dict[str, str]:
     """Returns what makes two machines different where run times count: name, processor, instructions."""
-    return {
-        "name": platform.node(),
-        "processor": description()["processor"],
-        "flags": " ".join(sorted(_flags())),
-    }
+    flags = " ".join(sorted(_flags()))
+    return {"name": platform.node(), "processor": description()["processor"], "flags": flags}
 
 
 def _flags() -> set[str]:
-    flags = _values("flags")
-    return set(flags[0].split()) if flags else set()
+    return set(next(iter(_values("flags")), "").split())
 
 
 def _values(name: str) -> list[str]:

@@ -1,7 +1,5 @@
 """What a method refuses to answer in a study, and why: all cases with the same reason together."""
 
-from __future__ import annotations
-
 import re
 from dataclasses import dataclass
 
@@ -32,17 +30,11 @@ class Refusal:
         cases = f"case {self.cases[0]}" if count == 1 else f"{count} cases ({named(self.cases)})"
         if self.method not in (FIELD, BOUNDARY):
             return f"the model's {self.method} refuses {cases}: {self.reason}"
+        others = "boundary elements answer" if self.method == FIELD else "the field solver answers"
+        some = "" if self.answered == count else f" {self.answered} of them"
+        otherwise = f"{others}{some}" if self.answered else "without another answer"
         verb = "refuses" if self.method == FIELD else "refuse"
-        return f"{in_sentence(self.method)} {verb} {cases}, {self._otherwise}: {self.reason}"
-
-    @property
-    def _otherwise(self) -> str:
-        other = in_sentence(BOUNDARY if self.method == FIELD else FIELD)
-        answers = "answer" if self.method == FIELD else "answers"
-        if self.answered == 0:
-            return "without another answer"
-        whole = self.answered == len(self.cases)
-        return f"{other} {answers}" if whole else f"{other} {answers} {self.answered} of them"
+        return f"{in_sentence(self.method)} {verb} {cases}, {otherwise}: {self.reason}"
 
 
 def refusals(results: Results) -> list[Refusal]:
@@ -52,20 +44,19 @@ def refusals(results: Results) -> list[Refusal]:
     for failure in results.failures:
         # The slice of a refused case is refused too.
         if failure.refused and failure.case in results.cases:
-            by_reason.setdefault((FIELD, without_numbers(failure.reason)), {}).setdefault(
-                failure.case, failure.reason
-            )
+            alike = by_reason.setdefault((FIELD, without_numbers(failure.reason)), {})
+            alike.setdefault(failure.case, failure.reason)
     for case in results.cases.values():
         if case.refused:
             by_reason.setdefault((BOUNDARY, without_numbers(case.refused)), {})[case.id] = case.refused
         for method, reason in (case.model.refused if case.model is not None else {}).items():
             by_reason.setdefault((method, without_numbers(reason)), {})[case.id] = reason
-    found = [
-        Refusal(
-            method, _common(cases), tuple(cases), sum(results.cases[case].truth is not None for case in cases)
-        )
-        for (method, _), cases in by_reason.items()
-    ]
+    found = []
+    for (method, _), cases in by_reason.items():
+        answered = sum(results.cases[case].truth is not None for case in cases)
+        reason, *others = dict.fromkeys(cases.values())
+        told = f"{reason} (in the others with other numbers)" if others else reason
+        found.append(Refusal(method, told, tuple(cases), answered))
     order = {FIELD: 0, BOUNDARY: 1}
     return sorted(found, key=lambda refusal: (order.get(refusal.method, 2), -len(refusal.cases)))
 
@@ -73,12 +64,6 @@ def refusals(results: Results) -> list[Refusal]:
 def without_numbers(reason: str) -> str:
     """Returns a reason with the same sign in the place of every number."""
     return _NUMBER.sub("#", reason)
-
-
-def _common(reasons: dict[str, str]) -> str:
-    """Returns the first of some reasons, and says if others have other numbers in it."""
-    distinct = list(dict.fromkeys(reasons.values()))
-    return distinct[0] + (" (in the others with other numbers)" if distinct[1:] else "")
 
 
 def unanswered(results: Results) -> list[CaseResult]:

@@ -1,7 +1,5 @@
 """Describes a set-up of one sensor plate and one target plate by four numbers, the same for every family."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -69,10 +67,6 @@ class SetUp:
         return self.target_size / self.sensor_size
 
     @property
-    def largest_size(self) -> float:
-        return max(self.sensor_size, self.target_size)
-
-    @property
     def words(self) -> str:
         """The four numbers in words."""
         return (
@@ -89,11 +83,9 @@ def rectangles(scene: Scene) -> tuple[Rectangle, Rectangle] | None:
     if not isinstance(target.shape, PlateShape):
         return None
     rotation, translation = scene.pose_of_object(target.name)
-    x, y = target.shape.size
-    edges = rotation @ np.diag([x, y, 0.0])
-    corner = translation - (edges[:, 0] + edges[:, 1]) / 2
+    u, v = (rotation[:, axis] * side for axis, side in enumerate(target.shape.size))
     sensor = Rectangle(*scene.sensor_rectangles(scene.sensors[0].name)[0])
-    return sensor, Rectangle(corner, edges[:, 0], edges[:, 1])
+    return sensor, Rectangle(translation - (u + v) / 2, u, v)
 
 
 def describe(scene: Scene) -> SetUp | None:
@@ -105,13 +97,8 @@ def describe(scene: Scene) -> SetUp | None:
     cosine = min(1.0, abs(float(sensor.normal @ target.normal)))
     between = target.centre - sensor.centre
     lateral = between - (between @ sensor.normal) * sensor.normal
-    return SetUp(
-        gap=distance(sensor, target),
-        tilt_degrees=math.degrees(math.acos(cosine)),
-        lateral_offset=float(np.linalg.norm(lateral)),
-        sensor_size=sensor.size,
-        target_size=target.size,
-    )
+    tilt, offset = math.degrees(math.acos(cosine)), float(np.linalg.norm(lateral))
+    return SetUp(distance(sensor, target), tilt, offset, sensor.size, target.size)
 
 
 def distance(first: Rectangle, second: Rectangle) -> float:

@@ -1,7 +1,5 @@
 """Summary statistics of the model's error, and how numbers are spread, as topics tell and tabulate it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import TypeVar
@@ -35,14 +33,8 @@ def spread(values: Iterable[float], true: float = 0.0) -> Spread | None:
     if not len(found):
         return None
     away = found - true
-    return Spread(
-        count=len(found),
-        median=float(np.median(found)),
-        least=float(found.min()),
-        greatest=float(found.max()),
-        rms=float(np.sqrt((away**2).mean())),
-        worst=float(away[np.abs(away).argmax()]),
-    )
+    rms, worst = np.sqrt((away**2).mean()), away[np.abs(away).argmax()]
+    return Spread(len(found), *map(float, (np.median(found), found.min(), found.max(), rms, worst)))
 
 
 def range_of(found: Spread | None) -> str:
@@ -57,6 +49,15 @@ def ratio(value: float) -> str:
 
 ALL_FAMILIES = "all"
 _Item = TypeVar("_Item")
+_Key = TypeVar("_Key")
+
+
+def grouped(items: Iterable[_Item], key: Callable[[_Item], _Key]) -> dict[_Key, list[_Item]]:
+    """Returns the items of each key, in the order in which the keys first come."""
+    found: dict[_Key, list[_Item]] = {}
+    for each in items:
+        found.setdefault(key(each), []).append(each)
+    return found
 
 
 def front(items: Iterable[_Item], place: Callable[[_Item], tuple[float, float]]) -> list[_Item]:
@@ -71,10 +72,8 @@ def front(items: Iterable[_Item], place: Callable[[_Item], tuple[float, float]])
 @dataclass(frozen=True)
 class Summary:
     """The model errors of one family in one quantity, relative to the reference; for changes, of one machine instead.
-
     `median` is of the absolute errors, `worst` the error of the largest absolute value with its sign, `sure_to` the largest
-    relative error of the reference among them.
-    """
+    relative error of the reference among them."""
 
     family: str
     quantity: str
@@ -88,33 +87,27 @@ class Summary:
 
 def summaries(rows: list[Row]) -> list[Summary]:
     """Returns a summary for each quantity, over all families and then for each of them; for changes, for each machine instead.
-
-    Rows that the model has no value of are left out.
-    """
-    found = []
-    for quantity in QUANTITIES:
-        members: dict[str, list[Row]] = {}
-        for row in compared(rows):
-            if row.quantity == quantity:
-                group = row.machine if quantity == CHANGE else row.case.family
-                for name in (ALL_FAMILIES, group):
-                    members.setdefault(name, []).append(row)
-        found += [summary(name, quantity, own) for name, own in members.items()]
+    Rows that the model has no value of are left out."""
+    found, by_quantity = [], grouped(compared(rows), lambda row: row.quantity)
+    for quantity in (quantity for quantity in QUANTITIES if quantity in by_quantity):
+        own = by_quantity[quantity]
+        groups = grouped(own, lambda row: row.machine if row.quantity == CHANGE else row.case.family)
+        found += [summary(name, quantity, some) for name, some in ({ALL_FAMILIES: own} | groups).items()]
     return found
 
 
 def summary(family: str, quantity: str, rows: list[Row]) -> Summary:
     """Returns the summary of at least one row."""
     errors = np.array([row.model_error for row in rows])
-    worst = int(np.argmax(np.abs(errors)))
+    worst = rows[int(np.argmax(np.abs(errors)))]
     return Summary(
-        family=family,
-        quantity=quantity,
+        family,
+        quantity,
         count=len(rows),
         rms=float(np.sqrt(np.mean(errors**2))),
         median=float(np.median(np.abs(errors))),
-        worst=float(errors[worst]),
-        worst_case=rows[worst].case.id,
+        worst=worst.model_error,
+        worst_case=worst.case.id,
         sure_to=max(row.reference_error for row in rows),
     )
 

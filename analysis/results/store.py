@@ -1,11 +1,12 @@
 """Stores answers as JSON documents. A reader finds a whole document or none."""
 
-from __future__ import annotations
-
+import csv
 import fcntl
+import io
 import json
+import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
@@ -25,6 +26,23 @@ def write_text(path: Path, text: str) -> None:
     path.parent.mkdir(parents=True, exist_ok=True)
     with whole_file(path) as unfinished:
         unfinished.write_text(text, encoding="utf-8")
+
+
+def finite(number: float) -> float | None:
+    """Returns a number as JSON can express it: None if it is not finite."""
+    return number if math.isfinite(number) else None
+
+
+def csv_text(header: Iterable[object], rows: Iterable[Iterable[object]]) -> str:
+    """Returns rows below a header as CSV; None is empty."""
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([header, *rows])
+    return text.getvalue()
+
+
+def markdown_table(header: Sequence[str], rows: Iterable[Iterable[object]]) -> list[str]:
+    """Returns the lines of a table as notes have it."""
+    return [f"| {' | '.join(map(str, cells))} |" for cells in (header, ["---"] * len(header), *rows)]
 
 
 def refuse_unwritable(path: Path) -> None:

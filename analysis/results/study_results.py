@@ -1,8 +1,6 @@
 """The folder of a study's results: what was asked (`study.json`) and the answers there are (`cases/<id>/`), with the commands, from the repository's
 folder, that compute them anew."""
 
-from __future__ import annotations
-
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
@@ -15,11 +13,9 @@ from analysis.results.store import Document, read_json, write_json
 from analysis.results.truth import Truth
 from geometries.common import installation
 from geometries.common.errors import InputError
-from geometries.common.installation import from_repository
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 from geometries.studies.study import BOTH, BOUNDARY_ELEMENTS, EMPTY, FIELD, Case, Parameter, Study, empty_case
-
 
 MANIFEST = "study.json"
 SCENE, REFERENCE, MODEL, SLICE = "scene.toml", "fem.json", "model.json", "slice.json"
@@ -41,10 +37,9 @@ class Failure:
 
 @dataclass(frozen=True, eq=False)
 class CaseResult:
-    """One case with the answers that exist, of those methods that the study asks. `name` tells it in words, `reference` is the field
-    solver's; `empty` is the id of the case without objects; `refused` says why there is no `boundary`, where boundary elements were
-    asked; `by_field` tells whether the field solver was.
-    """
+    """One case with the answers that exist, of those methods that the study asks. `name` tells it in words,
+    `reference` is the field solver's; `empty` is the id of the case without objects; `refused` says why there
+    is no `boundary`, where boundary elements were asked; `by_field` tells whether the field solver was."""
 
     id: str
     name: str
@@ -96,18 +91,18 @@ def case_folder(results: Path, case: str) -> Path:
     return results / "cases" / case
 
 
+def asked(study: Study) -> Document:
+    """Returns what the study asks of the methods, as it is stored."""
+    names = ("rtol", "max_seconds", "error", "reference_method")
+    return {name: getattr(study, name) for name in names} | {"methods": list(study.methods)}
+
+
 def write_manifest(folder: Path, study: Study, failures: list[Failure]) -> None:
     """Writes what the study asked and which cases failed. An identical file is not written again."""
     document: Document = {
         "format": 1,
-        "name": study.name,
-        "title": study.title,
-        "experiment": study.experiment,
-        "rtol": study.rtol,
-        "max_seconds": study.max_seconds,
-        "error": study.error,
-        "reference_method": study.reference_method,
-        "methods": list(study.methods),
+        **{name: getattr(study, name) for name in ("name", "title", "experiment")},
+        **asked(study),
         "machine": machine.description(),
         "failures": [asdict(failure) for failure in failures],
         "cases": [_case_document(case) for case in study.cases()],
@@ -121,21 +116,19 @@ def load(folder: Path) -> Results:
     manifest = read_json(folder / MANIFEST)
     if manifest is None:
         raise InputError(str(folder), "", f"holds no results: there is no {MANIFEST}")
-    parameters = [_parameters(document) for document in manifest["cases"]]
-    called = units.of_cases(
-        [(document["family"], own) for document, own in zip(manifest["cases"], parameters)]
-    )
+    parameters: list[dict[str, Parameter]] = [
+        {name: (value[0], value[1]) if isinstance(value, list) else value for name, value in stored.items()}
+        for stored in (document["parameters"] for document in manifest["cases"])
+    ]
+    families = [document["family"] for document in manifest["cases"]]
+    called = units.of_cases(list(zip(families, parameters)))
     reference_method = manifest.get("reference_method", BOTH)
     return Results(
         folder=folder,
-        title=manifest["title"],
         experiment=manifest.get("experiment", ""),
-        rtol=manifest["rtol"],
-        max_seconds=manifest["max_seconds"],
-        error=manifest["error"],
         reference_method=reference_method,
         methods=tuple(manifest["methods"]),
-        machine=manifest["machine"],
+        **{name: manifest[name] for name in ("title", "rtol", "max_seconds", "error", "machine")},
         failures=tuple(Failure(**failure) for failure in manifest["failures"]),
         cases={
             document["id"]: _case_result(folder, document, name, own, reference_method)
@@ -150,23 +143,11 @@ def title(folder: Path) -> str:
 
 
 def _case_document(case: Case) -> Document:
-    parameters: dict[str, Any] = {
-        name: list(value) if isinstance(value, tuple) else value for name, value in case.parameters.items()
-    }
-    document: Document = {
-        "id": case.id,
-        "family": case.family,
-        "parameters": parameters,
-        "empty": empty_case(case).id,
-    }
+    own: dict[str, Any] = {name: each for name, each in case.parameters.items()}
+    lists = {name: list(value) for name, value in own.items() if isinstance(value, tuple)}
+    document: Document = {"id": case.id, "family": case.family, "parameters": own | lists}
+    document["empty"] = empty_case(case).id
     return document if case.alone is None else document | {"by_field": False}
-
-
-def _parameters(document: Document) -> dict[str, Parameter]:
-    return {
-        name: (value[0], value[1]) if isinstance(value, list) else value
-        for name, value in document["parameters"].items()
-    }
 
 
 def _case_result(
@@ -179,11 +160,9 @@ def _case_result(
     reference = read_json(folder / REFERENCE) if by_field else None
     boundary = (read_json(folder / BOUNDARY) or {}) if reference_method != FIELD else {}
     return CaseResult(
-        id=document["id"],
+        **{part: document[part] for part in ("id", "family", "empty")},
         name=name,
-        family=document["family"],
         parameters=parameters,
-        empty=document["empty"],
         folder=folder,
         scene=reader.load(folder / SCENE),
         reference=MatrixAnswer.of(reference) if reference else None,
@@ -225,4 +204,4 @@ def _command(results: Results, case: str, method: str) -> str:
 
 
 def _scene(results: Results, case: str) -> str:
-    return from_repository(results.folder / "cases" / case / SCENE)
+    return installation.from_repository(results.folder / "cases" / case / SCENE)

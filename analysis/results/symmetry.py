@@ -1,17 +1,15 @@
 """Pairs of set-ups whose answers must agree: congruent ones, and those with sensor and target exchanged."""
 
-from __future__ import annotations
-
 import itertools
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.spatial.distance import pdist, squareform
 
 from analysis.results.answers import Estimate, MatrixAnswer
 from analysis.results.set_up import Rectangle, rectangles
 from analysis.results.study_results import CaseResult
 from geometries.common.arrays import Array
-
 
 # Relative tolerance for equal lengths, of the set-up's size: more than rounding, less than any intended difference.
 _TOLERANCE = 1e-9
@@ -71,22 +69,17 @@ def _alike(set_ups: list[tuple[Rectangle, Rectangle]]) -> list[tuple[int, int]]:
 
 
 def _congruent(first: tuple[Rectangle, Rectangle], second: tuple[Rectangle, Rectangle]) -> bool:
-    """Tells whether a motion or a mirror image takes one set-up to the other, sensor to sensor.
-
-    It does when the distances between all the corners are the same, in some order around each rectangle.
-    """
+    """Tells whether a motion or a mirror image takes one set-up to the other, sensor to sensor. It does when
+    the distances between all the corners are the same, in some order around each rectangle."""
     distances = _distances(first[0].vertices, first[1].vertices)
+    sensor, target = (plate.vertices for plate in second)
+    walked = (_distances(sensor[own], target[other]) for own, other in itertools.product(_WALKS, repeat=2))
     tolerance = _TOLERANCE * distances.max()
-    for own, other in itertools.product(_WALKS, _WALKS):
-        walked = _distances(second[0].vertices[own], second[1].vertices[other])
-        if (np.abs(walked - distances) <= tolerance).all():
-            return True
-    return False
+    return any((np.abs(each - distances) <= tolerance).all() for each in walked)
 
 
 def _distances(sensor: Array, target: Array) -> Array:
-    points = np.concatenate([sensor, target])
-    return np.asarray(np.linalg.norm(points[:, None] - points[None], axis=2))
+    return np.asarray(squareform(pdist(np.concatenate([sensor, target]))))
 
 
 def _pairs(first: CaseResult, second: CaseResult, relation: str, quantity: str) -> list[Pair]:

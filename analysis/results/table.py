@@ -30,28 +30,19 @@ the targets. The columns of the model are empty where it knows no value, as of a
 | command | recomputes the answer that is used |
 """
 
-from __future__ import annotations
-
-import csv
-import io
 import json
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 
+from analysis.results import study_results
 from analysis.results.answers import Estimate, ModelChange
 from analysis.results.set_up import SetUp, is_delta_self
+from analysis.results.store import csv_text
 from analysis.results.truth import BOUNDARY, ESTIMATED, FIELD, PROVEN, Known, Truth
-from analysis.results.study_results import (
-    COMPARED_METHOD,
-    CaseResult,
-    Results,
-    boundary_command,
-    reference_command,
-)
+from analysis.results.study_results import COMPARED_METHOD, CaseResult, Results
 from geometries.scene.readings import readings, targets
-from geometries.scene.scene import Scene
 from geometries.studies.machines import NONE
 
 TABLE = "table.csv"
@@ -130,19 +121,15 @@ def relative_error(model: float, reference: float) -> float:
 
 def error_interval(model: float, reference: Estimate) -> tuple[float, float]:
     """Returns the least and the greatest relative error for a true value anywhere in the reference's interval.
-
-    The upper end is infinite when the interval reaches zero.
-    """
+    The upper end is infinite when the interval reaches zero."""
     low = relative_error(model, reference.value + reference.error)
     least = reference.value - reference.error
     return low, relative_error(model, least) if least > 0 else math.inf
 
 
 def rows(results: Results) -> list[Row]:
-    """Returns the rows of each case, in the study's order.
-
-    Rows of mutual and delta_self need the model's answer and a reference's, rows of change a reference's alone.
-    """
+    """Returns the rows of each case, in the study's order. Rows of mutual and delta_self need the model's
+    answer and a reference's, rows of change a reference's alone."""
     solved = [(case, case.truth) for case in results.compared() if case.truth is not None]
     return [row for case, truth in solved for row in _rows_of_case(results, case, truth)]
 
@@ -152,10 +139,8 @@ def short(results: Results, found: list[Row]) -> list[CaseResult]:
     by_rows: dict[str, bool] = {}
     for row in found:
         by_rows[row.case.id] = by_rows.get(row.case.id, True) and row.reached
-    solved = [case for case in results.cases.values() if case.truth is not None]
-    return [
-        case for case in solved if not by_rows.get(case.id, case.truth is not None and case.truth.reached)
-    ]
+    solved = ((case, case.truth) for case in results.cases.values() if case.truth is not None)
+    return [case for case, truth in solved if not by_rows.get(case.id, truth.reached)]
 
 
 def compared(found: list[Row]) -> list[Row]:
@@ -169,7 +154,7 @@ def _rows_of_case(results: Results, case: CaseResult, truth: Truth) -> Iterator[
     if is_delta_self(case.scene) or not truth.has_readings:
         bodies, felt = list(truth.conductors[len(case.scene.sensors) :]), truth.sensors
     else:
-        bodies = _targets(case.scene)
+        bodies = [body.name for body, target in zip(case.scene.objects, targets(case.scene)) if target]
     for sensor in (each.name for each in case.scene.sensors if model is not None):
         assert model is not None
         by_method = {method: sensors[sensor] for method, sensors in model.values.items()}
@@ -182,10 +167,8 @@ def _rows_of_case(results: Results, case: CaseResult, truth: Truth) -> Iterator[
                 }
                 yield row((sensor, body, "", MUTUAL), truth.mutual(sensor, body), charges)
         if sensor in felt:
-            totals = {
-                method: ModelChange(of.total, of.total_error, of.answered_by)
-                for method, of in by_method.items()
-            }
+            said = by_method.items()
+            totals = {method: ModelChange(of.total, of.total_error, of.answered_by) for method, of in said}
             known = truth.delta_self(sensor)
             checked_by = FIELD if known.field is not None else BOUNDARY
             check = _difference(truth, results.cases.get(case.empty), sensor, checked_by)
@@ -198,11 +181,6 @@ def _rows_of_case(results: Results, case: CaseResult, truth: Truth) -> Iterator[
             yield row((reading.sense, "", reading.name, CHANGE), change, by_methods)
 
 
-def _targets(scene: Scene) -> list[str]:
-    """Returns the names of the objects that come and go."""
-    return [body.name for body, target in zip(scene.objects, targets(scene)) if target]
-
-
 def _row(
     results: Results,
     case: CaseResult,
@@ -212,18 +190,15 @@ def _row(
     check: Estimate | None = None,
 ) -> Row:
     """Makes the row of a sensor, an object, a reading and a quantity, by their names."""
-    sensor, body, reading, quantity = subject
     values = case.model.values if case.model is not None else {}
     seconds = {method: next(iter(sensors.values())).seconds for method, sensors in values.items()}
     assert case.truth is not None
     answer = case.truth.answers[known.answered_by]
-    command = reference_command if known.answered_by == FIELD else boundary_command
+    by_field = known.answered_by == FIELD
+    command = study_results.reference_command if by_field else study_results.boundary_command
     return Row(
-        case=case,
-        sensor=sensor,
-        object=body,
-        reading=reading,
-        quantity=quantity,
+        case,
+        *subject,
         set_up=case.set_up,
         known=known,
         check=check,
@@ -248,18 +223,17 @@ def _difference(truth: Truth, empty: CaseResult | None, sensor: str, method: str
 
 def to_csv(found: list[Row], methods: tuple[str, ...]) -> str:
     """Returns the rows as CSV text with a header; numbers in full."""
-    text = io.StringIO()
     stating = {method for row in found for method in row.model_errors}
     records = [_record(row, methods, stating) for row in found]
-    header = list(records[0]) if records else ["case"]
-    writer = csv.DictWriter(text, header, lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(records)
-    return text.getvalue()
+    return csv_text(records[0] if records else ["case"], (record.values() for record in records))
+
+
+_DESCRIBED = ("gap_over_size", "tilt_degrees", "lateral_offset_over_size", "size_ratio")
 
 
 def _record(row: Row, methods: tuple[str, ...], stating: set[str]) -> dict[str, object]:
     low, high = row.model_error_interval if row.is_compared else ("", "")
+    kinds = {True: PROVEN, False: ESTIMATED}
     record: dict[str, object] = {
         "case": row.case.id,
         "family": row.case.family,
@@ -268,16 +242,13 @@ def _record(row: Row, methods: tuple[str, ...], stating: set[str]) -> dict[str, 
         "object": row.object,
         "quantity": row.quantity,
         "reading": row.reading,
-        "gap_over_size": row.set_up.gap_over_size if row.set_up else "",
-        "tilt_degrees": row.set_up.tilt_degrees if row.set_up else "",
-        "lateral_offset_over_size": row.set_up.lateral_offset_over_size if row.set_up else "",
-        "size_ratio": row.set_up.size_ratio if row.set_up else "",
+        **{name: getattr(row.set_up, name) if row.set_up else "" for name in _DESCRIBED},
         "reference_F": row.reference.value,
         "reference_error_F": row.reference.error,
         "answered_by": row.known.answered_by,
         "reference_error_kind": row.known.error_kind,
         **_values("field", row.known.field),
-        "field_error_kind": _field_error_kind(row.known),
+        "field_error_kind": kinds[row.known.field_is_proven] if row.known.field else "",
         **_values("boundary", row.known.boundary),
         "reached": row.reached,
         **_values("check", row.check),
@@ -300,9 +271,3 @@ def _record(row: Row, methods: tuple[str, ...], stating: set[str]) -> dict[str, 
 def _values(name: str, value: Estimate | None) -> dict[str, object]:
     """Returns the two columns of a value, empty without one."""
     return {f"{name}_F": value.value if value else "", f"{name}_error_F": value.error if value else ""}
-
-
-def _field_error_kind(known: Known) -> str:
-    if known.field is None:
-        return ""
-    return PROVEN if known.field_is_proven else ESTIMATED

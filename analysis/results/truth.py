@@ -1,10 +1,7 @@
 """The best truth at hand: of what the field solver and boundary elements say of a value, the one that states less error.
 
 The two errors differ in kind. The field solver's is a proven interval (`error = "enclosure"`) or an estimate from successive
-meshes, that of boundary elements is an estimate. The cross-check compares both answers, whichever is used.
-"""
-
-from __future__ import annotations
+meshes, that of boundary elements is an estimate. The cross-check compares both answers, whichever is used."""
 
 import math
 from collections.abc import Callable
@@ -79,11 +76,11 @@ class Truth:
 
     def mutual(self, sensor: str, body: str) -> Known:
         """Returns −M[sensor, body]."""
-        return self._known(lambda answer: answer.mutual(sensor, body), self._is_proven)
+        return self._known(lambda answer: answer.mutual(sensor, body), may_be_proven=True)
 
     def self_capacitance(self, sensor: str) -> Known:
         """Returns M[sensor, sensor]."""
-        return self._known(lambda answer: answer.self_capacitance(sensor), self._is_proven)
+        return self._known(lambda answer: answer.self_capacitance(sensor), may_be_proven=True)
 
     def delta_self(self, sensor: str) -> Known:
         """Returns M[sensor, sensor] less the same without the objects; its error is an estimate in any case."""
@@ -91,27 +88,21 @@ class Truth:
 
     def change(self, reading: str) -> Known | None:
         """Returns the change of a reading, whose error is an estimate in any case; None if no method answers it."""
-        if not any(reading in answer.readings for answer in self.answers.values()):
-            return None
-        return self._known(lambda answer: _change(answer, reading))
+
+        def change(answer: MatrixAnswer) -> Estimate | None:
+            return answer.readings[reading].change if reading in answer.readings else None
+
+        return self._known(change) if any(map(change, self.answers.values())) else None
 
     @property
     def sensors(self) -> tuple[str, ...]:
         """The sensors whose delta_self is known."""
         return tuple(dict.fromkeys(name for answer in self.answers.values() for name in answer.delta_self))
 
-    @property
-    def _is_proven(self) -> bool:
-        return self.field is not None and self.field.is_proven
-
-    def _known(self, value: Callable[[MatrixAnswer], Estimate | None], is_proven: bool = False) -> Known:
-        field = value(self.field) if self.field is not None else None
-        boundary = value(self.boundary) if self.boundary is not None else None
-        return Known(field, boundary, is_proven)
-
-
-def _change(answer: MatrixAnswer, reading: str) -> Estimate | None:
-    return answer.readings[reading].change if reading in answer.readings else None
+    def _known(self, value: Callable[[MatrixAnswer], Estimate | None], may_be_proven: bool = False) -> Known:
+        found = {method: value(answer) for method, answer in self.answers.items()}
+        is_proven = may_be_proven and self.field is not None and self.field.is_proven
+        return Known(found.get(FIELD), found.get(BOUNDARY), is_proven)
 
 
 def _size(error: float) -> float:

@@ -1,7 +1,5 @@
 """How reports write numbers with their units, and name cases in words, "parallel, gap 2 cm"."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Sequence
@@ -75,9 +73,7 @@ def in_words(parameters: Parameters) -> str:
 
 def of_cases(cases: Sequence[tuple[str, Parameters]]) -> list[str]:
     """Names cases, given as (family, parameters), each by the parameters in which it differs from most of its family.
-
-    Cases of different parameters have different names.
-    """
+    Cases of different parameters have different names."""
     members: dict[str, list[Parameters]] = {}
     for family, parameters in cases:
         members.setdefault(family, []).append(parameters)

@@ -1,13 +1,10 @@
 """Makes `table.csv`, `report.html` and the pages that it links to, one for every question and every case, from stored answers. A line in QUESTIONS makes the page of a
 question, its navigation and its card in the index."""
 
-from __future__ import annotations
-
 import re
 import shutil
 from collections.abc import Callable
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +22,6 @@ from analysis.report import (
 )
 from analysis.report.index_page import Answer, Card, Picture, ScenePage
 from analysis.results import refusals, statistics, study_results as results, symmetry, table
-from analysis.results.refusals import Refusal
 from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.study import case_page
 from analysis.topics import cross_check
@@ -42,9 +38,7 @@ from analysis.topics.topic import Topic
 from analysis.topics.trade_off import measure as trade_off, section as trade_off_section
 from analysis.topics.trends import page as trends_page
 from analysis.topics.verification import topic as verification
-from analysis.topics.verification.topic import VERIFICATION
 from geometries.studies.study import BOTH, NO_REFERENCE
-
 
 CROSS_CHECK = "cross_check"
 """The page that shows disagreements."""
@@ -62,6 +56,10 @@ class Material:
     answers: dict[str, dict[str, Document]]
     entries: dict[str, list[Any]]
 
+    def stored(self, name: str) -> Document | None:
+        """Returns a measurement that is stored beside the study's answers, if there is one."""
+        return read_json(self.found.folder / name)
+
 
 @dataclass(frozen=True)
 class Question:
@@ -75,10 +73,6 @@ class Question:
     own: bool = True
 
 
-def _experiment(material: Material) -> list[Markup]:
-    return [experiments_section.section(material.found)]
-
-
 def _model_error(material: Material) -> list[Markup]:
     rows = table.compared(material.rows)
     if not rows:
@@ -90,28 +84,24 @@ def _model_error(material: Material) -> list[Markup]:
     return [page.plot_section(plot) for plot in plots]
 
 
-def _parts(material: Material) -> list[Markup]:
-    return ERRORS.shown(material.entries[ERRORS.name], ERRORS_CASES)
-
-
 def set_ups_file(topic: Topic[Any, Any]) -> str:
     """Returns the page that shows all set-ups of a topic, relative to the folder of pages."""
     return f"set_ups/{topic.name}.html"
 
 
-def _shown(topic: Topic[Any, Any], material: Material) -> list[Markup]:
-    return topic.shown(material.entries[topic.name], set_ups_file(topic))
+def _about(topic: Topic[Any, Any], name: str = "", opened: str = "") -> Question:
+    """Returns the page of a topic whose set-ups are none of the study's; `opened` is what its points open, if it is not that page of its set-ups."""
 
+    def body(material: Material) -> list[Markup]:
+        return topic.shown(material.entries[topic.name], opened or set_ups_file(topic))
 
-def _about(topic: Topic[Any, Any]) -> Question:
-    """Returns the page of a topic whose set-ups are none of the study's."""
-    return Question(topic.name, topic.short, topic.question, partial(_shown, topic), own=False)
+    return Question(name or topic.name, topic.short, topic.question, body, own=False)
 
 
 def _reference(material: Material) -> list[Markup]:
     pairs = symmetry.pairs(material.found.compared())
     trusted = sections.trust(material.found, material.rows, pairs)
-    return [trusted, verification.truths(material.entries[VERIFICATION.name])]
+    return [trusted, verification.truths(material.entries[verification.VERIFICATION.name])]
 
 
 def _cross_check(material: Material) -> list[Markup]:
@@ -120,34 +110,31 @@ def _cross_check(material: Material) -> list[Markup]:
 
 
 def _run_time(material: Material) -> list[Markup]:
-    folder = material.found.folder
-    return [
-        trade_off_section.section(trade_off.load(folder), material.found, page.CASES),
-        run_times_section.section(read_json(folder / results.RUN_TIMES)),
-    ]
-
-
-def _stability(material: Material) -> list[Markup]:
-    return [stability_section.section(read_json(material.found.folder / results.STABILITY))]
-
-
-def _collisions(material: Material) -> list[Markup]:
-    stored = (read_json(material.found.folder / name) for name in results.COLLISION)
-    return [collision_section.section(*stored)]
+    by_study = trade_off_section.section(material.stored(trade_off.ANSWER), material.found, page.CASES)
+    return [by_study, run_times_section.section(material.stored(results.RUN_TIMES))]
 
 
 def _all_set_ups(material: Material) -> list[Markup]:
-    return [
-        sections.all_rows(material.rows),
-        sections.reproduce(material.found, material.rows),
-    ]
+    return [sections.all_rows(material.rows), sections.reproduce(material.found, material.rows)]
+
+
+def _experiment(material: Material) -> list[Markup]:
+    return [experiments_section.section(material.found)]
+
+
+def _stability(material: Material) -> list[Markup]:
+    return [stability_section.section(material.stored(results.STABILITY))]
+
+
+def _collisions(material: Material) -> list[Markup]:
+    return [collision_section.section(*map(material.stored, results.COLLISION))]
 
 
 QUESTIONS = (
     Question("experiment", "experiment", "What does the experiment find?", _experiment),
     _about(MACHINES),
     Question("model_error", "model error", "How wrong is the model, and where?", _model_error),
-    Question("error_parts", ERRORS.short, ERRORS.question, _parts, own=False),
+    _about(ERRORS, "error_parts", ERRORS_CASES),
     _about(COMPANY),
     _about(INSULATORS),
     _about(CORRECTIONS),
@@ -159,7 +146,6 @@ QUESTIONS = (
     Question("collisions", "collisions", "Are collisions found, and how fast?", _collisions, own=False),
     Question("set_ups", "set-ups", "Which set-ups are these, and how are they reproduced?", _all_set_ups),
 )
-
 
 PAGES = "report"
 """The folder of the pages and of plotly.js, which they share."""
@@ -179,7 +165,7 @@ class Report:
     not_reached: int
     unanswered: int
     disagreements: int
-    refusals: list[Refusal]
+    refusals: list[refusals.Refusal]
 
 
 def make(folder: Path) -> Report:
@@ -192,38 +178,26 @@ def make(folder: Path) -> Report:
     in_field = [topic.checked() for topic in TOPICS]
     inputs = keys.page_inputs(answers, of_topics, in_field)
     trends = folder / trends_page.PAGE
-    nights = (
-        index_page.first_finding(Markup(trends.read_text(encoding="utf-8"))) if trends.is_file() else None
-    )
+    text = Markup(trends.read_text(encoding="utf-8")) if trends.is_file() else None
+    nights = None if text is None else index_page.first_finding(text)
     scenes = index_page.all_beside(folder)
     whole = keys.page_inputs(inputs, nights, [file for _, file in scenes])
-    if not (
-        (folder / table.TABLE).is_file()
-        and page.is_current(folder / page.REPORT, whole)
-        and _is_complete(folder)
-    ):
+    is_current = (folder / table.TABLE).is_file() and page.is_current(folder / page.REPORT, whole)
+    if not (is_current and _is_complete(folder)):
         entries = {topic.name: topic.found(of_topics[topic.name]) for topic in TOPICS}
         material = Material(found, rows, summaries, of_topics, entries)
         _write(material, nights, scenes, inputs, whole)
-    return Report(
-        folder / page.REPORT,
-        summaries,
-        len(table.short(found, rows)),
-        len(refusals.unanswered(found)),
-        cross_check.contradictions(found),
-        refusals.refusals(found),
-    )
+    short, unanswered = len(table.short(found, rows)), len(refusals.unanswered(found))
+    apart, refused = cross_check.contradictions(found), refusals.refusals(found)
+    return Report(folder / page.REPORT, summaries, short, unanswered, apart, refused)
 
 
 def _answers(folder: Path, found: results.Results) -> str:
     """Computes a hash of the stored answers and of what was asked."""
-    files = [
-        folder / name for name in (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION)
-    ]
-    files.append(folder / trade_off.ANSWER)
-    for case in found.cases.values():
-        answers_of_case = (results.REFERENCE, results.MODEL, results.SLICE, results.BOUNDARY)
-        files += [case.folder / name for name in answers_of_case]
+    of_study = (results.MANIFEST, results.RUN_TIMES, results.STABILITY, *results.COLLISION, trade_off.ANSWER)
+    of_case = (results.REFERENCE, results.MODEL, results.SLICE, results.BOUNDARY)
+    files = [folder / name for name in of_study]
+    files += [case.folder / name for case in found.cases.values() for name in of_case]
     return keys.hash_of_files((path for path in files if path.is_file()), folder)
 
 
@@ -249,7 +223,7 @@ def _write(
     headline += sections.headline(material.found, material.rows, material.summaries)
     if any(row.is_change for row in table.compared(material.rows)):
         headline += page.plot_section(plots_of_errors.error_of_changes(material.rows), "cases")
-    headline += trade_off_section.section(trade_off.load(folder), material.found, "cases")
+    headline += trade_off_section.section(material.stored(trade_off.ANSWER), material.found, "cases")
     rest = [sections.failures(material.found), page.soft(sections.FILES)]
     answers = index_page.how_wrong(material.found, material.rows, "cases")
     answers += _answers_of(cards, material)
@@ -270,13 +244,9 @@ def _write(
 
 def _answers_of(cards: list[Card], material: Material) -> list[Answer]:
     """Returns which method to use and what speaks for the reference, with the pictures of the pages that tell more."""
-    said = {
-        "run_time": (
-            "Which method?",
-            trade_off_section.advice(trade_off.load(material.found.folder), material.found),
-        ),
-        CROSS_CHECK: ("Can the reference be believed?", cross_check.in_short(material.found)),
-    }
+    advice = trade_off_section.advice(material.stored(trade_off.ANSWER), material.found)
+    agreement = cross_check.in_short(material.found)
+    said = {"run_time": ("Which method?", advice), CROSS_CHECK: ("Can the reference be believed?", agreement)}
     shown = {card.target: card for card in cards}
     return [
         Answer(question, says, [Picture(file, shown[file].picture)])
@@ -288,19 +258,19 @@ def _answers_of(cards: list[Card], material: Material) -> list[Answer]:
 def _pages(material: Material, inputs: str) -> list[Card]:
     """Writes the pages unless they are up to date; returns them as the index shows them."""
     place = material.found.folder / PAGES
+    shown_whole = [topic for topic in TOPICS if topic.set_ups_page and material.entries[topic.name]]
     known = read_json(place / _FINDINGS)
     if known is not None and known["made_from"] == inputs:
-        cards = [_card(card) for card in known["pages"]]
+        shown = [{part: Markup(card[part]) for part in ("says", "picture")} for card in known["pages"]]
+        cards = [Card(**card | own) for card, own in zip(known["pages"], shown)]
         needed = [place.parent / card.target for card in cards]
-        needed += [place / set_ups_file(topic) for topic in _with_set_ups_page(material)]
+        needed += [place / set_ups_file(topic) for topic in shown_whole]
         if all(path.is_file() for path in needed):
             return cards
     page.provide_script(place.parent)
     cards = _question_pages(material, inputs)
-    _set_ups_pages(material, place)
-    rows: dict[str, list[table.Row]] = {}
-    for row in material.rows:
-        rows.setdefault(row.case.id, []).append(row)
+    _set_ups_pages(material, place, shown_whole)
+    rows = statistics.grouped(material.rows, lambda row: row.case.id)
     known_parts = by_reference(material.entries[ERRORS.name], material.found)
     apart = {entry.set_up.id: entry for _, entry in known_parts}
     for case in material.found.cases.values():
@@ -312,25 +282,14 @@ def _pages(material: Material, inputs: str) -> list[Card]:
     return cards
 
 
-def _with_set_ups_page(material: Material) -> list[Topic[Any, Any]]:
-    return [topic for topic in TOPICS if topic.set_ups_page and material.entries[topic.name]]
-
-
-def _set_ups_pages(material: Material, place: Path) -> None:
+def _set_ups_pages(material: Material, place: Path, topics: list[Topic[Any, Any]]) -> None:
     """Writes the pages of the topics' set-ups that are not up to date into the folder of the pages."""
-    for topic in _with_set_ups_page(material):
-        assert topic.set_ups_page is not None
+    for topic in topics:
         inputs, target = keys.page_inputs(material.answers[topic.name]), place / set_ups_file(topic)
-        if not page.is_current(target, inputs):
+        if topic.set_ups_page and not page.is_current(target, inputs):
             back, script = f"../{topic.file}", f"../{Path(page.SCRIPT).name}"
             found = material.entries[topic.name]
             write_text(target, topic.set_ups_page(found, back, topic.question, inputs, script))
-
-
-def _card(stored: Document) -> Card:
-    return Card(
-        stored["target"], stored["title"], Markup(stored["says"]), Markup(stored["picture"]), stored["own"]
-    )
 
 
 def _question_pages(material: Material, inputs: str) -> list[Card]:
@@ -347,17 +306,9 @@ def _question_pages(material: Material, inputs: str) -> list[Card]:
         others = (page.link(other, short, current=other == file) for other, short in around)
         way = page.navigation(page.link("../report.html", f"‹ {title}"), *others)
         head = page.header(question.title, *hint)
-        text = page.document(
-            f"{question.title} {title}", inputs, [way, head, bodies[question]], Path(page.SCRIPT).name
-        )
-        page.write(place / file, text)
-        cards.append(
-            Card(
-                f"{PAGES}/{file}",
-                question.title,
-                index_page.first_finding(bodies[question]),
-                index_page.first_picture(bodies[question], question.title),
-                question.own,
-            )
-        )
+        parts, script = [way, head, bodies[question]], Path(page.SCRIPT).name
+        page.write(place / file, page.document(f"{question.title} {title}", inputs, parts, script))
+        says = index_page.first_finding(bodies[question])
+        picture = index_page.first_picture(bodies[question], question.title)
+        cards.append(Card(f"{PAGES}/{file}", question.title, says, picture, question.own))
     return cards

@@ -1,31 +1,18 @@
 """Computes a study's answers that are missing or stored under an outdated key."""
 
-from __future__ import annotations
-
-import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
 from analysis.pipeline import keys, measurement_stage, model_stage, reference_stage
-from analysis.pipeline.model_stage import knows
 from analysis.pipeline.scheduler import parallel_jobs, run_all
 from analysis.pipeline.stage import Stage, outdated
-from analysis.results import set_up
+from analysis.results import set_up, study_results
+from analysis.results.statistics import grouped
 from analysis.results.store import is_current, write_text
-from analysis.results.study_results import (
-    BOUNDARY,
-    MODEL,
-    REFERENCE,
-    SCENE,
-    SLICE,
-    Failure,
-    case_folder,
-    write_manifest,
-)
+from analysis.results.study_results import BOUNDARY, MODEL, REFERENCE, SCENE, SLICE, Failure, case_folder
 from analysis.topics.trade_off import measure as trade_off
 from geometries.studies.study import EMPTY, Case, Study
-
 
 # Approximate seconds per case on one core of 2020. Only their ratios matter, for the order and the progress bar.
 _SECONDS_EMPTY, _SECONDS_PAIR, _SECONDS_PER_SIZE_OVER_GAP, _SECONDS_SLICE = 4.0, 12.0, 1.0, 4.0
@@ -58,7 +45,7 @@ class Work:
 def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
     """Returns what is to do so that every case is up to date in `folder`; nothing is changed there."""
     model, reference = keys.model_code(), keys.reference_code()
-    there = _case_folders(folder)
+    there = {path.name for path in (folder / "cases").glob("*")}
     pictured = _pictured(cases) if study.by_field else set()
     costs_vary = len(cases) < _MANY_CASES
     found = []
@@ -69,7 +56,7 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
         if study.by_boundary_elements:
             asked = model_stage.boundary_rtol(study, case.scene, case.alone)
             wanted[BOUNDARY] = keys.boundary_key(case.identity, asked, model)
-        if case.family != EMPTY and knows(case.scene):
+        if case.family != EMPTY and model_stage.knows(case.scene):
             wanted[MODEL] = keys.model_key(case.identity, study, model)
         if case.id in pictured:
             wanted[SLICE] = keys.slice_key(case.identity, reference)
@@ -78,39 +65,24 @@ def missing(study: Study, cases: list[Case], folder: Path) -> list[Work]:
             wanted = {file: key for file, key in wanted.items() if not is_current(place / file, key)}
             if not wanted and (place / SCENE).is_file():
                 continue
-        seconds = {file: _expected_seconds(case, file, study, costs_vary) for file in wanted}
-        found.append(Work(case.id, case.text, case.alone, wanted, seconds))
+        seconds = _expected_seconds(case, study, costs_vary and REFERENCE in wanted)
+        found.append(Work(case.id, case.text, case.alone, wanted, {file: seconds[file] for file in wanted}))
     return found
-
-
-def _case_folders(folder: Path) -> set[str]:
-    try:
-        return set(os.listdir(folder / "cases"))
-    except FileNotFoundError:
-        return set()
 
 
 def _pictured(cases: list[Case]) -> set[str]:
     """Returns the cases that get a slice of the potential: all of a small study, one for each family of a large one, if possible the
     second of its list, because the first of a sweep is its extreme."""
-    members: dict[str, list[str]] = {}
-    for case in cases:
-        if case.family != EMPTY and case.alone is None:
-            members.setdefault(case.family, []).append(case.id)
+    solved = [case for case in cases if case.family != EMPTY and case.alone is None]
     if len(cases) <= _ALL_PICTURED:
-        return {case for ids in members.values() for case in ids}
-    return {ids[min(1, len(ids) - 1)] for ids in members.values()}
+        return {case.id for case in solved}
+    return {own[:2][-1].id for own in grouped(solved, lambda case: case.family).values()}
 
 
-def _expected_seconds(case: Case, file: str, study: Study, costs_vary: bool) -> float:
-    if file == MODEL:
-        return _SECONDS_MODEL
-    if file == BOUNDARY:
-        return _SECONDS_BOUNDARY
-    if file == SLICE:
-        return _SECONDS_SLICE
+def _expected_seconds(case: Case, study: Study, costs_vary: bool) -> dict[str, float]:
     factor = _ENCLOSURE_FACTOR if study.error == "enclosure" else 1.0
-    return factor * (_solve_seconds(case) if costs_vary else _SECONDS_PAIR)
+    solve = factor * (_solve_seconds(case) if costs_vary else _SECONDS_PAIR)
+    return {MODEL: _SECONDS_MODEL, BOUNDARY: _SECONDS_BOUNDARY, REFERENCE: solve, SLICE: _SECONDS_SLICE}
 
 
 def _solve_seconds(case: Case) -> float:
@@ -121,7 +93,8 @@ def _solve_seconds(case: Case) -> float:
     described = set_up.describe(case.scene)
     if described is None or described.gap == 0:
         return _SECONDS_PAIR
-    return _SECONDS_PAIR + _SECONDS_PER_SIZE_OVER_GAP * described.largest_size / described.gap
+    largest = max(described.sensor_size, described.target_size)
+    return _SECONDS_PAIR + _SECONDS_PER_SIZE_OVER_GAP * largest / described.gap
 
 
 def run(
@@ -136,15 +109,14 @@ def run(
     With `measure_model` the model is also measured by itself. Outdated measurements are removed in any case. `before_pictures` is called
     when every answer is there and slices of the potential, which only pictures need, are still to be solved.
 
-    KeyboardInterrupt ends it at once; finished answers are kept.
-    """
+    KeyboardInterrupt ends it at once; finished answers are kept."""
     cases = study.cases()
     works = missing(study, cases, folder)
     forget(works, folder)
     failures = measure(folder, measure_model)
     failures += answers(works, study, folder, workers or parallel_jobs())
     # The trade-off reads the pairs of plates from the manifest.
-    write_manifest(folder, study, failures)
+    study_results.write_manifest(folder, study, failures)
     late = trade_off.run(folder, [case.identity for case in cases], measure_model)
     pictures = stages(works, study, folder, (SLICE,))
     if pictures:
@@ -152,7 +124,7 @@ def run(
         late += run_all(pictures, workers or parallel_jobs(), "pictures of the potential")
     if late:
         failures += late
-        write_manifest(folder, study, failures)
+        study_results.write_manifest(folder, study, failures)
     return failures
 
 
@@ -192,12 +164,8 @@ def answers(works: list[Work], study: Study, folder: Path, workers: int, shown: 
 
 def stages(works: list[Work], study: Study, folder: Path, files: tuple[str, ...]) -> list[Stage]:
     """Returns the stages of the given files for all cases where they are missing."""
-    found = [
-        _stage(file, work, study, case_folder(folder, work.case))
-        for file in files
-        for work in works
-        if file in work.keys
-    ]
+    wanted = ((file, work) for file in files for work in works if file in work.keys)
+    found = [_stage(file, work, study, case_folder(folder, work.case)) for file, work in wanted]
     return [stage for stage in found if not stage.is_current]
 
 
@@ -209,11 +177,8 @@ def _stage(file: str, work: Work, study: Study, place: Path) -> Stage:
             model_stage.BOUNDARY_NAME,
             lambda _: model_stage.boundary_answer(scene, study, work.alone),
         ),
-        REFERENCE: (reference_stage.SOLVE, lambda processes: reference_stage.answer(scene, study, processes)),
-        SLICE: (
-            reference_stage.SLICE,
-            lambda processes: reference_stage.answer_slice(scene, target, processes),
-        ),
+        REFERENCE: (reference_stage.SOLVE, lambda other: reference_stage.answer(scene, study, other)),
+        SLICE: (reference_stage.SLICE, lambda other: reference_stage.answer_slice(scene, target, other)),
     }[file]
     return Stage(name, work.case, target, work.keys[file], work.seconds[file], answer)
 

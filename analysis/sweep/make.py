@@ -1,8 +1,6 @@
 """`python3 -m analysis sweep SCENE`: runs `fringe sweep` and makes the page of its table: plots of the changes and the readings over the frames, where
 thresholds are crossed, and every number."""
 
-from __future__ import annotations
-
 import math
 import shlex
 import subprocess
@@ -13,7 +11,7 @@ from markupsafe import Markup
 
 from analysis.pipeline import keys
 from analysis.report import page
-from analysis.report.plot import INK, Panel, axis, figure, guide, joined, power_axis, series_colour
+from analysis.report.plot import INK, Panel, axis, figure, guide, joined, marks, power_axis, series_colour
 from analysis.results.answers import Estimate
 from analysis.show import find_scene, motion_beside
 from analysis.sweep import series
@@ -24,7 +22,6 @@ from geometries.common.errors import InputError
 from geometries.common.measured import measured
 from geometries.scene import motion, reader
 from geometries.scene.motion import Frame
-
 
 METHODS = "exact,formula,auto,boundary-elements"
 """The model, the formula, and what states an error."""
@@ -43,9 +40,8 @@ def make(
     """Runs the sweep of a scene, a file or a name in geometries/scenes, and writes its page, with the table beside it under the same
     name, of a scene outside of the repository in the current folder. Frames that the table holds already are not computed again.
 
-    `methods` are separated by commas; of those that state errors the relative error `rtol` is asked, RTOL if it is None. Returns the page, None of
-    a sweep that failed, and the exit status. InputError for files that cannot be used.
-    """
+    `methods` are separated by commas; of those that state errors the relative error `rtol` is asked, RTOL if it is None. Returns
+    the page, None of a sweep that failed, and the exit status. InputError for files that cannot be used."""
     path = find_scene(name)
     scene = reader.load(path)
     moved = motion_file or motion_beside(path)
@@ -88,18 +84,12 @@ def document(
     title: str, inputs: str, sweep: Sweep, motion: tuple[Frame, ...], table: str, command: str
 ) -> str:
     """Returns the whole page; plotly.js is to be beside it (`page.provide_script`). `table` is the CSV file as seen from the page, `command` makes it anew."""
+    numbers = Markup("{}: every frame, reading and method, in full.").format(page.link(table, table))
+    more = page.paragraph(numbers), page.command(command), page.soft(_ERRORS), page.soft(_CROSSING)
     body = [
-        page.header(title, *(page.finding(sentence) for sentence in findings(sweep, motion))),
+        page.header(title, *map(page.finding, findings(sweep, motion))),
         *(_section(series, sweep.frames) for series in sweep.series),
-        page.section(
-            "Numbers and command",
-            page.paragraph(
-                Markup("{}: every frame, reading and method, in full.").format(page.link(table, table))
-            ),
-            page.command(command),
-            page.soft(_ERRORS),
-            page.soft(_CROSSING),
-        ),
+        page.section("Numbers and command", *more),
     ]
     return page.document(title, inputs, body, page.SCRIPT)
 
@@ -112,11 +102,9 @@ def findings(sweep: Sweep, motion: tuple[Frame, ...]) -> list[str]:
             continue
         places = _crossings(series)
         subject = f"{series.reading}, threshold {series.threshold / _FEMTO:.4g} fF: "
-        if places:
-            found.append(subject + "; ".join(_crossing(each, sweep, motion) for each in places) + ".")
-        else:
-            noticed = {said.noticed for said in series.truth if said.is_truth}
-            found.append(f"{subject}{_never_crossed(noticed)}.")
+        told = "; ".join(_crossing(each, sweep, motion) for each in places)
+        noticed = {said.noticed for said in series.truth if said.is_truth}
+        found.append(f"{subject}{told or _never_crossed(noticed)}.")
     return found
 
 
@@ -124,12 +112,9 @@ def _crossings(series: Series) -> list[Crossing]:
     """Returns where the best truth at hand crosses the threshold."""
     if series.threshold is None:
         return []
-    known = [said.change for said in series.truth]
-    return crossings(
-        [change.value if change is not None else None for change in known],
-        [change.error if change is not None else 0.0 for change in known],
-        series.threshold,
-    )
+    known = [(said.change.value, said.change.error) if said.change else (None, 0.0) for said in series.truth]
+    changes, errors = zip(*known)
+    return crossings(list(changes), list(errors), series.threshold)
 
 
 def _never_crossed(noticed: set[str]) -> str:
@@ -137,11 +122,8 @@ def _never_crossed(noticed: set[str]) -> str:
         return "no method states an error, so it is not known where it is noticed"
     if noticed == {"yes"}:
         return "noticed in every frame"
-    return (
-        "not noticed in any frame"
-        if noticed == {"no"}
-        else "not crossed, but in some frames the error decides"
-    )
+    always = noticed == {"no"}
+    return "not noticed in any frame" if always else "not crossed, but in some frames the error decides"
 
 
 def _crossing(crossing: Crossing, sweep: Sweep, motion: tuple[Frame, ...]) -> str:
@@ -160,16 +142,20 @@ def _crossing(crossing: Crossing, sweep: Sweep, motion: tuple[Frame, ...]) -> st
 def _section(series: Series, frames: tuple[str, ...]) -> Markup:
     panels = [Panel("size of the change (fF), all methods", _changes(series, frames))]
     if any(said.value is not None for said in series.truth):
-        panels.append(
-            Panel("the reading and its background without the targets (pF)", _readings(series, frames))
-        )
-    if any(said.delta_voltage is not None for said in series.truth):
-        panels.append(Panel("what the targets take from the output (mV)", _voltages(series, frames)))
-    return page.section(
-        f"Reading {series.reading}",
-        page.figures(panels),
-        page.folded("Show the numbers", _numbers(series, frames)),
-    )
+        caption = "the reading and its background without the targets (pF)"
+        traces = [
+            _line([said.value for said in series.truth], "reading", 0, "solid"),
+            _line([said.background for said in series.truth], "background", 1, "dot"),
+        ]
+        panels.append(Panel(caption, figure(traces, _frames_axis(frames), axis("pF"), height=360)))
+    known = [said.delta_voltage for said in series.truth]
+    if any(each is not None for each in known):
+        values = [None if each is None else each / _MILLI for each in known]
+        taken = joined(_TRUTH, list(range(1, len(frames) + 1)), values, series_colour(0), "%{y:.4g} mV")
+        drawn = figure([taken], _frames_axis(frames), axis("mV"), height=320)
+        panels.append(Panel("what the targets take from the output (mV)", drawn))
+    numbers = page.folded("Show the numbers", _numbers(series, frames))
+    return page.section(f"Reading {series.reading}", page.figures(panels), numbers)
 
 
 def _frames_axis(frames: tuple[str, ...]) -> dict[str, object]:
@@ -178,13 +164,14 @@ def _frames_axis(frames: tuple[str, ...]) -> dict[str, object]:
 
 def _changes(series: Series, frames: tuple[str, ...]) -> go.Figure:
     traces = _band([said.change for said in series.truth])
+    across, hover = list(range(1, len(frames) + 1)), "%{y:.5g} fF by %{text}"
     for number, (method, said) in enumerate(series.methods.items()):
-        values = [_size(each.change) for each in said]
-        if not any(values):
-            continue
-        answered_by = [each.answered_by or "no answer" for each in said]
-        across, hover = list(range(1, len(frames) + 1)), "%{y:.5g} fF by %{text}"
-        traces.append(joined(method, across, values, series_colour(number), hover, text=answered_by))
+        sizes = [abs(each.change.value) / _FEMTO if each.change is not None else 0.0 for each in said]
+        # A logarithmic axis has no zero and no infinity.
+        values = [size if 0 < size < math.inf else None for size in sizes]
+        if any(values):
+            answered_by = [each.answered_by or "no answer" for each in said]
+            traces.append(joined(method, across, values, series_colour(number), hover, text=answered_by))
     if series.threshold is not None:
         height = series.threshold / _FEMTO
         traces.append(guide(f"threshold {height:.4g} fF", [1, len(frames)], [height] * 2, dash="dash"))
@@ -196,44 +183,27 @@ def _marks(places: list[Crossing], height: float, count: int) -> list[go.Scatter
     """Returns a mark where the threshold is crossed, with a bar along the frames that the error allows."""
     if not places:
         return []
-    ends = [(each.first or 1.0, each.last or float(count)) for each in places]
-    return [
-        go.Scatter(
-            x=[each.at for each in places],
-            y=[height for _ in places],
-            error_x={
-                "type": "data",
-                "array": [last - each.at for each, (_, last) in zip(places, ends)],
-                "arrayminus": [each.at - first for each, (first, _) in zip(places, ends)],
-            },
-            mode="markers",
-            name="crossed here",
-            marker={"color": INK, "symbol": "diamond", "size": 10},
-            hovertemplate="crossed at frame %{x:.2f}<extra></extra>",
-        )
-    ]
-
-
-def _size(change: Estimate | None) -> float | None:
-    """Returns the size of a change in fF; a logarithmic axis has no zero and no infinity."""
-    if change is None or change.value == 0 or not math.isfinite(change.value):
-        return None
-    return abs(change.value) / _FEMTO
+    bars = {
+        "type": "data",
+        "array": [(each.last or float(count)) - each.at for each in places],
+        "arrayminus": [each.at - (each.first or 1.0) for each in places],
+    }
+    marker = {"color": INK, "symbol": "diamond", "size": 10}
+    hover = "crossed at frame %{x:.2f}<extra></extra>"
+    at = [each.at for each in places]
+    return [marks("crossed here", at, [height] * len(at), marker, hover, error_x=bars)]
 
 
 def _band(changes: list[Estimate | None]) -> list[go.Scatter]:
     """Returns the band from the size of each change less its error to the size and its error, over the frames where they are known."""
-    known = [
-        (number, abs(each.value), each.error)
-        for number, each in enumerate(changes, start=1)
-        if each is not None and math.isfinite(each.error)
-    ]
+    numbered = enumerate(changes, start=1)
+    known = [(number, each) for number, each in numbered if each is not None and math.isfinite(each.error)]
     if not known:
         return []
     # On a logarithmic axis the lower end stays above zero.
-    low = [max(size - error, 1e-3 * size) / _FEMTO for _, size, error in known]
-    high = [(size + error) / _FEMTO for _, size, error in known]
-    numbers = [number for number, _, _ in known]
+    low = [max(abs(each.value) - each.error, 1e-3 * abs(each.value)) / _FEMTO for _, each in known]
+    high = [(abs(each.value) + each.error) / _FEMTO for _, each in known]
+    numbers = [number for number, _ in known]
     return [
         go.Scatter(
             x=[*numbers, *reversed(numbers)],
@@ -248,26 +218,11 @@ def _band(changes: list[Estimate | None]) -> list[go.Scatter]:
     ]
 
 
-def _readings(series: Series, frames: tuple[str, ...]) -> go.Figure:
-    traces = [
-        _line([said.value for said in series.truth], "reading", 0, "solid"),
-        _line([said.background for said in series.truth], "background", 1, "dot"),
-    ]
-    return figure(traces, _frames_axis(frames), axis("pF"), height=360)
-
-
 def _line(values: list[Estimate | None], name: str, number: int, dash: str) -> go.Scatter:
     bars = [0 if each is None or math.isnan(each.error) else each.error / _PICO for each in values]
     shown = [None if each is None else each.value / _PICO for each in values]
     across = list(range(1, len(values) + 1))
     return joined(f"{name}, {_TRUTH}", across, shown, series_colour(number), "%{y:.5g} pF", bars, dash=dash)
-
-
-def _voltages(series: Series, frames: tuple[str, ...]) -> go.Figure:
-    known = [said.delta_voltage for said in series.truth]
-    values = [None if each is None else each / _MILLI for each in known]
-    traces = [joined(_TRUTH, list(range(1, len(frames) + 1)), values, series_colour(0), "%{y:.4g} mV")]
-    return figure(traces, _frames_axis(frames), axis("mV"), height=320)
 
 
 def _numbers(series: Series, frames: tuple[str, ...]) -> Markup:

@@ -1,7 +1,5 @@
 """The table of `fringe sweep` as series: what each method says of each reading, frame by frame."""
 
-from __future__ import annotations
-
 import csv
 import math
 from dataclasses import dataclass
@@ -16,9 +14,7 @@ from geometries.scene.motion import Frame
 
 def place_words(motion: tuple[Frame, ...], at: float) -> str:
     """Returns the interpolated translation of the link that moves between two frames; empty if several move or one turns.
-
-    `at` counts frames from 1 on.
-    """
+    `at` counts frames from 1 on."""
     number = min(math.floor(at), len(motion) - 1)
     before, after = motion[number - 1].poses, motion[number].poses
     moved = [name for name in before if before[name] != after[name]]
@@ -44,9 +40,7 @@ class Crossing:
 
 def crossings(changes: list[float | None], errors: list[float], threshold: float) -> list[Crossing]:
     """Returns where the size of a change crosses the threshold; changes, errors and threshold in one unit, None for unknown ones.
-
-    Sizes are interpolated by their logarithms, since changes fall like powers of the distance.
-    """
+    Sizes are interpolated by their logarithms, since changes fall like powers of the distance."""
     sizes = [None if change is None else abs(change) for change in changes]
     bounds = [
         (None, None) if size is None else (size + error, max(size - error, 0.0))
@@ -54,7 +48,10 @@ def crossings(changes: list[float | None], errors: list[float], threshold: float
     ]
     found = []
     for at, rises in _places(sizes, threshold):
-        ends = [_nearest(list(curve), threshold, at, rises) for curve in zip(*bounds, strict=True)]
+        ends: list[float | None] = []
+        for curve in zip(*bounds, strict=True):
+            same_way = [place for place, direction in _places(list(curve), threshold) if direction == rises]
+            ends.append(min(same_way, key=lambda place: abs(place - at)) if same_way else None)
         first, last = ends if rises else reversed(ends)
         found.append(Crossing(at, first, last, rises))
     return found
@@ -65,24 +62,11 @@ def _places(sizes: list[float | None], threshold: float) -> list[tuple[float, bo
     found = []
     for number, (before, after) in enumerate(pairwise(sizes), start=1):
         if before is not None and after is not None and (before > threshold) != (after > threshold):
-            found.append((number + _share(before, after, threshold), after > before))
+            share = (threshold - before) / (after - before)
+            if before > 0 and after > 0:
+                share = math.log(threshold / before) / math.log(after / before)
+            found.append((number + share, after > before))
     return found
-
-
-def _share(before: float, after: float, threshold: float) -> float:
-    """Returns which share of the way from one frame to the next lies before the threshold."""
-    if before > 0 and after > 0:
-        return math.log(threshold / before) / math.log(after / before)
-    return (threshold - before) / (after - before)
-
-
-def _nearest(curve: list[float | None], threshold: float, at: float, rises: bool) -> float | None:
-    """Returns the place nearest to `at` where a curve crosses the threshold in the same direction."""
-    same_way = [place for place, direction in _places(curve, threshold) if direction == rises]
-    if not same_way:
-        return None
-    distances = [abs(place - at) for place in same_way]
-    return same_way[distances.index(min(distances))]
 
 
 @dataclass(frozen=True)
@@ -97,9 +81,14 @@ class Said:
     noticed: str
 
     @property
+    def error(self) -> float:
+        """The error of the change; infinite or NaN where none is known."""
+        return self.change.error if self.change is not None else math.inf
+
+    @property
     def is_truth(self) -> bool:
         """Whether the change is known with an error."""
-        return self.change is not None and math.isfinite(self.change.error)
+        return math.isfinite(self.error)
 
 
 _NOTHING = Said("", None, None, None, None, "")
@@ -116,10 +105,9 @@ class Series:
     @property
     def truth(self) -> tuple[Said, ...]:
         """In each frame the answer whose change has the least stated error; one that knows nothing where no method states one."""
-        frames = zip(*self.methods.values(), strict=True)
         return tuple(
-            min((said for said in frame if said.is_truth), key=_error_of_change, default=_NOTHING)
-            for frame in frames
+            min((said for said in frame if said.is_truth), key=lambda said: said.error, default=_NOTHING)
+            for frame in zip(*self.methods.values(), strict=True)
         )
 
 
@@ -150,14 +138,9 @@ def read(table: Path) -> Sweep:
 
 
 def _said(row: dict[str, str]) -> Said:
-    return Said(
-        answered_by=row["answered_by"],
-        change=_estimate(row, "change"),
-        value=_estimate(row, "value"),
-        background=_estimate(row, "background"),
-        delta_voltage=_number(row["delta_voltage_V"]),
-        noticed=row["noticed"],
-    )
+    change, value, background = (_estimate(row, name) for name in ("change", "value", "background"))
+    voltage = _number(row["delta_voltage_V"])
+    return Said(row["answered_by"], change, value, background, voltage, row["noticed"])
 
 
 def _estimate(row: dict[str, str], name: str) -> Estimate | None:
@@ -167,7 +150,3 @@ def _estimate(row: dict[str, str], name: str) -> Estimate | None:
 
 def _number(text: str) -> float | None:
     return float(text) if text else None
-
-
-def _error_of_change(said: Said) -> float:
-    return said.change.error if said.change is not None else math.inf

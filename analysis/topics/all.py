@@ -1,7 +1,5 @@
 """Every topic, in the order of the command line."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from analysis.topics.company.topic import COMPANY
@@ -13,12 +11,5 @@ from analysis.topics.published.topic import PUBLISHED
 from analysis.topics.topic import Topic
 from analysis.topics.verification.topic import VERIFICATION
 
-TOPICS: tuple[Topic[Any, Any], ...] = (
-    VERIFICATION,
-    ERRORS,
-    COMPANY,
-    MACHINES,
-    INSULATORS,
-    CORRECTIONS,
-    PUBLISHED,
-)
+_WITH_SCENES: tuple[Topic[Any, Any], ...] = (ERRORS, COMPANY, MACHINES, INSULATORS)
+TOPICS: tuple[Topic[Any, Any], ...] = (VERIFICATION, *_WITH_SCENES, CORRECTIONS, PUBLISHED)

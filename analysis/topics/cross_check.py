@@ -1,8 +1,6 @@
 """Boundary elements beside the field solver, which share nothing but the scene file: do they agree in every value that both compute, and what do both prove
 together for the diagonal of the Maxwell matrix?"""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import combinations_with_replacement
@@ -14,10 +12,10 @@ from analysis.report import page
 from analysis.report.plot import Panel, by_family, figure, guide, marks, power_axis, series_colour
 from analysis.results.answers import Estimate, MatrixAnswer
 from analysis.results.set_up import is_delta_self
+from analysis.results.statistics import grouped
 from analysis.results.study_results import CaseResult, Results
 from analysis.results.units import duration, percent
-from geometries.common.measured import PICOFARAD, picofarads
-
+from geometries.common.measured import PICOFARAD
 
 QUADRATURE_SHARE = 0.05
 """Largest quadrature error of an entry that is called a lower bound, relative to its stated error (model/BOUNDARY_ELEMENTS.md,
@@ -105,13 +103,9 @@ def brackets(results: Results) -> list[Bracket]:
     """Returns the bracket of every diagonal entry that the field solver encloses and boundary elements bound from below."""
     found = []
     for case, reference, boundary in _by_both(results):
-        bounded = [
-            name
-            for name, is_bound in zip(boundary.conductors, boundary.lower_bounds, strict=True)
-            if is_bound
-        ]
+        is_bound = dict(zip(boundary.conductors, boundary.lower_bounds, strict=True))
         for here, name in enumerate(reference.conductors):
-            if reference.is_proven and name in bounded:
+            if reference.is_proven and is_bound.get(name):
                 own = boundary.self_capacitance(name)
                 flux, upper = float(reference.lower[here, here]), float(reference.upper[here, here])
                 found.append(Bracket(case, name, own.value - QUADRATURE_SHARE * own.error, flux, upper))
@@ -122,18 +116,11 @@ def _of_case(case: CaseResult, reference: MatrixAnswer, boundary: MatrixAnswer) 
     common = [name for name in reference.conductors if name in boundary.conductors]
     found = []
     for pair in combinations_with_replacement(common, 2):
-        first, second = map(reference.conductors.index, pair)
-        row, column = map(boundary.conductors.index, pair)
-        found.append(
-            Comparison(
-                case,
-                f"M[{', '.join(pair)}]",
-                float(reference.maxwell[first, second]),
-                float(reference.lower[first, second]),
-                float(reference.upper[first, second]),
-                Estimate(float(boundary.maxwell[row, column]), float(boundary.error[row, column])),
-            )
-        )
+        by_field, by_boundary = (tuple(map(each.conductors.index, pair)) for each in (reference, boundary))
+        matrices = reference.maxwell, reference.lower, reference.upper
+        value, low, high = (float(each[by_field]) for each in matrices)
+        other = Estimate(float(boundary.maxwell[by_boundary]), float(boundary.error[by_boundary]))
+        found.append(Comparison(case, f"M[{', '.join(pair)}]", value, low, high, other))
     also = _changes(case, boundary)
     for what, change in _changes(case, reference).items():
         if what in also:
@@ -175,8 +162,11 @@ def sections(results: Results) -> list[Markup]:
     wrong = disagreements(found)
     if wrong:
         parts += [page.heading("Values that disagree"), _table(wrong)]
-    parts += [page.figures([_panel(found)]), page.soft(f"{_WHAT} {_reached(results)}")]
-    parts.append(page.folded("Show every value", _table(found)))
+    solved = [case.boundary for case in results.cases.values() if case.boundary is not None]
+    seconds = float(np.median([answer.seconds for answer in solved]))
+    short = f"{sum(not answer.reached for answer in solved)} of {len(solved)} are short of what was asked"
+    told = f"{_WHAT} They took {duration(seconds)} (median); {short}, with wider errors."
+    parts += [page.figures([_panel(found)]), page.soft(told), page.folded("Show every value", _table(found))]
     made = [page.section(TITLE, *parts, *_refused(results))]
     proven = brackets(results)
     return [*made, _brackets(proven)] if proven else made
@@ -210,24 +200,14 @@ def in_short(results: Results) -> str:
     )
 
 
-def _reached(results: Results) -> str:
-    solved = [case.boundary for case in results.cases.values() if case.boundary is not None]
-    short = sum(not answer.reached for answer in solved)
-    seconds = float(np.median([answer.seconds for answer in solved]))
-    return f"They took {duration(seconds)} (median); {short} of {len(solved)} are short of what was asked, with wider errors."
-
-
 def warning(results: Results, target: str) -> Markup:
     """Returns, for the head of the report, a finding with a link if values disagree; else nothing."""
     wrong = contradictions(results)
     if not wrong:
         return Markup("")
     link = page.link(target, f"{wrong} values of the two references disagree by more than their errors")
-    return page.finding(
-        Markup("{} One of the two values, or its stated error, is wrong.").format(
-            page.strong(Markup("{}.").format(link))
-        )
-    )
+    told = page.strong(Markup("{}.").format(link))
+    return page.finding(Markup("{} One of the two values, or its stated error, is wrong.").format(told))
 
 
 def bracket_finding(brackets: list[Bracket]) -> str:
@@ -240,11 +220,8 @@ def bracket_finding(brackets: list[Bracket]) -> str:
         f"{np.median(widths):.1e} wide (median; widest {widths.max():.1e}), {np.median(before / np.maximum(widths, 1e-12)):.2g} times "
         f"narrower (median) than the field solver's alone, which are {before.min():.1e} to {before.max():.1e} wide"
     )
-    return (
-        f"{sentence}; {contradicted} brackets are empty, which no true bounds can be."
-        if contradicted
-        else f"{sentence}."
-    )
+    empty = f"; {contradicted} brackets are empty, which no true bounds can be" if contradicted else ""
+    return f"{sentence}{empty}."
 
 
 def _panel(found: list[Comparison]) -> Panel:
@@ -272,7 +249,7 @@ def _table(found: list[Comparison]) -> Markup:
         ("field solver (pF)", lambda c: f"{c.reference / PICOFARAD:.6f}"),
         ("from", lambda c: f"{c.low / PICOFARAD:.6f}"),
         ("to", lambda c: f"{c.high / PICOFARAD:.6f}"),
-        ("boundary elements (pF)", lambda c: picofarads(c.boundary.value, c.boundary.error)),
+        ("boundary elements (pF)", lambda c: c.boundary.in_picofarads),
         ("difference", lambda c: f"{c.difference:+.1e}"),
         ("allowed", lambda c: f"{c.allowed:.1e}"),
         ("overlap", lambda c: page.yes_or_no(c.agrees)),
@@ -303,15 +280,11 @@ def _brackets(brackets: list[Bracket]) -> Markup:
 def _bracket_panel(brackets: list[Bracket]) -> Panel:
     before = [bracket.width_before for bracket in brackets]
     ends = [min(before) / 2, max(before) * 2]
-    points = marks(
-        "diagonal entries",
-        before,
-        [max(bracket.width, _ROUNDING) for bracket in brackets],
-        {"color": series_colour(0), "size": 8},
-        "%{text}: %{y:.1e} instead of %{x:.1e}<extra></extra>",
-        customdata=[bracket.case.id for bracket in brackets],
-        text=[f"{bracket.case.family}, {bracket.conductor}" for bracket in brackets],
-    )
+    widths = [max(bracket.width, _ROUNDING) for bracket in brackets]
+    named = [f"{bracket.case.family}, {bracket.conductor}" for bracket in brackets]
+    look, cases = {"color": series_colour(0), "size": 8}, [bracket.case.id for bracket in brackets]
+    hover = "%{text}: %{y:.1e} instead of %{x:.1e}<extra></extra>"
+    points = marks("diagonal entries", before, widths, look, hover, customdata=cases, text=named)
     x, y = power_axis("width by the field solver alone"), power_axis("width of the bracket")
     drawn = figure([guide("as wide", ends, ends), points], x, y, height=420)
     return Panel("relative widths of the intervals that hold M[i, i]", drawn)
@@ -319,18 +292,11 @@ def _bracket_panel(brackets: list[Bracket]) -> Panel:
 
 def _refused(results: Results) -> list[Markup]:
     """Returns the cases that boundary elements refuse, by reason."""
-    reasons: dict[str, list[Markup]] = {}
-    for case in results.cases.values():
-        if case.refused:
-            reasons.setdefault(case.refused, []).append(page.case_link(case.id, case.name))
-    if not reasons:
+    refused = [case for case in results.cases.values() if case.refused]
+    if not refused:
         return []
-    count = sum(map(len, reasons.values()))
-    return [
-        page.heading("Not comparable"),
-        page.paragraph(f"{count} set-ups are not comparable: boundary elements refuse them."),
-        *(
-            page.paragraph(Markup("{}: {}.").format(reason, Markup(", ").join(cases)))
-            for reason, cases in reasons.items()
-        ),
-    ]
+    told: list[str] = [f"{len(refused)} set-ups are not comparable: boundary elements refuse them."]
+    for reason, own in grouped(refused, lambda case: case.refused).items():
+        links = Markup(", ").join(page.case_link(each.id, each.name) for each in own)
+        told.append(Markup("{}: {}.").format(reason, links))
+    return [page.heading("Not comparable"), *map(page.paragraph, told)]

@@ -1,7 +1,5 @@
 """Draws what set-ups are made of at random. Python promises that the numbers of a generator stay the same."""
 
-from __future__ import annotations
-
 import math
 import random
 

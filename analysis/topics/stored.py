@@ -1,8 +1,6 @@
 """Records of set-ups that are kept beside the code of their topic, by the hash of the scene, so that nobody has to solve them again: what is solved by
 boundary elements, and readings by the field solver with their comparison and what a page says of it."""
 
-from __future__ import annotations
-
 import math
 import sys
 import time
@@ -21,12 +19,12 @@ from analysis.pipeline.stage import NoAnswer, Processes
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, log_axis, marks, series_colour
 from analysis.results.answers import Estimate
+from analysis.results.statistics import grouped
 from analysis.results.store import Document, read_json, write_json, write_text
 from analysis.results.study_results import SCENE
 from analysis.results.units import percent, signed_percent
 from geometries.common.children import temporary_folder
-from geometries.common.measured import PICOFARAD, picofarads
-
+from geometries.common.measured import PICOFARAD
 
 _DIGITS = 7
 """Significant digits of a rounded value: far more than are true."""
@@ -41,10 +39,8 @@ class Completed(NamedTuple):
 
 @dataclass(frozen=True)
 class Stored(Generic[SomeSetUp]):
-    """The records of the set-ups `chosen` in a file, in which they stand after the `description`.
-
-    `solve` makes a record; NoAnswer where there is none.
-    """
+    """The records of the set-ups `chosen` in a file, in which they stand after the `description`. `solve`
+    makes a record; NoAnswer where there is none."""
 
     file: Path
     description: str
@@ -58,8 +54,7 @@ class Stored(Generic[SomeSetUp]):
 
     def records(self) -> Document:
         """Returns the records by the identity of their set-up's scene; none without a file."""
-        document = read_json(self.file)
-        found: Document = {} if document is None else document[self.key]
+        found: Document = (read_json(self.file) or {self.key: {}})[self.key]
         return found
 
     def complete(self, set_ups: Iterable[SomeSetUp] | None = None, seconds: float = math.inf) -> Completed:
@@ -163,40 +158,42 @@ class FieldCheck(Stored[SomeSetUp]):
     def comparisons(self, found: Iterable[Any] = ()) -> list[Comparison[SomeSetUp]]:
         """Pairs the quantities that are recorded with those of the entries, which have a `set_up` and the quantities, in their order, or with those
         in the records."""
-        records = self.records()
-        pairs = (
-            [(each, None) for each in self.chosen()] if self.both else [(each.set_up, each) for each in found]
-        )
+        records, pairs = self.records(), [(each.set_up, each) for each in found]
+        if self.both:
+            pairs = [(each, None) for each in self.chosen()]
         return [
-            _comparison(set_up, quantity, records[set_up.identity], entry)
+            self._comparison(set_up, quantity, records[set_up.identity], entry)
             for set_up, entry in pairs
             if set_up.identity in records
             for quantity in self.quantities
         ]
 
-
-def _comparison(set_up: SomeSetUp, quantity: str, record: Document, entry: Any) -> Comparison[SomeSetUp]:
-    """Returns a quantity of the entry, or of the record without one, beside the field solver's."""
-    if entry is None:
-        field, boundary = (Estimate(**record[method][quantity]) for method in ("field", "boundary"))
-        return Comparison(set_up, quantity, field, boundary)
-    field, boundary = Estimate(**record[quantity]), getattr(entry, quantity)
-    if "lower" not in record:
-        return Comparison(set_up, quantity, field, boundary)
-    return Comparison(set_up, quantity, field, boundary, (record["lower"], record["upper"]))
+    def _comparison(self, set_up: Any, quantity: str, record: Document, entry: Any) -> Comparison[SomeSetUp]:
+        by_field = record["field"] if self.both else record
+        boundary = Estimate(**record["boundary"][quantity]) if self.both else getattr(entry, quantity)
+        proven = record.get("lower", -math.inf), record.get("upper", math.inf)
+        return Comparison(set_up, quantity, Estimate(**by_field[quantity]), boundary, proven)
 
 
-def solved(set_up: OfScene, *options: str) -> Document:
-    """Solves a set-up by the field solver with these options of its command; NoAnswer if it has none."""
+def solved(set_up: OfScene, *options: str) -> tuple[Document, Document]:
+    """Solves a set-up by the field solver with these options of its command; returns its one reading and the whole answer. NoAnswer if it has none."""
     with temporary_folder() as folder:
         scene = folder / SCENE
         write_text(scene, set_up.text)
-        return reference_stage.solve(scene, Processes(), *options)
+        document = reference_stage.solve(scene, Processes(), *options)
+    (reading,) = document["readings"]
+    return reading, document
 
 
 def quantities_of(reading: Document, names: Iterable[str] = QUANTITIES) -> Document:
     """Returns quantities of a reading as a record has them."""
     return {name: {"value": reading[name], "error": reading["error"][name]} for name in names}
+
+
+def by_boundary_elements(scene: Any, name: str, rtol: float) -> Document:
+    """Solves a scene of the model's module for a reading; returns its quantities as a record has them."""
+    reading = scene.readings("boundary-elements", rtol=rtol)[name]
+    return quantities_of({"error": reading.error} | {each: getattr(reading, each) for each in QUANTITIES})
 
 
 TITLE = "Checked by the field solver"
@@ -251,12 +248,9 @@ def _of_quantity(quantity: str, found: list[Comparison[Any]]) -> str:
     own = [each for each in found if each.quantity == quantity]
     worst = max(each.over_errors for each in own)
     farthest = max((each.difference for each in own), key=abs)
-    near, stated = (
-        sum(abs(each.difference) <= GOAL for each in own),
-        sum(each.over_errors <= 1 for each in own),
-    )
+    near = sum(abs(each.difference) <= GOAL for each in own)
     return (
-        f"{quantity} {stated} of {len(own)} within the errors and {near} within {percent(GOAL)}, at most {worst:.2f} of the errors and "
+        f"{quantity} {sum(each.over_errors <= 1 for each in own)} of {len(own)} within the errors and {near} within {percent(GOAL)}, at most {worst:.2f} of the errors and "
         f"{signed_percent(farthest)} of the value"
     )
 
@@ -264,9 +258,7 @@ def _of_quantity(quantity: str, found: list[Comparison[Any]]) -> str:
 def _differences(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Panel:
     """Plots the differences over the size of the value: a colour for each quantity, or of a single one for each kind of set-up."""
     is_one = len(check.quantities) == 1
-    groups: dict[str, list[Comparison[Any]]] = {}
-    for each in found:
-        groups.setdefault(check.kind(each.set_up) if is_one else each.quantity, []).append(each)
+    groups = grouped(found, lambda each: check.kind(each.set_up) if is_one else each.quantity)
     traces = [
         marks(
             name,
@@ -285,29 +277,21 @@ def _differences(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Panel:
 
 
 def _table(check: FieldCheck[Any], found: list[Comparison[Any]]) -> Markup:
-    proven: list[Column] = [
-        (
-            "proven to lie between (pF)",
-            lambda each: " and ".join(f"{end / PICOFARAD:.4g}" for end in each.proven),
-        ),
-        ("within", lambda each: page.yes_or_no(each.is_enclosed)),
-    ]
+    def ends(each: Comparison[Any]) -> str:
+        return " and ".join(f"{end / PICOFARAD:.4g}" for end in each.proven)
+
+    def of_set_up(shown: Callable[[Any], str]) -> Callable[[Comparison[Any]], str]:
+        return lambda each: shown(each.set_up)
+
+    within = ("within", lambda each: page.yes_or_no(each.is_enclosed))
     columns: list[Column] = [
-        *((title, _of_set_up(shown)) for title, shown in check.described),
+        *((title, of_set_up(shown)) for title, shown in check.described),
         ("quantity", lambda each: each.quantity),
-        ("field solver (pF)", lambda each: _picofarad(each.field)),
-        ("boundary elements (pF)", lambda each: _picofarad(each.boundary)),
+        ("field solver (pF)", lambda each: each.field.in_picofarads),
+        ("boundary elements (pF)", lambda each: each.boundary.in_picofarads),
         ("difference", lambda each: signed_percent(each.difference)),
         ("errors", lambda each: percent(each.allowed)),
         ("difference/errors", lambda each: f"{each.over_errors:.2f}"),
-        *(proven if found[0].is_proven else []),
+        *([("proven to lie between (pF)", ends), within] if found[0].is_proven else []),
     ]
     return page.table_of(found, *columns, text_columns=len(check.described) + 1)
-
-
-def _of_set_up(shown: Callable[[Any], str]) -> Callable[[Comparison[Any]], str]:
-    return lambda each: shown(each.set_up)
-
-
-def _picofarad(estimate: Estimate) -> str:
-    return picofarads(estimate.value, estimate.error)

@@ -1,7 +1,5 @@
 """A question that set-ups answer, declared once: its command, its page, its section and its card in the reports of studies follow from it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,7 +12,6 @@ from analysis.pipeline.set_up_stages import SetUpStages, SomeItem, Stages
 from analysis.report import page
 from analysis.results.store import Document, write_text
 from analysis.topics import stored
-from analysis.topics.stored import FieldCheck, Stored
 from geometries.common import installation
 
 SomeEntry = TypeVar("SomeEntry")
@@ -45,8 +42,8 @@ class Topic(Generic[SomeItem, SomeEntry]):
     question: str = ""
     short: str = ""
     reproduce: str = ""
-    truths: Stored[Any] | None = None
-    check: FieldCheck[Any] | None = None
+    truths: stored.Stored[Any] | None = None
+    check: stored.FieldCheck[Any] | None = None
     is_quick: bool = False
     cases: Callable[[Path, list[SomeEntry]], None] | None = None
     set_ups_page: Callable[[list[SomeEntry], str, str, str, str], str] | None = None
@@ -114,13 +111,9 @@ class Topic(Generic[SomeItem, SomeEntry]):
             return []
         assert isinstance(self.stages, SetUpStages)
         scene = f"{installation.from_repository(folder / 'cases')}/SET_UP/scene.toml"
-        analysis = installation.command("analysis")
-        commands = [
-            f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {self.stages.rtol:g}",
-            f"{analysis} {self.name} --output {installation.from_repository(folder)}",
-        ]
-        if self.truths:
-            commands.append(f"{analysis} measure truths {self.name}")
-        if self.is_quick:
-            commands.append(f"{analysis} measure field-check {self.name}")
+        solve = f"{installation.model_command()} capacitance {scene} --method boundary-elements --rtol {self.stages.rtol:g}"
+        own = [f"{self.name} --output {installation.from_repository(folder)}"]
+        own += [f"measure truths {self.name}"] if self.truths else []
+        own += [f"measure field-check {self.name}"] if self.is_quick else []
+        commands = [solve, *(f"{installation.command('analysis')} {words}" for words in own)]
         return [page.section("Reproduce", page.paragraph(self.reproduce), *map(page.command, commands))]

@@ -1,10 +1,7 @@
 """The set-ups of Experiment VII: a sensor and a hand, alone and in company, the hand connected to the ground in five ways. Metres, farads.
 
-Their readings are computed by boundary elements, with the model's change; finished set-ups are not computed again. The field solver's readings of
-some are stored: `python3 -m analysis measure field-check company`, forty minutes of one core.
-"""
-
-from __future__ import annotations
+Their readings are computed by boundary elements, with the model's change; finished set-ups are not computed again. The field solver's
+readings of some are stored: `python3 -m analysis measure field-check company`, forty minutes of one core."""
 
 import math
 import random
@@ -22,22 +19,15 @@ from analysis.results.store import Document
 from analysis.results.study_results import COMPARED_METHOD
 from analysis.topics import stored
 from analysis.topics.draw import DIGITS, length
-from analysis.topics.stored import QUANTITIES, FieldCheck
 from geometries.scene.poses import Pose
 from geometries.scene.scene import Object, Scene, Sensor
 from geometries.scene.shapes import Cuboid
 from geometries.studies import machines
 from geometries.studies.families import FLOATING, GROUNDED, empty
 
-NOTHING, HOUSING, GUARD, TABLE, PERSON = (
-    "nothing",
-    "housing",
-    "housing and driven guard",
-    "table",
-    "second person",
-)
-MACHINES = (NOTHING, HOUSING, GUARD, TABLE, PERSON)
+MACHINES = ("nothing", "housing", "housing and driven guard", "table", "second person")
 """What stands around the sensor and stays when the hand goes. All of it is grounded but the guard."""
+NOTHING, HOUSING, GUARD, TABLE, PERSON = MACHINES
 TO_GROUND = {GROUNDED: math.inf, "1 nF": 1e-9, "100 pF": 1e-10, "10 pF": 1e-11, FLOATING: 0.0}
 """Capacitance (F) between the hand, a person's, and the ground, by its name."""
 SENSOR, HAND = "sensor", "hand"
@@ -67,16 +57,14 @@ def all_set_ups() -> tuple[SetUp, ...]:
         SetUp(machines.before(Scene(sensors=sensors, objects=(target,)), around), number, machine, ground)
         for number, (sensors, hand, company) in enumerate(_arrangements(), start=1)
         for machine, around in company.items()
-        for ground, target in _connected(hand).items()
+        for ground in TO_GROUND
+        for target in [_connected(hand, ground)]
     )
 
 
-def _connected(hand: Object) -> dict[str, Object]:
-    """Returns the grounded hand with every connection."""
-    return {
-        ground: hand if ground == GROUNDED else replace(hand, potential=FLOATING, to_ground=capacitance)
-        for ground, capacitance in TO_GROUND.items()
-    }
+def _connected(hand: Object, ground: str) -> Object:
+    """Returns the grounded hand with a connection."""
+    return hand if ground == GROUNDED else replace(hand, potential=FLOATING, to_ground=TO_GROUND[ground])
 
 
 def _arrangements() -> Iterator[tuple[tuple[Sensor, ...], Object, dict[str, tuple[Object, ...]]]]:
@@ -110,17 +98,12 @@ _SECONDS_GUARDED, _SECONDS = 2.0, 0.2
 
 def answer(set_up: SetUp, scene: Path) -> Document:
     """Computes value, background and change (F) with their errors; and `model`, the model's change, which knows only grounded hands."""
-    model = model_stage.model_module()
+    loaded = model_stage.model_module().Scene.load(str(scene))
     before = perf_counter()
-    reading = model.Scene.load(str(scene)).readings("boundary-elements", rtol=RTOL)[SENSOR]
+    quantities = stored.by_boundary_elements(loaded, SENSOR, RTOL)
     seconds = perf_counter() - before
-    quantities = {
-        name: {"value": float(getattr(reading, name)), "error": float(reading.error[name])}
-        for name in QUANTITIES
-    }
-    grounded = set_up.ground == GROUNDED
-    by_model = model.Scene.load(str(scene)).readings(COMPARED_METHOD)[SENSOR] if grounded else None
-    return {"seconds": seconds, **quantities, "model": float(by_model.change) if by_model else None}
+    by_model = loaded.readings(COMPARED_METHOD)[SENSOR].change if set_up.ground == GROUNDED else None
+    return {"seconds": seconds, **quantities, "model": by_model}
 
 
 STAGES = SetUpStages[SetUp](
@@ -131,7 +114,6 @@ STAGES = SetUpStages[SetUp](
     seconds=lambda set_up: _SECONDS_GUARDED if set_up.machine == GUARD else _SECONDS,
     answer=answer,
 )
-
 
 MOST_UNKNOWNS = (550_000, 1_200_000)
 """Limits of a mesh's unknowns, tried in turn until two meshes have fewer; a third mesh mostly has more and would take minutes and gigabytes."""
@@ -159,9 +141,8 @@ def solved(set_up: SetUp) -> Document:
     (asked_for,) = set_up.scene.readings
     asked = ("--error", "estimate", "--columns", ",".join(asked_for.drive))
     for most in MOST_UNKNOWNS[1:] if _is_large(set_up) else MOST_UNKNOWNS:
-        document = stored.solved(set_up, *asked, "--max-unknowns", str(most))
+        reading, document = stored.solved(set_up, *asked, "--max-unknowns", str(most))
         if len(document["levels"]) > 1:
-            (reading,) = document["readings"]
             return {**stored.quantities_of(reading), "seconds": document["seconds"]}
     raise NoAnswer("one mesh has no estimated error")
 
@@ -170,7 +151,7 @@ def _is_large(set_up: SetUp) -> bool:
     return set_up.machine in (GUARD, PERSON)
 
 
-CHECK = FieldCheck[SetUp](
+CHECK = stored.FieldCheck[SetUp](
     file=Path(__file__).with_name("field_checks.json"),
     description=_DESCRIPTION,
     chosen=chosen,

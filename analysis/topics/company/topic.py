@@ -1,12 +1,9 @@
 """Experiment VII in the report: what company makes of the change of a reading, as factors with figures of them, and the model beside it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
-import plotly.graph_objects as go
 from markupsafe import Markup
 
 from analysis.report import page
@@ -16,24 +13,11 @@ from analysis.results.statistics import Spread, ratio, spread
 from analysis.results.store import Document
 from analysis.results.units import percent
 from analysis.topics.company import set_ups
-from analysis.topics.company.set_ups import (
-    CHECK,
-    GUARD,
-    HOUSING,
-    MACHINES,
-    NOTHING,
-    PERSON,
-    RTOL,
-    STAGES,
-    TABLE,
-    TO_GROUND,
-    SetUp,
-)
+from analysis.topics.company.set_ups import GUARD, HOUSING, MACHINES, NOTHING, PERSON, TABLE, TO_GROUND, SetUp
 from analysis.topics.stored import QUANTITIES
 from analysis.topics.topic import Topic
-from geometries.common.measured import PICOFARAD, picofarads
+from geometries.common.measured import PICOFARAD
 from geometries.studies.families import FLOATING, GROUNDED
-
 
 PARTS = {
     "housing": (HOUSING, NOTHING),
@@ -95,8 +79,7 @@ def factors(found: list[Entry]) -> list[Factor]:
     for which there is any pair of set-ups."""
     made = [of_part(found, part, tuple(TO_GROUND)) for part in PARTS]
     made += [of_connection(found, ground, MACHINES) for ground in CONNECTIONS]
-    together = _ratios(found, [((HOUSING, FLOATING), (NOTHING, GROUNDED))])
-    made.append(Factor(TOGETHER, "neither", together))
+    made.append(_factor(TOGETHER, "neither", found, [((HOUSING, FLOATING), (NOTHING, GROUNDED))]))
     return [factor for factor in made if factor.ratios]
 
 
@@ -104,26 +87,22 @@ def of_part(found: list[Entry], part: str, grounds: tuple[str, ...]) -> Factor:
     """Returns what a part of a machine makes of the change, over some connections of the hand; perhaps without any ratio."""
     machine, without = PARTS[part]
     pairs = [((machine, ground), (without, ground)) for ground in grounds]
-    return Factor(part, "without it", _ratios(found, pairs))
+    return _factor(part, "without it", found, pairs)
 
 
 def of_connection(found: list[Entry], ground: str, machines: tuple[str, ...]) -> Factor:
     """Returns what the hand's connection makes of the change, over some machines; perhaps without any ratio."""
     pairs = [((machine, ground), (machine, GROUNDED)) for machine in machines]
-    return Factor(_hand(ground), "grounded", _ratios(found, pairs))
+    return _factor(_hand(ground), "grounded", found, pairs)
 
 
 def of_model(found: list[Entry], machine: str, ground: str) -> Factor:
     """Returns the model's change, that of the grounded hand, over the true one; perhaps without any ratio."""
-    model = {
-        entry.set_up.number: entry.model
-        for entry in found
-        if entry.model is not None and entry.set_up.machine == machine
-    }
+    model = {number: entry.model for number, entry in _of(found, machine, GROUNDED).items()}
     ratios = tuple(
-        Ratio(each.set_up.id, model[number] / each.change.value, each.change.error / each.change.value)
+        Ratio(each.set_up.id, by_model / each.change.value, each.change.error / each.change.value)
         for number, each in _of(found, machine, ground).items()
-        if number in model
+        if (by_model := model.get(number)) is not None
     )
     return Factor(f"{machine}, {_hand(ground)}", "truth", ratios)
 
@@ -132,42 +111,31 @@ def _hand(ground: str) -> str:
     return f"hand {ground}" if ground in (GROUNDED, FLOATING) else f"hand through {ground}"
 
 
-def _ratios(found: list[Entry], pairs: Iterable[tuple[Kind, Kind]]) -> tuple[Ratio, ...]:
+def _factor(what: str, against: str, found: list[Entry], pairs: Iterable[tuple[Kind, Kind]]) -> Factor:
     """Divides the changes of a machine and a connection by those of others, arrangement by arrangement."""
-    return tuple(
-        _ratio(above[number], below[number])
-        for these, those in pairs
-        for above, below in [(_of(found, *these), _of(found, *those))]
-        for number in sorted(above.keys() & below.keys())
-    )
-
-
-def _ratio(entry: Entry, other: Entry) -> Ratio:
-    above, below = entry.change, other.change
-    # Both errors may have the same cause or opposite ones: their sizes are added.
-    error = above.error / above.value + below.error / below.value
-    return Ratio(entry.set_up.id, above.value / below.value, error)
+    ratios = []
+    for these, those in pairs:
+        above, below = _of(found, *these), _of(found, *those)
+        for number in sorted(above.keys() & below.keys()):
+            one, other = above[number].change, below[number].change
+            # Both errors may have the same cause or opposite ones: their sizes are added.
+            error = one.error / one.value + other.error / other.value
+            ratios.append(Ratio(above[number].set_up.id, one.value / other.value, error))
+    return Factor(what, against, tuple(ratios))
 
 
 def _of(found: list[Entry], machine: str, ground: str) -> dict[int, Entry]:
-    return {
-        entry.set_up.number: entry
-        for entry in found
-        if entry.set_up.machine == machine and entry.set_up.ground == ground
-    }
+    own = (entry for entry in found if (entry.set_up.machine, entry.set_up.ground) == (machine, ground))
+    return {entry.set_up.number: entry for entry in own}
 
 
 def entry(set_up: SetUp, document: Document) -> Entry:
     """Returns a set-up with its answer."""
-    value, background, change = (Estimate(**document[name]) for name in QUANTITIES)
-    return Entry(set_up, value, background, change, document["model"])
+    return Entry(set_up, **{name: Estimate(**document[name]) for name in QUANTITIES}, model=document["model"])
 
 
 TITLE = "In company: Experiment VII"
-ABSENT = (
-    "This version of the model has no study of readings in company yet: python3 -m analysis company does it in a "
-    "minute or two."
-)
+ABSENT = "This version of the model has no study of readings in company yet: python3 -m analysis company does it in a minute or two."
 _WHAT = (
     "Change: the reading with the hand less that without it, the rest of the scene as it is. Each factor divides the changes of two set-ups "
     "that differ only in what the row names; a factor of one means that it does not matter. The machine's housing, "
@@ -218,16 +186,12 @@ def finding(found: list[Entry]) -> str:
     for part in PARTS:
         grounded, floating = (of_part(found, part, (ground,)) for ground in (GROUNDED, FLOATING))
         if grounded.ratios and floating.ratios:
-            phrases.append(
-                f"{part} {grounded.spread.range} of a grounded hand and {floating.spread.range} of a floating one"
-            )
-    phrases += [
-        f"{each.what} instead of grounded {each.spread.range}"
-        for each in factors(found)
-        if each.against == GROUNDED
-    ]
+            of_grounded = f"{grounded.spread.range} of a grounded hand"
+            phrases.append(f"{part} {of_grounded} and {floating.spread.range} of a floating one")
+    connections = (each for each in factors(found) if each.against == GROUNDED)
+    phrases += [f"{each.what} instead of grounded {each.spread.range}" for each in connections]
     return (
-        f"Over {len(found)} set-ups, solved by boundary elements asked for {percent(RTOL)}, the change that a hand makes is multiplied, in "
+        f"Over {len(found)} set-ups, solved by boundary elements asked for {percent(set_ups.RTOL)}, the change that a hand makes is multiplied, in "
         f"the median and from least to most, by: {'; '.join(phrases)}."
     )
 
@@ -289,8 +253,8 @@ def _numbers(found: list[Entry]) -> Markup:
         ("arrangement", lambda entry: str(entry.set_up.number)),
         ("in company of", lambda entry: entry.set_up.machine),
         ("hand", lambda entry: entry.set_up.ground),
-        ("background (pF)", lambda entry: picofarads(entry.background.value, entry.background.error)),
-        ("change (pF)", lambda entry: picofarads(entry.change.value, entry.change.error)),
+        ("background (pF)", lambda entry: entry.background.in_picofarads),
+        ("change (pF)", lambda entry: entry.change.in_picofarads),
         ("model (pF)", lambda entry: "" if entry.model is None else f"{entry.model / PICOFARAD:.4f}"),
         text_columns=4,
     )
@@ -311,11 +275,15 @@ def _plot_of_factors(found: list[Entry]) -> Panel:
         "hand floating": [of_part(found, part, (FLOATING,)) for part in PARTS],
         "hand, against the grounded one": [factor for factor in made if factor.what not in PARTS],
     }
-    traces: list[object] = [
-        _points(name, factors_of_colour, series_colour(index))
-        for index, (name, factors_of_colour) in enumerate(split.items())
-    ]
-    traces.append(_medians(made))
+    traces, hover = [], "%{x:.4g}<br>set-up %{text}<extra>%{y}</extra>"
+    for index, (name, own) in enumerate(split.items()):
+        points = [(each.value, factor.what, each.id) for factor in own for each in factor.ratios]
+        values, whats, ids = zip(*points) if points else ((), (), ())
+        look = {"color": series_colour(index), "size": 7, "opacity": 0.45}
+        traces.append(marks(name, values, whats, look, hover, text=ids))
+    marker = {"color": INK, "symbol": "line-ns-open", "size": 20, "line": {"width": 3}}
+    medians = [factor.spread.median for factor in made]
+    traces.append(marks("median", medians, names, marker, "median %{x:.4g}<extra>%{y}</extra>"))
     x = log_axis("change over the change without it")
     return Panel(
         "what the company and the hand's connection make of the change",
@@ -323,21 +291,8 @@ def _plot_of_factors(found: list[Entry]) -> Panel:
     )
 
 
-def _points(name: str, made: list[Factor], colour: str) -> go.Scatter:
-    points = [(each.value, factor.what, each.id) for factor in made for each in factor.ratios]
-    values, whats, ids = zip(*points) if points else ((), (), ())
-    marker = {"color": colour, "size": 7, "opacity": 0.45}
-    return marks(name, values, whats, marker, "%{x:.4g}<br>set-up %{text}<extra>%{y}</extra>", text=ids)
-
-
-def _medians(made: list[Factor]) -> go.Scatter:
-    marker = {"color": INK, "symbol": "line-ns-open", "size": 20, "line": {"width": 3}}
-    medians, whats = [factor.spread.median for factor in made], [factor.what for factor in made]
-    return marks("median", medians, whats, marker, "median %{x:.4g}<extra>%{y}</extra>")
-
-
 COMPANY = Topic[SetUp, Entry](
-    stages=STAGES,
+    stages=set_ups.STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
     entry=entry,
     sections=lambda found, checked, _: [section(found, checked)],
@@ -347,5 +302,5 @@ COMPANY = Topic[SetUp, Entry](
     question="What does a machine around the sensor change?",
     short="in company",
     reproduce="From the project's folder: the readings of a set-up, which is named as in the numbers, and those of all that have none yet.",
-    check=CHECK,
+    check=set_ups.CHECK,
 )

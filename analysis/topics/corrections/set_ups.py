@@ -3,15 +3,11 @@ their errors, and the tables of errors in model/CORRECTIONS.md: `python3 -m anal
 
 A third of them is sealed for testing. The rule depends on the name alone, and the names are older than any correction."""
 
-from __future__ import annotations
-
 import argparse
-import csv
 import hashlib
-import io
 import itertools
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,15 +15,16 @@ import numpy as np
 
 from analysis.pipeline.model_stage import model_module, options
 from analysis.pipeline.set_up_stages import OfScene
-from analysis.results.store import Document, write_text
+from analysis.results.statistics import grouped
+from analysis.results.store import Document
 from analysis.results.units import percent
+from analysis.topics.stored import Stored, rounded
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT
 from geometries.scene.poses import Pose, QuaternionRotation
 from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 from geometries.studies import families
-
 
 SEED = 20240611
 COUNTS = {"parallel": 80, "inclined": 50, "edge": 50, "corner": 50, "straddle": 60, "plates": 90, "boxes": 70}
@@ -71,7 +68,9 @@ def set_ups(module: Any) -> Iterator[SetUp]:
 def _drawn(family: str, draw: Draw, module: Any) -> Scene | None:
     """Draws one set-up; None if the random numbers give no valid set-up of the family."""
     try:
-        return _FAMILIES[family](draw, module)
+        if family in _FAMILIES:
+            return _FAMILIES[family](draw, _sensor(draw))
+        return _posed(draw, module, _shape(family, draw))
     except InputError:
         return None
 
@@ -100,50 +99,42 @@ def _gap(draw: Draw) -> float:
     return _between(draw, _LEAST_GAP, _MOST_GAP)
 
 
-def _parallel(draw: Draw, module: Any) -> Scene:
-    sensor = _sensor(draw)
-    return families.parallel(sensor, _target(draw, sensor), _gap(draw))
-
-
-def _inclined(draw: Draw, module: Any) -> Scene:
-    sensor = _sensor(draw)
-    return families.inclined(sensor, _target(draw, sensor), _gap(draw), _degrees(draw, 90))
-
-
-def _edge(draw: Draw, module: Any) -> Scene:
-    sensor = _sensor(draw)
+def _edge(draw: Draw, sensor: Vector2) -> Scene:
     target = (_between(draw, _SMALLEST, _LARGEST), _between(draw, _SMALLEST, sensor[1]))
     height = 0.0 if draw.random() < 1 / 3 else _gap(draw)
     return families.edge(sensor, target, _gap(draw), height, _degrees(draw, 90))
 
 
-def _corner(draw: Draw, module: Any) -> Scene:
-    sensor = _sensor(draw)
+def _corner(draw: Draw, sensor: Vector2) -> Scene:
     height = 0.0 if draw.random() < 1 / 3 else _gap(draw)
-    gap = (_gap(draw), _gap(draw))
-    return families.corner(
-        sensor, _target(draw, sensor), gap, height, _degrees(draw, 90), _degrees(draw, 360)
-    )
+    gap, target = (_gap(draw), _gap(draw)), _target(draw, sensor)
+    return families.corner(sensor, target, gap, height, _degrees(draw, 90), _degrees(draw, 360))
 
 
-def _straddle(draw: Draw, module: Any) -> Scene:
-    sensor = _sensor(draw)
+def _straddle(draw: Draw, sensor: Vector2) -> Scene:
     offset = (float(np.round(draw.uniform(-0.1, 0.1), 4)), float(np.round(draw.uniform(-0.1, 0.1), 4)))
     turn = 0.0 if draw.random() < 1 / 3 else _degrees(draw, 360)
-    return families.straddle(
-        sensor, _target(draw, sensor), _gap(draw), offset, _degrees(draw, 90) * draw.integers(2), turn
-    )
+    target, gap = _target(draw, sensor), _gap(draw)
+    return families.straddle(sensor, target, gap, offset, _degrees(draw, 90) * draw.integers(2), turn)
 
 
-def _plates(draw: Draw, module: Any) -> Scene | None:
-    return _posed(
-        draw, module, PlateShape((_between(draw, _SMALLEST, _LARGEST), _between(draw, _SMALLEST, _LARGEST)))
-    )
+_FAMILIES: dict[str, Callable[[Draw, Vector2], Scene]] = {
+    "parallel": lambda draw, sensor: families.parallel(sensor, _target(draw, sensor), _gap(draw)),
+    "inclined": lambda draw, sensor: families.inclined(
+        sensor, _target(draw, sensor), _gap(draw), _degrees(draw, 90)
+    ),
+    "edge": _edge,
+    "corner": _corner,
+    "straddle": _straddle,
+}
 
 
-def _boxes(draw: Draw, module: Any) -> Scene | None:
+def _shape(family: str, draw: Draw) -> PlateShape | Cuboid:
+    """Draws a body of the families that pose one anywhere."""
+    if family == "plates":
+        return PlateShape((_between(draw, _SMALLEST, _LARGEST), _between(draw, _SMALLEST, _LARGEST)))
     x, y, z = (_between(draw, _SMALLEST, 0.2) for _ in range(3))
-    return _posed(draw, module, Cuboid((x, y, z)))
+    return Cuboid((x, y, z))
 
 
 def _posed(draw: Draw, module: Any, shape: PlateShape | Cuboid) -> Scene | None:
@@ -173,20 +164,11 @@ def _posed(draw: Draw, module: Any, shape: PlateShape | Cuboid) -> Scene | None:
     return Scene(sensors=alone.sensors, objects=(target,))
 
 
-_FAMILIES: dict[str, Callable[[Draw, Any], Scene | None]] = {
-    "parallel": _parallel,
-    "inclined": _inclined,
-    "edge": _edge,
-    "corner": _corner,
-    "straddle": _straddle,
-    "plates": _plates,
-    "boxes": _boxes,
-}
-
-
-FILE = Path(__file__).with_name("truths.csv")
 RTOL = 1e-4
-_COLUMNS = ("name", "mutual", "error", "sensor", "sensor_alone")
+_DESCRIPTION = (
+    "Capacitances (F) of the set-ups for fitting and testing corrections by boundary elements, by the hash of the scene, with stated errors. "
+    "Made by python3 -m analysis measure truths corrections."
+)
 
 
 @dataclass(frozen=True)
@@ -199,33 +181,23 @@ class Truth:
     sensor_alone: float
 
 
-def load(file: Path = FILE) -> dict[str, Truth]:
-    """Returns the truths by the set-up's name."""
-    with file.open(encoding="utf-8", newline="") as lines:
-        rows = list(csv.DictReader(lines))
-    return {row["name"]: Truth(*(float(row[column]) for column in _COLUMNS[1:])) for row in rows}
-
-
-def make(file: Path = FILE) -> int:
-    """Solves every set-up and writes the file; returns the number of set-ups."""
-    module = model_module()
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(_COLUMNS)
-    count = 0
-    for count, set_up in enumerate(set_ups(module), start=1):
-        truth = solved(module, set_up)
-        numbers = [f"{getattr(truth, column):.7g}" for column in _COLUMNS[1:]]
-        writer.writerow([set_up.name, *numbers])
-    write_text(file, text.getvalue())
-    return count
+def load() -> dict[str, Truth]:
+    """Returns the truths by the identity of their set-up's scene."""
+    return {identity: Truth(**record) for identity, record in STORED.records().items()}
 
 
 def solved(module: Any, set_up: SetUp) -> Truth:
     answer: dict[str, Any] = module.Scene.loads(set_up.text).maxwell(rtol=RTOL)
     matrix, change = answer["maxwell"], answer["delta_self"]["sensor"]["value"]
-    return Truth(-matrix[0, 1], answer["error"][0, 1], matrix[0, 0], matrix[0, 0] - change)
+    return Truth(*map(float, (-matrix[0, 1], answer["error"][0, 1], matrix[0, 0], matrix[0, 0] - change)))
 
+
+STORED = Stored[SetUp](
+    file=Path(__file__).with_name("truths.json"),
+    description=_DESCRIPTION,
+    chosen=lambda: set_ups(model_module()),
+    solve=lambda each: rounded(asdict(solved(model_module(), each))),
+)
 
 PLAIN, FORMULA, REDUCED = "exact", "formula", "reduced"
 METHODS = (PLAIN, FORMULA, REDUCED)
@@ -239,10 +211,10 @@ def estimate(module: Any) -> list[Document]:
 
 
 def _estimated(module: Any, set_up: SetUp, truths: dict[str, Truth]) -> Document:
-    if set_up.name not in truths:
+    if set_up.identity not in truths:
         again = "python3 -m analysis measure truths corrections makes them anew"
         raise KeyError(f"{set_up.name} has no truth: {again}")
-    scene, truth = module.Scene.loads(set_up.text), truths[set_up.name]
+    scene, truth = module.Scene.loads(set_up.text), truths[set_up.identity]
     (plate,), bodies = set_up.scene.sensors[0].plates, set_up.scene.conductors()
     points = [bodies[name].reshape(-1, 3) for name in ("sensor", "target")]
     return {
@@ -268,16 +240,13 @@ def off(case: Document, method: str) -> float:
 def evaluations(cases: Sequence[Document]) -> list[Document]:
     """Returns the statistics of each method's errors: of all set-ups, of the sealed third, on which no constant was fitted, and of each
     family."""
-    families = dict.fromkeys(case["family"] for case in cases)
+    families = grouped(cases, lambda case: str(case["family"]))
     return [
         {
             "name": method,
             "all": errors(cases, method),
             "sealed": errors([case for case in cases if case["sealed"]], method),
-            "families": {
-                family: errors([case for case in cases if case["family"] == family], method)
-                for family in families
-            },
+            "families": {family: errors(own, method) for family, own in families.items()},
         }
         for method in METHODS
     ]
@@ -301,7 +270,11 @@ _HEADER = ("| | rms | median | 95 % | worst | sealed rms / worst |", "|---|---|-
 
 def errors_table(found: Sequence[Document]) -> list[str]:
     """Returns a row for each method, per cent of the truth."""
-    return [*_HEADER, *(_row(each) for each in found)]
+    lines = list(_HEADER)
+    for each in found:
+        cells = (_per_cent(each["all"][what]) for what in ("rms", "median", "percentile_95", "worst"))
+        lines.append(f"| `{each['name']}` | {' | '.join(cells)} | {_both(each['sealed'])} |")
+    return lines
 
 
 def by_family(found: Sequence[Document]) -> str:
@@ -309,11 +282,6 @@ def by_family(found: Sequence[Document]) -> str:
     (formula,) = (each for each in found if each["name"] == FORMULA)
     phrases = (f"{family} {_both(errors)}" for family, errors in formula["families"].items())
     return f"The formula by family, rms / worst: {', '.join(phrases)}."
-
-
-def _row(each: Document) -> str:
-    phrases = (_per_cent(each["all"][what]) for what in ("rms", "median", "percentile_95", "worst"))
-    return f"| `{each['name']}` | {' | '.join(phrases)} | {_both(each['sealed'])} |"
 
 
 def _both(errors: Document) -> str:
@@ -330,10 +298,9 @@ def near_misses(cases: Sequence[Document]) -> int:
     return sum(abs(off(case, REDUCED)) > 0.01 for case in cases)
 
 
-def measure(_: argparse.Namespace) -> int:
+def measure(_: argparse.Namespace) -> None:
     """Prints all lines; takes some seconds."""
     cases = estimate(model_module())
     evaluated = evaluations(cases)
     near = f"{near_misses(cases)} of {len(cases)} set-ups are more than 1 % off by reduced"
     print("\n".join([*errors_table(evaluated), near, by_family(evaluated)]))
-    return 0

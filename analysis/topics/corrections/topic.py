@@ -1,7 +1,5 @@
 """The corrections of the model as a topic: their errors and run times, evaluated and measured together, and every set-up as plain data."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 from collections.abc import Callable, Iterable
@@ -26,7 +24,7 @@ from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from analysis.results.units import CENTIMETRE, percent, signed_percent, too
 from analysis.topics.corrections import set_ups
-from analysis.topics.corrections.set_ups import FILE, FORMULA, PLAIN, REDUCED, RTOL, off
+from analysis.topics.corrections.set_ups import FORMULA, PLAIN, REDUCED, RTOL, STORED, off
 from analysis.topics.topic import Topic
 from geometries.common.children import ending_with_this, temporary_folder
 from geometries.common.installation import ROOT, no_benchmark
@@ -34,7 +32,6 @@ from geometries.common.measured import PICOFARAD, measured
 from geometries.scene import reader
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
-
 
 SHOWN = (FORMULA, REDUCED)
 """The methods whose errors are plotted set-up by set-up."""
@@ -44,33 +41,27 @@ _WITHIN = 0.05
 
 def set_by_set(cases: list[Document], set_ups: str) -> Markup:
     """Returns the finding and the plot; `set_ups` is the file of the page that the points open, as seen from the page."""
-    return page.lines(
-        [
-            page.heading("Set-up by set-up"),
-            page.finding(finding_of_set_ups(cases)),
-            page.figures([_panel(cases, name) for name in SHOWN], set_ups=set_ups),
-            page.soft(
-                "A click on a point opens its set-up. The distance is the shortest between the two bodies, the sensor's size the root of its "
-                "area."
-            ),
-        ]
+    figures = page.figures([_panel(cases, name) for name in SHOWN], set_ups=set_ups)
+    says = page.soft(
+        "A click on a point opens its set-up. The distance is the shortest between the two bodies, the sensor's size the root of its area."
     )
+    heading = page.heading("Set-up by set-up")
+    return page.lines([heading, page.finding(finding_of_set_ups(cases)), figures, says])
 
 
 def finding_of_set_ups(cases: list[Document]) -> str:
     """Tells for how many set-ups the best closed formula is nearly right, and where it and the reduced method are worst."""
     best, reduced = SHOWN
     near = sum(abs(off(case, best)) <= _WITHIN for case in cases)
-    worst = {name: max(cases, key=lambda case: abs(off(case, name))) for name in SHOWN}
-    return (
-        f"The {best} is within {percent(_WITHIN)} in {near} of {len(cases)} set-ups and worst in {_told_worst(worst[best], best)}; "
-        f"{reduced} is worst in {_told_worst(worst[reduced], reduced)}."
-    )
 
+    def worst(name: str) -> str:
+        case = max(cases, key=lambda case: abs(off(case, name)))
+        place = f"{_relative_distance(case):.2g} sensor sizes"
+        return f"{case['name']}, {_PERCENT * off(case, name):+.2g} % at {place}"
 
-def _told_worst(case: Document, name: str) -> str:
     return (
-        f"{case['name']}, {_PERCENT * off(case, name):+.2g} % at {_relative_distance(case):.2g} sensor sizes"
+        f"The {best} is within {percent(_WITHIN)} in {near} of {len(cases)} set-ups and worst in {worst(best)}; "
+        f"{reduced} is worst in {worst(reduced)}."
     )
 
 
@@ -90,17 +81,14 @@ def _panel(cases: list[Document], name: str) -> Panel:
 
 def set_ups_document(cases: list[Document], back: str, back_title: str, inputs: str, script: str) -> str:
     """Returns the page of all set-ups; `back` is the file of the page that leads to it."""
+    options = (FORMULA, f"{REDUCED} --entries", f"boundary-elements --rtol {RTOL:g} --entries")
     around = Around(
         "Set-ups of the corrections",
         back,
         back_title,
         ("method", "mutual (pF)", "off by"),
         "mutual = −M[sensor, target]. The truth's error is what boundary elements state.",
-        (
-            f"--method {FORMULA}",
-            f"--method {REDUCED} --entries",
-            f"--method boundary-elements --rtol {RTOL:g} --entries",
-        ),
+        tuple(f"--method {each}" for each in options),
     )
     return set_ups_page.document(around, [_shown(case) for case in cases], inputs, script)
 
@@ -112,10 +100,8 @@ def _shown(case: Document) -> Shown:
     wrong = ", ".join(f"{name} is {too(off(case, name))}" for name in SHOWN)
     finding_ = f"mutual: {measured(truth, error)} pF by boundary elements; {wrong}, the plain model {too(off(case, PLAIN))}."
     rows = [("boundary elements", measured(truth, error), "")]
-    rows += [
-        (name, f"{value / PICOFARAD:.6g}", signed_percent(value / case["truth"] - 1))
-        for name, value in case["estimates"].items()
-    ]
+    for name, value in case["estimates"].items():
+        rows.append((name, f"{value / PICOFARAD:.6g}", signed_percent(value / case["truth"] - 1)))
     description = f"{_sizes(scene)}; {case['distance'] / CENTIMETRE:.3g} cm between them; {kept}."
     return Shown(case["name"], case["family"], description, (finding_,), tuple(rows), scene, case["scene"])
 
@@ -127,11 +113,9 @@ def _sizes(scene: Scene) -> str:
     assert isinstance(shape, (PlateShape, Cuboid))
     sides = [float(np.linalg.norm(edge)) for edge in (plate.edge_u, plate.edge_v)]
     kind = "plate" if isinstance(shape, PlateShape) else "box"
-    return f"Sensor {_lengths(sides)}, {kind} {_lengths(shape.size)}"
-
-
-def _lengths(metres: Any) -> str:
-    return f"{' × '.join(f'{length / CENTIMETRE:.3g}' for length in metres)} cm"
+    both = sides, shape.size
+    own, other = (" × ".join(f"{length / CENTIMETRE:.3g}" for length in lengths) for lengths in both)
+    return f"Sensor {own} cm, {kind} {other} cm"
 
 
 def _relative_distance(case: Document) -> float:
@@ -146,13 +130,13 @@ ABSENT = f"The corrections were not evaluated yet: {COMMAND} does it in a minute
 
 def section(document: Document, set_ups: str) -> Markup:
     """Returns the section of the topic's document. `set_ups` is the file of the page of its set-ups, as seen from the page."""
-    return page.section(
-        TITLE,
-        page.finding(finding(document)),
-        _table(document),
-        set_by_set(document["cases"], set_ups),
-        page.soft(_explanation(document)),
+    told = (
+        f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); {document['sealed']} of them are sealed "
+        "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Times: one "
+        f"core, one run, new pose each time. Repeat: {COMMAND}."
     )
+    cases = set_by_set(document["cases"], set_ups)
+    return page.section(TITLE, page.finding(finding(document)), _table(document), cases, page.soft(told))
 
 
 def finding(document: Document) -> str:
@@ -171,33 +155,23 @@ def finding(document: Document) -> str:
 
 
 def _table(document: Document) -> Markup:
+    def error(over: str, name: str) -> Callable[[Document], str]:
+        return lambda entry: percent(entry[over][name])
+
+    def time(known: dict[str, float]) -> Callable[[Document], str]:
+        return lambda entry: f"{known[entry['name']]:.3g}"
+
     return page.table_of(
         document["corrections"],
         ("method", lambda entry: page.code(entry["name"])),
-        ("rms", _error("all", "rms")),
-        ("median", _error("all", "median")),
-        ("95 %", _error("all", "percentile_95")),
-        ("worst", _error("all", "worst")),
-        ("sealed: rms", _error("sealed", "rms")),
-        ("worst", _error("sealed", "worst")),
-        *((f"ns, {shape}", _time(known)) for shape, known in document["nanoseconds"].items()),
+        ("rms", error("all", "rms")),
+        ("median", error("all", "median")),
+        ("95 %", error("all", "percentile_95")),
+        ("worst", error("all", "worst")),
+        ("sealed: rms", error("sealed", "rms")),
+        ("worst", error("sealed", "worst")),
+        *((f"ns, {shape}", time(known)) for shape, known in document["nanoseconds"].items()),
         strong=frozenset({set_ups.METHODS.index(REDUCED)}),
-    )
-
-
-def _error(over: str, name: str) -> Callable[[Document], str]:
-    return lambda entry: percent(entry[over][name])
-
-
-def _time(known: dict[str, float]) -> Callable[[Document], str]:
-    return lambda entry: f"{known[entry['name']]:.3g}"
-
-
-def _explanation(document: Document) -> str:
-    return (
-        f"{document['set_ups']} set-ups with truths by boundary elements to 1e-4 ({document['truths']}); {document['sealed']} of them are sealed "
-        "by a hash of their names: no constant was fitted on them. Errors are relative to the truth. Times: one "
-        f"core, one run, new pose each time. Repeat: {COMMAND}."
     )
 
 
@@ -232,8 +206,7 @@ def stage(folder: Path) -> Stage:
         for name in ("analysis/topics/corrections", "geometries")
         for path in sorted((ROOT / name).rglob("*.py"))
     ]
-    truths = FILE.relative_to(ROOT).as_posix()
-    code = keys.code_of((*_SOURCES, *python, truths), ROOT)
+    code = keys.code_of((*_SOURCES, *python, STORED.file.relative_to(ROOT).as_posix()), ROOT)
     key = keys.measurement_key(COMMAND, code, machine.identity())
     return Stage("corrections", "", folder / DOCUMENT, key, _SECONDS, _answer)
 
@@ -252,7 +225,7 @@ def evaluated(module: Any) -> Document:
     """Returns the errors of every method as a document; half a minute."""
     cases = set_ups.estimate(module)
     return {
-        "truths": FILE.relative_to(ROOT).as_posix(),
+        "truths": STORED.file.relative_to(ROOT).as_posix(),
         "set_ups": len(cases),
         "sealed": sum(case["sealed"] for case in cases),
         "corrections": set_ups.evaluations(cases),
@@ -268,10 +241,8 @@ def nanoseconds(program: Path) -> dict[str, dict[str, float]]:
         command = ending_with_this([program, *timed(str(answer))])
         subprocess.run(command, check=True, capture_output=True)
         entries = json.loads(answer.read_text(encoding="utf-8"))["benchmarks"]
-    return {
-        shape: {method: 1e9 * seconds(entry) for method, entry in methods.items()}
-        for shape, methods in by_set(entries).items()
-    }
+    sets = by_set(entries).items()
+    return {shape: {name: 1e9 * seconds(entry) for name, entry in methods.items()} for shape, methods in sets}
 
 
 CORRECTIONS = Topic[Whole, Document](
@@ -284,5 +255,6 @@ CORRECTIONS = Topic[Whole, Document](
     title="Corrections",
     question="What can be corrected, and at what cost?",
     short="corrections",
+    truths=STORED,
     set_ups_page=lambda found, *around: set_ups_document(found[0]["cases"], *around),
 )

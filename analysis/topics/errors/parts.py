@@ -18,7 +18,6 @@ from analysis.results.store import Document
 from analysis.results.table import DELTA_SELF, MUTUAL
 from geometries.common.arrays import Array
 
-
 SEMICIRCLE = math.pi / 2
 """Length of a semicircle over its diameter: the field lines to a coplanar neighbour (ERRORS.md, section 2)."""
 # Nodes along half a side, of the rule and of the coarser rule that estimates its error.
@@ -51,18 +50,15 @@ def arc_over_chord(surface: Rectangle, plate: Rectangle) -> float:
 
 
 def front(model: Any, surface: Rectangle, plate: Rectangle, stretch: Stretch) -> Integral:
-    """Computes the length L to a plate over a surface. `model` is the model's module.
-
-    Stretching space by the two factors maps a plate to a plate and L to a distance, so the model's closed form applies; the result
-    is divided by the stretch of the area.
+    """Computes the length L to a plate over a surface. `model` is the model's module. Stretching space by the two factors maps a
+    plate to a plate and L to a distance, so the model's closed form applies; the result is divided by the stretch of the area.
     """
     axes, factors = _frame(plate), np.array([stretch.lateral, stretch.lateral, stretch.normal])
     triangles = (surface.vertices[[[0, 1, 2], [0, 2, 3]]] - plate.corner) @ axes.T * factors
     edge_u, edge_v = axes @ plate.edge_u * factors, axes @ plate.edge_v * factors
     values = model.plate_integral(triangles, np.zeros(3), edge_u, edge_v)
-    stretched = np.linalg.norm(
-        np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0]), axis=1
-    )
+    sides = triangles[:, 1:] - triangles[:, :1]
+    stretched = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
     return Integral(float(np.sum(values / stretched) * surface.size**2))
 
 
@@ -74,15 +70,15 @@ def back(surface: Rectangle, plate: Rectangle, stretch: Stretch) -> Integral:
 
 
 def _back(surface: Rectangle, plate: Rectangle, stretch: Stretch, count: int) -> float:
-    places, weights = _graded(count)
+    nodes, of_nodes = np.polynomial.legendre.leggauss(count)  # type: ignore[no-untyped-call]
+    t = (nodes + 1) / 2
+    # Nodes and weights on [0, 1], both halves graded towards their end.
+    half, share = t**_GRADING / 2, _GRADING * t ** (_GRADING - 1) / 4 * of_nodes
+    places, weights = np.concatenate([half, 1 - half[::-1]]), np.concatenate([share, share[::-1]])
     a, b = np.meshgrid(places, places, indexing="ij")
     width, depth = (float(np.linalg.norm(edge)) for edge in (surface.edge_u, surface.edge_v))
-    around = [
-        (a * width, -a, b),
-        ((1 - a) * width, 2 - a, b),
-        (b * depth, a, -b),
-        ((1 - b) * depth, a, 2 - b),
-    ]
+    around = [(a * width, -a, b), ((1 - a) * width, 2 - a, b)]
+    around += [(b * depth, a, -b), ((1 - b) * depth, a, 2 - b)]
     lengths = [math.pi * inside + _length(surface, plate, stretch, u, v) for inside, u, v in around]
     return float(weights @ (1 / np.min(lengths, axis=0)) @ weights) * surface.size**2
 
@@ -99,23 +95,8 @@ def _length(surface: Rectangle, plate: Rectangle, stretch: Stretch, u: Array, v:
 
 def _frame(plate: Rectangle) -> Array:
     """Returns the unit vectors along the plate's edges and its normal, as rows."""
-    return np.array(
-        [
-            plate.edge_u / np.linalg.norm(plate.edge_u),
-            plate.edge_v / np.linalg.norm(plate.edge_v),
-            plate.normal,
-        ]
-    )
-
-
-def _graded(count: int) -> tuple[Array, Array]:
-    """Returns nodes and weights on [0, 1], both halves graded towards their end."""
-    nodes, weights = np.polynomial.legendre.leggauss(count)  # type: ignore[no-untyped-call]
-    t = (nodes + 1) / 2
-    half, slope = t**_GRADING / 2, _GRADING * t ** (_GRADING - 1) / 4
-    places = np.concatenate([half, 1 - half[::-1]])
-    share = slope * weights
-    return places, np.concatenate([share, share[::-1]])
+    along = [edge / np.linalg.norm(edge) for edge in (plate.edge_u, plate.edge_v)]
+    return np.array([*along, plate.normal])
 
 
 TILT, LATERAL, BACK, RECIPROCITY = "tilt", "lateral path", "missing back side", "size and reciprocity"
@@ -171,20 +152,20 @@ class Truth:
     def of(solved: dict[str, Any], sensor: str) -> Truth:
         """Returns the truth in what boundary elements answer of a sensor, which comes first, and a target."""
         matrix, errors, alone = solved["maxwell"], solved["error"], solved["delta_self"][sensor]
-        return Truth(
-            mutual=Estimate(-float(matrix[0][1]), float(errors[0][1])),
-            delta_self=Estimate(float(alone["value"]), float(alone["error"])),
-            target_own=Estimate(float(matrix[1][1]), float(errors[1][1])),
-        )
+        mutual = Estimate(-float(matrix[0][1]), float(errors[0][1]))
+        own = Estimate(float(matrix[1][1]), float(errors[1][1]))
+        return Truth(mutual, Estimate(float(alone["value"]), float(alone["error"])), own)
 
 
 def split(model: Any, sensor: Rectangle, target: Rectangle) -> Split:
     """Computes the contributions of all effects in a set-up of two plates. `model` is the model's module."""
-    values = _values(model, sensor, target)
-    everything = values[frozenset(EFFECTS)]
+    arc = arc_over_chord(target, sensor)
+    choices = (itertools.combinations(EFFECTS, count) for count in range(len(EFFECTS) + 1))
+    corrected = [frozenset(chosen) for some in choices for chosen in some]
+    values = {chosen: _value(model, sensor, target, arc, chosen) for chosen in corrected}
     return Split(
         model=values[frozenset()].value,
-        corrected=everything.value,
+        corrected=values[frozenset(EFFECTS)].value,
         error=max(value.error for value in values.values()),
         effects=shares(EFFECTS, lambda effects: values[effects].value),
     )
@@ -228,32 +209,19 @@ def polarisation(truth: Truth) -> float:
     return truth.mutual.value**2 / truth.target_own.value - truth.delta_self.value
 
 
-def _values(model: Any, sensor: Rectangle, target: Rectangle) -> dict[Effects, Integral]:
-    """Computes `mutual` (F) by the formula, for each choice of effects that are corrected."""
-    arc = arc_over_chord(target, sensor)
-    found = {}
-    for count in range(len(EFFECTS) + 1):
-        for chosen in itertools.combinations(EFFECTS, count):
-            found[frozenset(chosen)] = _value(model, sensor, target, arc, frozenset(chosen))
-    return found
-
-
 def _value(model: Any, sensor: Rectangle, target: Rectangle, arc: float, chosen: Effects) -> Integral:
+    """Computes `mutual` (F) by the formula, with the chosen effects corrected."""
     stretch = Stretch(arc if TILT in chosen else 1.0, SEMICIRCLE if LATERAL in chosen else 1.0)
-    to_sensor = _one_way(model, target, sensor, stretch, BACK in chosen)
+
+    def one_way(surface: Rectangle, plate: Rectangle) -> Integral:
+        near = front(model, surface, plate, stretch)
+        behind = back(surface, plate, stretch) if BACK in chosen else Integral(0.0)
+        return Integral(near.value + behind.value, behind.error)
+
+    to_sensor = one_way(target, sensor)
     if RECIPROCITY not in chosen:
         return Integral(epsilon_0 * to_sensor.value, epsilon_0 * to_sensor.error)
-    to_target = _one_way(model, sensor, target, stretch, BACK in chosen)
+    to_target = one_way(sensor, target)
     mean = math.sqrt(to_sensor.value * to_target.value)
     relative = (to_sensor.error / to_sensor.value + to_target.error / to_target.value) / 2
     return Integral(epsilon_0 * mean, epsilon_0 * mean * relative)
-
-
-def _one_way(
-    model: Any, surface: Rectangle, plate: Rectangle, stretch: Stretch, both_sides: bool
-) -> Integral:
-    near = front(model, surface, plate, stretch)
-    if not both_sides:
-        return near
-    behind = back(surface, plate, stretch)
-    return Integral(near.value + behind.value, behind.error)

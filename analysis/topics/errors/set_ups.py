@@ -1,8 +1,5 @@
-"""The set-ups of the error study with their truth and the parts of their error: three maps, the default study's pairs of plates, and random poses.
-Metres, degrees.
-"""
-
-from __future__ import annotations
+"""The set-ups of the error study with their truth and the parts of their error: three
+maps, the default study's pairs of plates, and random poses. Metres, degrees."""
 
 import random
 from collections.abc import Callable, Iterator
@@ -14,7 +11,7 @@ import numpy as np
 
 from analysis.pipeline import model_stage
 from analysis.pipeline.set_up_stages import OfScene, SetUpStages
-from analysis.results.answers import Estimate, MatrixAnswer
+from analysis.results.answers import Estimate
 from analysis.results.set_up import describe, rectangles
 from analysis.results.statistics import Spread, spread
 from analysis.results.store import Document
@@ -29,7 +26,6 @@ from geometries.scene.scene import Object, Scene
 from geometries.scene.shapes import PlateShape
 from geometries.studies import families, study
 from geometries.studies.study import Parameter
-
 
 SIZE_MAP, TILT_MAP, OFFSET_MAP = "size map", "tilt map", "offset map"
 MAPS = (SIZE_MAP, TILT_MAP, OFFSET_MAP)
@@ -79,10 +75,8 @@ def all_set_ups() -> tuple[SetUp, ...]:
         for tilt in _TILTS:
             found.append(_on_map(TILT_MAP, (gap, tilt), families.inclined, square, square, gap * SIDE, tilt))
         for offset in _OFFSETS:
-            shift = (offset * SIDE, 0.0)
-            found.append(
-                _on_map(OFFSET_MAP, (gap, offset), families.parallel, square, square, gap * SIDE, shift)
-            )
+            values = (square, square, gap * SIDE, (offset * SIDE, 0.0))
+            found.append(_on_map(OFFSET_MAP, (gap, offset), families.parallel, *values))
     found += [
         SetUp(case.scene, DEFAULT, case.family, case.parameters, None)
         for case in study.load(study.find("default")).sweeps
@@ -101,9 +95,7 @@ def _on_map(
 
 def _random_scenes() -> Iterator[Scene]:
     """Draws plates of any shape and orientation before or beside the sensor, at least a fraction of the smallest side away.
-
-    Python promises that the generator's numbers stay the same.
-    """
+    Python promises that the generator's numbers stay the same."""
     chance, made = random.Random(_SEED), 0
     while made < _RANDOM_COUNT:
         sensor, target = ((logarithmic(chance, _SIDES), logarithmic(chance, _SIDES)) for _ in range(2))
@@ -119,7 +111,7 @@ def _random_scenes() -> Iterator[Scene]:
 
 RTOL = 1e-4
 """Relative accuracy asked of boundary elements: far below the parts, which matter from a per cent on."""
-_SOURCES = tuple(f"analysis/topics/errors/{name}" for name in ("parts.py", "set_ups.py"))
+_SOURCES = ("topics/errors/parts.py", "topics/errors/set_ups.py", "results/set_up.py")
 # Expected seconds, the same for all set-ups: the run time cannot be predicted.
 _SECONDS = 0.5
 
@@ -142,7 +134,7 @@ STAGES = SetUpStages[SetUp](
     name="errors",
     what="set-ups taken apart",
     rtol=RTOL,
-    sources=(*_SOURCES, "analysis/results/set_up.py"),
+    sources=tuple(f"analysis/{source}" for source in _SOURCES),
     seconds=lambda _: _SECONDS,
     answer=answer,
 )
@@ -214,30 +206,23 @@ def _of_part(name: str, found: list[Entry], quantity: str) -> Statistics:
     there = [abs(value) for entry, value in zip(found, values) if entry.largest(quantity) == name]
     of_all = spread(values)
     assert of_all is not None
-    return Statistics(
-        name,
-        of_all,
-        float(np.mean(values)),
-        max(found, key=lambda entry: abs(entry.parts(quantity)[name])).set_up,
-        len(there),
-        float(np.median(there)) if there else 0.0,
-        float(np.median([entry.spread(name, quantity) for entry in found])),
-    )
+    worst = found[int(np.argmax(np.abs(values)))].set_up
+    size_there = float(np.median(there)) if there else 0.0
+    between_orders = float(np.median([entry.spread(name, quantity) for entry in found]))
+    return Statistics(name, of_all, float(np.mean(values)), worst, len(there), size_there, between_orders)
 
 
 def by_reference(found: list[Entry], results: Results) -> list[tuple[Entry, Entry]]:
     """Pairs the entry of each set-up that a study has solved too with the same entry under the field solver's truth."""
-    known = ((entry, results.cases.get(entry.set_up.id)) for entry in once(found))
-    return [
-        (entry, replace(entry, truth=_truth(case.reference), reached=case.reference.reached))
-        for entry, case in known
-        if case is not None and case.reference is not None
-    ]
-
-
-def _truth(answer: MatrixAnswer) -> Truth:
-    sensor, target = answer.conductors
-    return Truth(answer.mutual(sensor, target), answer.delta_self[sensor], answer.self_capacitance(target))
+    pairs = []
+    for entry in once(found):
+        case = results.cases.get(entry.set_up.id)
+        if case is not None and (answer := case.reference) is not None:
+            sensor, target = answer.conductors
+            own = answer.delta_self[sensor], answer.self_capacitance(target)
+            truth = Truth(answer.mutual(sensor, target), *own)
+            pairs.append((entry, replace(entry, truth=truth, reached=answer.reached)))
+    return pairs
 
 
 def entry(set_up: SetUp, document: Document) -> Entry:

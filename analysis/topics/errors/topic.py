@@ -1,7 +1,5 @@
 """The parts of the model's error as a topic: where it comes from, by kind of set-up, and maps of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,27 +11,16 @@ from markupsafe import Markup
 from analysis.report import page, plots_in_space
 from analysis.report.plot import INK, Panel, axis, figure, marks, series_colour
 from analysis.results.set_up import describe
+from analysis.results.statistics import grouped
 from analysis.results.store import write_text
 from analysis.results.table import DELTA_SELF
 from analysis.results.units import percent, signed_percent, too
 from analysis.topics.errors import set_ups
 from analysis.topics.errors.parts import EFFECTS, PARTS, QUANTITY, drawn_from_infinity, polarisation
-from analysis.topics.errors.set_ups import (
-    DEFAULT,
-    OFFSET_MAP,
-    RTOL,
-    SIZE_MAP,
-    STAGES,
-    TILT_MAP,
-    Entry,
-    SetUp,
-    once,
-    statistics,
-)
+from analysis.topics.errors.set_ups import OFFSET_MAP, SIZE_MAP, TILT_MAP, Entry, SetUp, once, statistics
 from analysis.topics.topic import Topic
 from geometries.common import installation
-from geometries.common.measured import PICOFARAD, picofarads
-
+from geometries.common.measured import PICOFARAD
 
 PERCENT = 100.0
 # A part has the same colour for both quantities.
@@ -76,9 +63,7 @@ _MAPS = {
 
 def bars(caption: str, found: list[Entry], quantity: str) -> Panel:
     """Returns the mean of each part by kind of set-up, stacked; together they are the mean error, which is marked."""
-    members: dict[str, list[Entry]] = {}
-    for entry in found:
-        members.setdefault(kind(entry), []).append(entry)
+    members = grouped(found, kind)
 
     def means(of: Callable[[Entry], float]) -> list[float]:
         return [PERCENT * float(np.mean([of(entry) for entry in own])) for own in members.values()]
@@ -105,12 +90,11 @@ def bars(caption: str, found: list[Entry], quantity: str) -> Panel:
 
 def kind(entry: Entry) -> str:
     """Returns the family of a set-up of the default study, else its group."""
-    return entry.set_up.family if entry.set_up.group == DEFAULT else entry.set_up.group
+    return entry.set_up.family if entry.set_up.group == set_ups.DEFAULT else entry.set_up.group
 
 
-def error_map(group: str, found: list[Entry], quantity: str) -> Panel:
-    """Plots the model's error over gap and the map's other axis; a click opens the set-up."""
-    shown = _on(group, found)
+def error_map(group: str, shown: list[Entry], quantity: str) -> Panel:
+    """Plots the model's error in the set-ups of a map over gap and its other axis; a click opens the set-up."""
     places = [entry.set_up.place or (0.0, 0.0) for entry in shown]
     gaps, across = (sorted({place[axis_] for place in places}) for axis_ in (0, 1))
     values = np.full((len(gaps), len(across)), np.nan)
@@ -119,9 +103,15 @@ def error_map(group: str, found: list[Entry], quantity: str) -> Panel:
     for entry, (gap, other) in zip(shown, places):
         row, column = gaps.index(gap), across.index(other)
         values[row, column] = PERCENT * entry.error(quantity)
-        texts[row, column] = _hover_text(entry, quantity)
+        large = {name: part for name, part in entry.parts(quantity).items() if abs(part) > 5e-4}
+        told = [f"model error {values[row, column]:+.1f} %, of it"]
+        told += [f"{name} {PERCENT * part:+.1f}" for name, part in large.items()]
+        texts[row, column] = "<br>".join(told)
         cases[row, column] = entry.set_up.id
-        annotations.append(_number(column, row, float(values[row, column])))
+        # The number in its cell, light on dark.
+        number = f"{round(values[row, column]) + 0.0:+.0f}"
+        font = {"size": 11, "color": "white" if abs(values[row, column]) > 0.6 * _CLIPPED else INK}
+        annotations.append({"x": column, "y": row, "text": number, "showarrow": False, "font": font})
     trace = go.Heatmap(
         x=[f"{value:g}" for value in across],
         y=[f"{gap:g}" for gap in gaps],
@@ -141,26 +131,6 @@ def error_map(group: str, found: list[Entry], quantity: str) -> Panel:
     return Panel(f"model error in {quantity} (%)", figure([trace], x, y, height=420, annotations=annotations))
 
 
-def _hover_text(entry: Entry, quantity: str) -> str:
-    lines = [f"model error {PERCENT * entry.error(quantity):+.1f} %, of it"]
-    lines += [
-        f"{name} {PERCENT * value:+.1f}" for name, value in entry.parts(quantity).items() if abs(value) > 5e-4
-    ]
-    return "<br>".join(lines)
-
-
-def _number(column: int, row: int, value: float) -> dict[str, object]:
-    """Writes the number in its cell of the map, light on dark."""
-    colour = "white" if abs(value) > 0.6 * _CLIPPED else INK
-    return {
-        "x": column,
-        "y": row,
-        "text": f"{round(value) + 0.0:+.0f}",
-        "showarrow": False,
-        "font": {"size": 11, "color": colour},
-    }
-
-
 ABSENT = "This version of the model has no study of its errors yet: python3 -m analysis errors does it in a minute or two."
 _WHAT = (
     "A part is the decrease of the model's value when the effect is corrected, relative to the truth; its mean over all orders in which the "
@@ -173,7 +143,13 @@ _WHAT = (
 
 def sections(found: list[Entry], cases: str) -> list[Markup]:
     """Returns the parts and the maps. `cases` is the folder of the set-ups as seen from the page."""
-    return [_parts(found, cases), *(_map(group, found, cases) for group in _MAPS if _on(group, found))]
+    shown = [_parts(found, cases)]
+    for group, told in _MAPS.items():
+        if own := [entry for entry in found if entry.set_up.group == group]:
+            figures = page.figures([error_map(group, own, quantity) for quantity in PARTS], cases)
+            says = page.finding(map_finding(group, own))
+            shown.append(page.section(told.title, says, figures, page.soft(told.set_ups)))
+    return shown
 
 
 def of_one(entry: Entry) -> list[Markup]:
@@ -182,21 +158,22 @@ def of_one(entry: Entry) -> list[Markup]:
 
 
 def _parts_of_one(entry: Entry, quantity: str) -> Markup:
-    true, effects, error = entry.true(quantity).value, entry.split.effects, entry.error(quantity)
-    rows = [
-        [
-            name,
-            f"{value * true / PICOFARAD:+.5f}",
-            signed_percent(value),
-            f"{signed_percent(effects[name].least / true)} to {signed_percent(effects[name].greatest / true)}"
-            if name in effects
-            else "",
-        ]
-        for name, value in entry.parts(quantity).items()
-    ]
-    rows.append(["model − truth", f"{error * true / PICOFARAD:+.5f}", signed_percent(error), ""])
-    header = ["part", "pF", f"of {quantity}", "by the order"]
-    return page.lines([page.heading(quantity), page.table(header, rows, strong=frozenset({len(rows) - 1}))])
+    true, effects = entry.true(quantity).value, entry.split.effects
+    rows = [*entry.parts(quantity).items(), ("model − truth", entry.error(quantity))]
+
+    def by_order(name: str) -> str:
+        ends = [effects[name].least, effects[name].greatest] if name in effects else []
+        return " to ".join(signed_percent(end / true) for end in ends)
+
+    table = page.table_of(
+        rows,
+        ("part", lambda row: row[0]),
+        ("pF", lambda row: f"{row[1] * true / PICOFARAD:+.5f}"),
+        (f"of {quantity}", lambda row: signed_percent(row[1])),
+        ("by the order", lambda row: by_order(row[0])),
+        strong=frozenset({len(rows) - 1}),
+    )
+    return page.lines([page.heading(quantity), table])
 
 
 def finding(found: list[Entry], quantity: str) -> str:
@@ -211,21 +188,18 @@ def finding(found: list[Entry], quantity: str) -> str:
     )
 
 
-def map_finding(group: str, found: list[Entry]) -> str:
-    """Tells where the error in each quantity is least and greatest, and its largest parts there."""
+def map_finding(group: str, shown: list[Entry]) -> str:
+    """Tells where on a map the error in each quantity is least and greatest, and its largest parts there."""
     phrases = []
     for quantity in PARTS:
-        worst = max(_on(group, found), key=lambda entry: abs(entry.error(quantity)))
-        signs = sorted(entry.error(quantity) for entry in _on(group, found))
+        own = sorted(shown, key=lambda entry: entry.error(quantity))
+        worst = max(own, key=lambda entry: abs(entry.error(quantity)))
+        place = _MAPS[group].place.format(*(worst.set_up.place or ()))
         phrases.append(
-            f"in {quantity} from {too(signs[0])} to {too(signs[-1])}, farthest off at {_MAPS[group].place.format(*(worst.set_up.place or (0.0, 0.0)))}, mostly by "
+            f"in {quantity} from {too(own[0].error(quantity))} to {too(own[-1].error(quantity))}, farthest off at {place}, mostly by "
             f"{worst.largest(quantity)} ({signed_percent(worst.parts(quantity)[worst.largest(quantity)])})"
         )
     return f"The model goes {'; '.join(phrases)}."
-
-
-def _on(group: str, found: list[Entry]) -> list[Entry]:
-    return [entry for entry in found if entry.set_up.group == group]
 
 
 def _parts(found: list[Entry], cases: str) -> Markup:
@@ -272,16 +246,6 @@ def _table(found: list[Entry], quantity: str, cases: str) -> Markup:
     )
 
 
-def _map(group: str, found: list[Entry], cases: str) -> Markup:
-    panels: list[Panel] = [error_map(group, found, quantity) for quantity in PARTS]
-    return page.section(
-        _MAPS[group].title,
-        page.finding(map_finding(group, found)),
-        page.figures(panels, cases),
-        page.soft(_MAPS[group].set_ups),
-    )
-
-
 TITLE = "Where does the model's error come from?"
 
 
@@ -294,16 +258,16 @@ def make(folder: Path, found: list[Entry]) -> None:
 
 def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
     made = entry.set_up
-    yield page.navigation(page.link(f"../../{STAGES.name}.html", f"‹ {TITLE}"))
+    yield page.navigation(page.link(f"../../{set_ups.STAGES.name}.html", f"‹ {TITLE}"))
     described = describe(made.scene)
     head = [] if described is None else [page.paragraph(f"{described.words}.")]
-    for quantity in PARTS:
-        true = entry.true(quantity)
-        told = (
-            f"{quantity}: {picofarads(true.value, true.error)} pF by boundary elements; the model is "
+    head += [
+        page.finding(
+            f"{quantity}: {entry.true(quantity).in_picofarads} pF by boundary elements; the model is "
             f"{too(entry.error(quantity))}, mostly by {entry.largest(quantity)}."
         )
-        head.append(page.finding(told))
+        for quantity in PARTS
+    ]
     yield page.header(made.name, *head)
     yield page.figures([plots_in_space.in_space(made.scene)])
     yield page.section("The parts of the error", *of_one(entry))
@@ -314,24 +278,21 @@ def _case(folder: Path, entry: Entry) -> Iterable[Markup]:
         page.paragraph(
             "From the project's folder: the truth, the model, and the parts of every set-up that has none yet."
         ),
-        page.command(f"{model} capacitance {scene} --method boundary-elements --rtol {RTOL:g} --entries"),
+        page.command(
+            f"{model} capacitance {scene} --method boundary-elements --rtol {set_ups.RTOL:g} --entries"
+        ),
         page.command(f"{model} capacitance {scene}"),
         page.command(f"{analysis} errors --output {installation.from_repository(folder)}"),
         page.command(f"{installation.command('fem_reference')} {scene} --slice slice.json"),
     )
 
 
-def _finding(found: list[Entry]) -> str:
-    distinct = once(found)
-    return "\n".join(finding(distinct, quantity) for quantity in PARTS)
-
-
 ERRORS = Topic[SetUp, Entry](
-    stages=STAGES,
+    stages=set_ups.STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
     entry=set_ups.entry,
     sections=lambda found, _, cases: sections(found, cases),
-    finding=_finding,
+    finding=lambda found: "\n".join(finding(once(found), quantity) for quantity in PARTS),
     absent=ABSENT,
     title=TITLE,
     question=TITLE,

@@ -1,7 +1,5 @@
 """Curves of delta output over distance or angle, from the answers of a study, and the divider that makes it (thesis 5.3.5 and chapter 6)."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from typing import Any
@@ -11,12 +9,12 @@ import plotly.graph_objects as go
 
 from analysis.report.plot import Panel, axis, figure, joined, log_axis, marks, series_colour
 from analysis.results.answers import Estimate
+from analysis.results.statistics import grouped
 from analysis.results.study_results import COMPARED_METHOD, CaseResult, Results
 from analysis.results.units import CENTIMETRE
 from geometries.common.arrays import Array
 from geometries.common.measured import PICOFARAD
 from geometries.studies.study import Parameter
-
 
 DISTANCE, ANGLE = "gap", "tilt_degrees"
 _HINGE = "hinge_gap"
@@ -34,9 +32,7 @@ def delta_output(capacitance: Array, own: float, coupling: float, voltage: float
 
 def reference_delta_output(own: Estimate, delta_self: Estimate, coupling: float, voltage: float) -> Estimate:
     """Returns the delta output (V) of a sensor whose own capacitance and whose change are known with errors (F).
-
-    The absolute contributions of the two errors are added, to first order.
-    """
+    The absolute contributions of the two errors are added, to first order."""
     base = coupling + own.value
     near = base + delta_self.value
     by_change = voltage * coupling / near**2
@@ -99,16 +95,9 @@ class Curve:
     def cases(self) -> list[str]:
         return [point.case for point in self.points]
 
-    @property
-    def target_size(self) -> tuple[float, float]:
-        return self._size("target_size")
-
-    @property
-    def sensor_size(self) -> tuple[float, float]:
-        return self._size("sensor_size")
-
-    def _size(self, name: str) -> tuple[float, float]:
-        size = self.parameters[name]
+    def size(self, name: str) -> tuple[float, float]:
+        """Returns the sides (m) of a plate, the sensor or the target."""
+        size = self.parameters[f"{name}_size"]
         assert isinstance(size, tuple)
         return size
 
@@ -121,33 +110,26 @@ class Curve:
 
 
 def curves(results: Results) -> list[Curve]:
-    """Returns a curve for each plate over distance and for each hinge over angle, in the study's order.
-
-    Cases of other families, those without both answers or without the sensor alone, and floating targets, which have no mutual, are left out.
+    """Returns a curve for each plate over distance and for each hinge over angle, in the study's order. Cases of other families, those
+    without both answers or without the sensor alone, and floating targets, which have no mutual, are left out.
     """
-    grouped: dict[tuple[object, ...], list[CaseResult]] = {}
-    for case in results.compared():
-        if case.family in _SWEPT and _is_answered(results, case):
-            grouped.setdefault((case.family, *_same(case).items()), []).append(case)
-    return [_curve(results, members) for members in grouped.values()]
+    answered = (case for case in results.compared() if case.family in _SWEPT and is_answered(results, case))
+    alike = grouped(answered, lambda case: (case.family, *_same(case).items()))
+    return [_curve(results, members) for members in alike.values()]
 
 
 def with_flat_start(curve: Curve, flat: Curve) -> Curve:
     """Returns a curve over angle with the parallel plate of the same size at the hinge's height as its angle 0, where there is one.
-
-    Hinged to the sensor's edge, a plate is centred before the sensor only if they are equally wide.
-    """
-    if flat.target_size != curve.target_size or curve.target_size[0] != curve.sensor_size[0]:
+    Hinged to the sensor's edge, a plate is centred before the sensor only if they are equally wide."""
+    target = curve.size("target")
+    if flat.size("target") != target or target[0] != curve.size("sensor")[0] or curve.points[0].at <= 0:
         return curve
-    start = tuple(
-        replace(point, at=0.0)
-        for point in flat.points
-        if point.at == curve.hinge_gap and curve.points[0].at > 0
-    )
+    start = tuple(replace(point, at=0.0) for point in flat.points if point.at == curve.hinge_gap)
     return replace(curve, points=start + curve.points)
 
 
-def _is_answered(results: Results, case: CaseResult) -> bool:
+def is_answered(results: Results, case: CaseResult) -> bool:
+    """Tells whether a case has both answers, and the same without objects a reference's."""
     empty = results.cases.get(case.empty)
     return (
         case.truth is not None
@@ -202,11 +184,9 @@ def ranges(labelled: Labelled, values: Callable[[Curve], Array], swept: str) -> 
     phrases = []
     for name, curve in labelled:
         found = values(curve)
-        least, greatest = (
-            f"{found[index]:.3g} (at {place(float(curve.at[index]), swept)})"
-            for index in (int(np.argmin(found)), int(np.argmax(found)))
-        )
-        phrases.append(f"{name} {least} to {greatest}")
+        ends = [int(np.argmin(found)), int(np.argmax(found))]
+        told = [f"{found[index]:.3g} (at {place(float(curve.at[index]), swept)})" for index in ends]
+        phrases.append(f"{name} {' to '.join(told)}")
     return "; ".join(phrases)
 
 
@@ -238,10 +218,8 @@ def ratios(labelled: Labelled, swept: str) -> Panel:
     """Plots the model's delta output over the reference's."""
     traces: list[object] = []
     for index, (name, curve) in enumerate(labelled):
-        more = {"text": curve.cases, "customdata": curve.cases}
-        values = curve.untuned / curve.reference
-        bars = values * curve.error / curve.reference
-        hover = "%{y:.4g} times<br>%{text}"
+        values, more = curve.untuned / curve.reference, {"text": curve.cases, "customdata": curve.cases}
+        bars, hover = values * curve.error / curve.reference, "%{y:.4g} times<br>%{text}"
         traces.append(joined(name, across(curve, swept), values, series_colour(index), hover, bars, **more))
     y = axis("model over reference", rangemode="tozero")
     return Panel("the model's over the reference's", figure(traces, axis_of(swept), y, 440))

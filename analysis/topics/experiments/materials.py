@@ -1,7 +1,5 @@
 """Experiment VI: the same target of other materials, from the answers of a study to its report."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from markupsafe import Markup
@@ -9,10 +7,11 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import INK, Panel, axis, figure, joined, log_axis, power_axis, series_colour
 from analysis.results.answers import Estimate
+from analysis.results.statistics import grouped
 from analysis.results.study_results import COMPARED_METHOD, CaseResult, Results
 from analysis.results.units import CENTIMETRE
 from analysis.topics.experiments.curves import DISTANCE, estimated, number, place
-from geometries.common.measured import PICOFARAD, picofarads
+from geometries.common.measured import PICOFARAD
 from geometries.studies.families import DIELECTRIC, GROUNDED
 
 _FAMILY = "box"
@@ -47,22 +46,18 @@ class Material:
 
 def materials(results: Results) -> list[Material]:
     """Returns every material that has answers, in the study's order."""
-    found: dict[tuple[str, float | None], list[Point]] = {}
-    for case in results.compared():
-        if case.family == _FAMILY and case.truth is not None:
-            found.setdefault(_material(case), []).append(_point(case))
+    known = (case for case in results.compared() if case.family == _FAMILY and case.truth is not None)
     return [
-        Material(name, permittivity, tuple(sorted(points, key=lambda point: point.gap)))
-        for (name, permittivity), points in found.items()
+        Material(*material, tuple(sorted(map(_point, cases), key=lambda point: point.gap)))
+        for material, cases in grouped(known, _material).items()
     ]
 
 
 def ratios(material: Material, grounded: Material) -> list[tuple[Point, float]]:
     """Returns delta_self relative to that of the grounded target at the same gap."""
     there = {point.gap: point.delta_self.value for point in grounded.points}
-    return [
-        (point, point.delta_self.value / there[point.gap]) for point in material.points if point.gap in there
-    ]
+    points = (point for point in material.points if point.gap in there)
+    return [(point, point.delta_self.value / there[point.gap]) for point in points]
 
 
 def _material(case: CaseResult) -> tuple[str, float | None]:
@@ -102,17 +97,14 @@ def parts(results: Results) -> list[Markup]:
 
 def finding(grounded: Material, others: list[Material]) -> str:
     """Tells each material's delta_self relative to the grounded target's, near and far."""
+    if not others:
+        return "There is no other material."
     phrases = []
     for each in others:
-        (near, close), (far, distant) = ratios(each, grounded)[0], ratios(each, grounded)[-1]
-        phrases.append(
-            f"{each.label}: {100 * close:.2g} % at {place(near.gap, DISTANCE)}, {100 * distant:.2g} % at {place(far.gap, DISTANCE)}"
-        )
-    return (
-        f"Of what the grounded target gives in delta_self: {'; '.join(phrases)}."
-        if phrases
-        else "There is no other material."
-    )
+        found = ratios(each, grounded)
+        ends = [f"{100 * share:.2g} % at {place(at.gap, DISTANCE)}" for at, share in (found[0], found[-1])]
+        phrases.append(f"{each.label}: {', '.join(ends)}")
+    return f"Of what the grounded target gives in delta_self: {'; '.join(phrases)}."
 
 
 def model_finding(grounded: Material, others: list[Material]) -> str:
@@ -162,7 +154,7 @@ def _table(found: list[Material], grounded: Material) -> Markup:
         [(each, *pair) for each in found for pair in ratios(each, grounded)],
         ("material", lambda row: row[0].label),
         ("gap", lambda row: page.case_link(row[1].case, place(row[1].gap, DISTANCE))),
-        ("delta_self (pF)", lambda row: picofarads(row[1].delta_self.value, row[1].delta_self.error)),
+        ("delta_self (pF)", lambda row: row[1].delta_self.in_picofarads),
         ("of grounded", lambda row: f"{100 * row[2]:.2f} %"),
         ("model (pF)", lambda row: "" if row[1].model is None else f"{row[1].model / PICOFARAD:.5f}"),
         text_columns=2,

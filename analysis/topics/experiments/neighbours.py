@@ -1,7 +1,5 @@
 """Experiment V: the interaction of two adjacent sensors and an object near one of them, from the answers of a study to its report."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from markupsafe import Markup
@@ -9,10 +7,11 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, guide, joined, log_axis, power_axis, series_colour
 from analysis.results.answers import Estimate
+from analysis.results.statistics import grouped
 from analysis.results.study_results import COMPARED_METHOD, CaseResult, Results
 from analysis.results.units import CENTIMETRE, percent, signed_percent
-from analysis.topics.experiments.curves import DISTANCE, estimated, number, place
-from geometries.common.measured import PICOFARAD, picofarads
+from analysis.topics.experiments.curves import DISTANCE, estimated, is_answered, number, place
+from geometries.common.measured import PICOFARAD
 
 FAMILY, ALONE = "sensors", "parallel"
 NEAR, NEIGHBOUR = "sensor", "neighbour"
@@ -52,48 +51,31 @@ class Series:
 
 def series(results: Results) -> list[Series]:
     """Returns a series for each distance between the sensors; set-ups without both answers are left out."""
-    found: dict[float, list[Point]] = {}
-    for case in results.compared():
-        point = _point(results, case) if case.family == FAMILY else None
-        if point is not None:
-            found.setdefault(number(case, "separation"), []).append(point)
+    pairs = (case for case in results.compared() if case.family == FAMILY and is_answered(results, case))
     return [
-        Series(separation, tuple(sorted(points, key=lambda point: point.gap)))
-        for separation, points in found.items()
+        Series(separation, tuple(sorted((_point(results, case) for case in own), key=lambda each: each.gap)))
+        for separation, own in grouped(pairs, lambda case: number(case, "separation")).items()
     ]
 
 
-def _point(results: Results, case: CaseResult) -> Point | None:
-    empty = results.cases.get(case.empty)
-    if case.truth is None or case.model is None or empty is None or empty.truth is None:
-        return None
+def _point(results: Results, case: CaseResult) -> Point:
+    truth, alone = case.truth, results.cases[case.empty].truth
+    assert truth is not None and alone is not None and case.model is not None
     target = case.scene.objects[0].name
     values = case.model.values[COMPARED_METHOD]
-    near, neighbour = (
-        Felt(
-            case.truth.delta_self(name).best,
-            case.truth.mutual(name, target).best,
-            values[name].objects[target],
-        )
-        for name in (NEAR, NEIGHBOUR)
-    )
-    return Point(
-        case=case.id,
-        gap=number(case, "gap"),
-        near=near,
-        neighbour=neighbour,
-        coupling=case.truth.mutual(NEAR, NEIGHBOUR).best,
-        coupling_alone=empty.truth.mutual(NEAR, NEIGHBOUR).best,
-        single=_single(results, case),
-    )
+    known = ((name, truth.delta_self(name), truth.mutual(name, target)) for name in (NEAR, NEIGHBOUR))
+    near, neighbour = (Felt(own.best, to.best, values[name].objects[target]) for name, own, to in known)
+    coupling, without = (each.mutual(NEAR, NEIGHBOUR).best for each in (truth, alone))
+    gap, single = number(case, "gap"), _single(results, case)
+    return Point(case.id, gap, near, neighbour, coupling, without, single)
 
 
 def _single(results: Results, case: CaseResult) -> Estimate | None:
     """Finds delta_self of the same set-up without the neighbour."""
-    same = ("sensor_size", "target_size", "gap", "offset")
+    same = {name: case.parameters[name] for name in ("sensor_size", "target_size", "gap", "offset")}
     for other in results.compared():
-        alike = all(other.parameters.get(name) == case.parameters[name] for name in same)
-        if other.family == ALONE and alike and other.truth is not None:
+        alike = other.family == ALONE and same.items() <= other.parameters.items()
+        if alike and other.truth is not None:
             return other.truth.delta_self(NEAR).best
     return None
 
@@ -144,11 +126,8 @@ def coupling_finding(found: list[Series]) -> str:
             f"{_far(series.separation)} apart the sensors are coupled by {near.coupling_alone.value / PICOFARAD:.3g} pF, which "
             f"the object at {_far(near.gap)} changes by {signed_percent(change)}"
         )
-        taken = [
-            (p.near.delta_self.value / p.single.value - 1, p.gap)
-            for p in series.points
-            if p.single is not None
-        ]
+        beside = [(p.near.delta_self.value, p.single, p.gap) for p in series.points]
+        taken = [(value / single.value - 1, gap) for value, single, gap in beside if single is not None]
         if taken:
             most, gap = max(taken, key=lambda each: abs(each[0]))
             sentence += (
@@ -162,10 +141,8 @@ def coupling_finding(found: list[Series]) -> str:
 def _felt(series: Series) -> Panel:
     """Returns both sensors' delta_self over the gap with error bars, and the model's values."""
     gaps, cases = [point.gap / CENTIMETRE for point in series.points], [point.case for point in series.points]
-    both = {
-        "near sensor": [point.near for point in series.points],
-        "neighbour": [point.neighbour for point in series.points],
-    }
+    near, neighbour = zip(*((point.near, point.neighbour) for point in series.points))
+    both = {"near sensor": near, "neighbour": neighbour}
     traces, hover = [], "%{y:.4g} pF at %{x:.3g} cm"
     for index, (name, felt) in enumerate(both.items()):
         colour, more = series_colour(index), {"customdata": cases}
@@ -188,9 +165,8 @@ def _coupling(found: list[Series]) -> Panel:
         alone = [series.points[0].coupling_alone.value / PICOFARAD] * 2
         traces.append(guide("the same without the object", [gaps[0], gaps[-1]], alone, color=colour))
     y = axis("coupling of the sensors (pF)", rangemode="tozero")
-    return Panel(
-        "coupling of the two sensors, reference", figure(traces, log_axis("gap to the object (cm)"), y, 440)
-    )
+    drawn = figure(traces, log_axis("gap to the object (cm)"), y, 440)
+    return Panel("coupling of the two sensors, reference", drawn)
 
 
 def _table(found: list[Series]) -> Markup:
@@ -205,10 +181,10 @@ def _table(found: list[Series]) -> Markup:
         ("apart", lambda row: _far(row[0].separation)),
         ("gap", lambda row: page.case_link(row[1].case, _far(row[1].gap))),
         ("sensor", lambda row: row[2]),
-        ("delta_self (pF)", lambda row: picofarads(row[3].delta_self.value, row[3].delta_self.error)),
-        ("mutual (pF)", lambda row: picofarads(row[3].mutual.value, row[3].mutual.error)),
+        ("delta_self (pF)", lambda row: row[3].delta_self.in_picofarads),
+        ("mutual (pF)", lambda row: row[3].mutual.in_picofarads),
         ("model (pF)", lambda row: f"{row[3].model / PICOFARAD:.5f}"),
-        ("coupling (pF)", lambda row: picofarads(row[1].coupling.value, row[1].coupling.error)),
+        ("coupling (pF)", lambda row: row[1].coupling.in_picofarads),
         text_columns=3,
     )
 

@@ -1,7 +1,5 @@
 """The section of an experiment in the report of its study; the first one: the thesis' splitting of triangles against the exact integral."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,11 +7,10 @@ from markupsafe import Markup
 
 from analysis.report import page
 from analysis.report.plot import Panel, axis, figure, joined, power_axis, series_colour
+from analysis.results.statistics import grouped
 from analysis.results.study_results import COMPARED_METHOD, CaseResult, Results
 from analysis.results.set_up import Rectangle, rectangles
 from analysis.topics.experiments import curves, materials, neighbours
-from analysis.topics.experiments.curves import ANGLE, DISTANCE, Curve, with_flat_start
-
 
 IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL = "region I", "region II", "region III", "several regions"
 REGIONS = (IN_FRONT, BESIDE_EDGE, AT_CORNER, SEVERAL)
@@ -93,10 +90,7 @@ _NOTHING_MEASURED = (
 def splitting(found: list[Accuracy]) -> list[Markup]:
     """Returns the finding, the plot and its numbers."""
     if not found:
-        return [
-            page.paragraph("No case has answers of the model by split:N."),
-            page.paragraph(_NOTHING_MEASURED),
-        ]
+        return [*map(page.paragraph, ("No case has answers of the model by split:N.", _NOTHING_MEASURED))]
     table = page.table_of(
         found,
         ("region", lambda each: each.region),
@@ -120,13 +114,11 @@ def splitting_finding(found: list[Accuracy]) -> str:
     levels = {each.level for each in found}
     level = _NEGLIGIBLE_FROM_LEVEL if _NEGLIGIBLE_FROM_LEVEL in levels else max(levels)
     regions = [each for each in found if each.level == level]
-    phrases = ", ".join(
-        f"{each.region} {100 * each.median:.2g} % ({100 * each.worst:.2g} %)" for each in regions
-    )
+    told = [f"{each.region} {100 * each.median:.2g} % ({100 * each.worst:.2g} %)" for each in regions]
     errors = [error for each in found for error in each.errors]
     low = sum(error < 0 for error in errors) / len(errors)
     return (
-        f"After {level} splits (the thesis: negligible from {_NEGLIGIBLE_FROM_LEVEL} on) the median error, and in brackets the worst, is: {phrases}; "
+        f"After {level} splits (the thesis: negligible from {_NEGLIGIBLE_FROM_LEVEL} on) the median error, and in brackets the worst, is: {', '.join(told)}; "
         f"splitting is below the exact integral in {100 * low:.0f} % of all set-ups and levels."
     )
 
@@ -134,17 +126,12 @@ def splitting_finding(found: list[Accuracy]) -> str:
 def _figure(found: list[Accuracy]) -> Panel:
     """Plots the median and the worst error over the level, with a colour for each region."""
     traces: list[object] = []
-    for index, region in enumerate(REGIONS):
-        members = [each for each in found if each.region == region]
-        if not members:
-            continue
-        for name, values, dash in (
-            ("median", [each.median for each in members], "solid"),
-            ("worst", [each.worst for each in members], "dot"),
-        ):
-            levels, errors = [each.level for each in members], [100 * value for value in values]
-            hover = "%{x} splits: %{y:.3g} %"
-            traces.append(joined(f"{region}, {name}", levels, errors, series_colour(index), hover, dash=dash))
+    for region, members in grouped(found, lambda each: each.region).items():
+        colour, hover = series_colour(REGIONS.index(region)), "%{x} splits: %{y:.3g} %"
+        levels = [each.level for each in members]
+        for name, dash in (("median", "solid"), ("worst", "dot")):
+            errors = [100 * getattr(each, name) for each in members]
+            traces.append(joined(f"{region}, {name}", levels, errors, colour, hover, dash=dash))
     x = axis("how often each triangle is split in four", dtick=1)
     return Panel("over the set-ups of a region", figure(traces, x, power_axis("error of splitting (%)"), 460))
 
@@ -162,12 +149,6 @@ _OF_EXPERIMENT = {
 }
 
 
-def measured_finding(labelled: curves.Labelled, swept: str) -> str:
-    """Tells how much of mutual the change is on every curve."""
-    ranges = curves.ranges(labelled, lambda curve: curve.change_over_mutual, swept)
-    return f"The change of the reading, over mutual: {ranges}."
-
-
 def _both(labelled: curves.Labelled, swept: str) -> Panel:
     traces = []
     for index, (name, curve) in enumerate(labelled):
@@ -177,10 +158,8 @@ def _both(labelled: curves.Labelled, swept: str) -> Panel:
             more = {"dash": dash, "text": curve.cases, "customdata": curve.cases}
             across = curves.across(curve, swept)
             traces.append(curves.estimated(f"{what}, {name}", across, estimates, colour, hover, **more))
-    y = power_axis("capacitance (pF)")
-    return Panel(
-        "change of the reading, and mutual, by the reference", figure(traces, curves.axis_of(swept), y, 440)
-    )
+    drawn = figure(traces, curves.axis_of(swept), power_axis("capacitance (pF)"), 440)
+    return Panel("change of the reading, and mutual, by the reference", drawn)
 
 
 _TITLES = {
@@ -213,11 +192,9 @@ def section(results: Results) -> Markup:
     return page.section(_TITLES[results.experiment], *parts)
 
 
-def _over_distance_or_angle(experiment: str, found: list[Curve]) -> list[Markup]:
+def _over_distance_or_angle(experiment: str, found: list[curves.Curve]) -> list[Markup]:
     """Returns the parts for each sensor: its plates over distance, or its pivoted ones over angle."""
-    groups: dict[tuple[float, float], list[Curve]] = {}
-    for curve in found:
-        groups.setdefault(curve.sensor_size, []).append(curve)
+    groups = grouped(found, lambda curve: curve.size("sensor"))
     parts = [page.paragraph(_MEASURED.format(_OF_EXPERIMENT[experiment]))]
     parts += [] if groups else [page.paragraph("No curve has both answers.")]
     for size, members in groups.items():
@@ -225,22 +202,24 @@ def _over_distance_or_angle(experiment: str, found: list[Curve]) -> list[Markup]
     return [*parts, page.soft(_DELTA)]
 
 
-def _of_sensor(experiment: str, found: list[Curve]) -> list[Markup]:
+def _of_sensor(experiment: str, found: list[curves.Curve]) -> list[Markup]:
     flat = [curve for curve in found if curve.family == "parallel"]
     if experiment == "IV":
         pivoted = [curve for curve in found if curve.family == "inclined"]
-        starting = [with_flat_start(curve, flat[0]) if flat else curve for curve in pivoted]
-        swept = ANGLE
-        labelled = [(f"hinge at {curves.place(curve.hinge_gap, DISTANCE)}", curve) for curve in starting]
+        starting = [curves.with_flat_start(curve, flat[0]) if flat else curve for curve in pivoted]
+        swept = curves.ANGLE
+        hinges = (curves.place(curve.hinge_gap, curves.DISTANCE) for curve in starting)
+        labelled = [(f"hinge at {hinge}", curve) for hinge, curve in zip(hinges, starting)]
     else:
-        swept = DISTANCE
-        labelled = [(f"plate of {curves.size(curve.target_size)}", curve) for curve in flat]
+        swept = curves.DISTANCE
+        labelled = [(f"plate of {curves.size(curve.size('target'))}", curve) for curve in flat]
     if not labelled:
         return [page.paragraph("None of this experiment's curves has both answers.")]
+    over_mutual = curves.ranges(labelled, lambda curve: curve.change_over_mutual, swept)
     return [
         page.finding(finding(labelled, swept)),
         page.figures([curves.delta_outputs(labelled, swept), curves.ratios(labelled, swept)]),
-        page.finding(measured_finding(labelled, swept)),
+        page.finding(f"The change of the reading, over mutual: {over_mutual}."),
         page.figures([_both(labelled, swept)]),
     ]
 

@@ -6,8 +6,6 @@ True readings by boundary elements are stored: `python3 -m analysis measure trut
 `python3 -m analysis measure field-check insulators`, minutes for each set-up. The hand of each is moved to the sensor's axis, so that the field solver meshes a
 quarter of space only."""
 
-from __future__ import annotations
-
 import math
 import random
 from collections.abc import Callable, Iterator
@@ -18,17 +16,15 @@ from typing import Any
 
 from analysis.pipeline import model_stage
 from analysis.pipeline.set_up_stages import OfScene, SetUpStages
-from analysis.results.answers import Estimate
+from analysis.results.answers import Estimate, ReadingAnswer
 from analysis.results.store import Document
 from analysis.topics import stored
 from analysis.topics.draw import DIGITS, between, length, logarithmic
-from analysis.topics.stored import QUANTITIES, FieldCheck, Stored, rounded
 from geometries.scene.covers import covers
 from geometries.scene.poses import Pose, Vector3
 from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
 from geometries.scene.shapes import Cuboid
 from geometries.scene.writer import canonical
-
 
 COVER, FILM, MATTRESS, BLANKET, TARGET = "cover", "wet film", "mattress", "blanket", "insulating target"
 COUNTS = {COVER: 70, FILM: 30, MATTRESS: 30, BLANKET: 30, TARGET: 50}
@@ -45,10 +41,8 @@ _SHIFT = 0.4
 
 @dataclass(frozen=True)
 class SetUp(OfScene):
-    """A scene with the insulator (relative permittivity, thickness in m) and the one without it.
-
-    `gap` (m) is from the plate to the hand. Without the insulator an insulating target is a grounded one.
-    """
+    """A scene with the insulator (relative permittivity, thickness in m) and the one without it. `gap` (m) is
+    from the plate to the hand. Without the insulator an insulating target is a grounded one."""
 
     family: str
     number: int
@@ -57,11 +51,6 @@ class SetUp(OfScene):
     gap: float
     size: float
     without: Scene
-
-    @property
-    def shift(self) -> float:
-        """How far the layer rule moves the plate (m)."""
-        return self.thickness * (1 - 1 / self.permittivity)
 
     @property
     def name(self) -> str:
@@ -98,30 +87,16 @@ def _of_family(family: str) -> Iterator[SetUp]:
         scene = Scene(sensors=(sensor,), readings=(Reading(READING, SENSOR, (SENSOR,)),))
         # Readers put covers first.
         objects = sorted((*behind, *parts.objects), key=lambda body: body.conductor != SENSOR)
-        yield SetUp(
-            family=family,
-            number=number,
-            permittivity=parts.permittivity,
-            thickness=parts.thickness,
-            gap=parts.gap,
-            size=round(math.sqrt(width * depth), 6),
-            scene=replace(scene, objects=tuple(objects)),
-            without=replace(scene, objects=(*behind, *parts.without)),
-        )
+        scenes = replace(scene, objects=tuple(objects)), replace(scene, objects=(*behind, *parts.without))
+        size = round(math.sqrt(width * depth), 6)
+        numbers = parts.permittivity, parts.thickness, parts.gap, size
+        yield SetUp(scenes[0], family, number, *numbers, scenes[1])
 
 
 def _covered(chance: random.Random, sensor: Sensor, thickness: float, permittivity: float) -> _Parts:
     gap = round(thickness + length(chance, _GAPS), DIGITS)
     hand = (_hand(chance, sensor, gap),)
     return _Parts(permittivity, thickness, gap, hand, (*covers(sensor, thickness, permittivity), *hand))
-
-
-def _cover(chance: random.Random, sensor: Sensor) -> _Parts:
-    return _covered(chance, sensor, length(chance, (0.5e-3, 10e-3)), round(chance.uniform(2, 6), 1))
-
-
-def _film(chance: random.Random, sensor: Sensor) -> _Parts:
-    return _covered(chance, sensor, FILM_THICKNESS, FILM_PERMITTIVITY)
 
 
 def _mattress(chance: random.Random, sensor: Sensor) -> _Parts:
@@ -156,8 +131,10 @@ def _target(chance: random.Random, sensor: Sensor) -> _Parts:
 
 
 _DRAWN: dict[str, Callable[[random.Random, Sensor], _Parts]] = {
-    COVER: _cover,
-    FILM: _film,
+    COVER: lambda chance, sensor: _covered(
+        chance, sensor, length(chance, (0.5e-3, 10e-3)), round(chance.uniform(2, 6), 1)
+    ),
+    FILM: lambda chance, sensor: _covered(chance, sensor, FILM_THICKNESS, FILM_PERMITTIVITY),
     MATTRESS: _mattress,
     BLANKET: _blanket,
     TARGET: _target,
@@ -167,9 +144,8 @@ _DRAWN: dict[str, Callable[[random.Random, Sensor], _Parts]] = {
 def _hand(chance: random.Random, sensor: Sensor, gap: float) -> Object:
     (plate,) = sensor.plates
     width, depth, height = (between(chance, ends) for ends in _HAND)
-    x, y = (
-        round(_SHIFT * edge * chance.uniform(-1, 1), DIGITS) for edge in (plate.edge_u[0], plate.edge_v[1])
-    )
+    sides = plate.edge_u[0], plate.edge_v[1]
+    x, y = (round(_SHIFT * side * chance.uniform(-1, 1), DIGITS) for side in sides)
     return replace(_box(HAND, (width, depth, height), (x, y), gap, None), target=True)
 
 
@@ -228,31 +204,24 @@ def solved(model: Any, set_up: SetUp) -> Truths:
 
 def _solved(model: Any, scene: Scene, rtol: float) -> Truth:
     (reading,) = model.Scene.loads(canonical(scene)).maxwell(rtol=rtol)["readings"]
-    return Truth(
-        *(Estimate(float(reading[key]), float(reading["error"][key])) for key in ("background", "change"))
-    )
+    found = ReadingAnswer.of(reading)
+    return Truth(found.background, found.change)
 
 
 def read(record: Document) -> Truths:
     """Reads stored truths."""
-    return Truths(
-        *(
-            Truth(*(Estimate(**record[place][key]) for key in ("background", "change")))
-            for place in ("insulated", "without")
-        )
-    )
+    parts = {place: {key: Estimate(**each) for key, each in own.items()} for place, own in record.items()}
+    return Truths(Truth(**parts["insulated"]), Truth(**parts["without"]))
 
 
-STORED = Stored[SetUp](
+STORED = stored.Stored[SetUp](
     file=Path(__file__).with_name("truths.json"),
     description=_DESCRIPTION,
     chosen=all_set_ups,
-    solve=lambda each: rounded(asdict(solved(model_stage.model_module(), each))),
+    solve=lambda each: stored.rounded(asdict(solved(model_stage.model_module(), each))),
 )
 
-
 REDUCED, IGNORING = "reduced", "reduced without the layer"
-
 
 _RTOL = 0.1
 """Relative error asked of the reduced method, which then prepares a set-up in less than a second."""
@@ -289,7 +258,6 @@ STAGES = SetUpStages[SetUp](
     answer=answer,
 )
 
-
 RTOL_OF_CHECKS = 1e-2
 """Relative accuracy asked of both methods."""
 _DESCRIPTION_OF_CHECKS = (
@@ -317,10 +285,9 @@ def centred(set_up: SetUp) -> SetUp:
 def checked(set_up: SetUp) -> Document:
     """Solves a set-up by both methods; NoAnswer if the field solver has none."""
     asked = ("--columns", set_up.scene.sensors[0].name, "--rtol", repr(RTOL_OF_CHECKS))
-    document = stored.solved(set_up, *asked)
-    (found,) = document["readings"]
+    reading, document = stored.solved(set_up, *asked)
     return {
-        "field": rounded(stored.quantities_of(found)),
+        "field": stored.rounded(stored.quantities_of(reading)),
         "seconds": round(document["seconds"], 1),
         "unknowns": document["unknowns"],
         **by_boundary_elements(set_up),
@@ -339,13 +306,11 @@ def solve_again() -> int:
 
 def by_boundary_elements(set_up: SetUp) -> Document:
     """Returns what a record has of a set-up by boundary elements."""
-    model = model_stage.model_module()
-    reading = model.Scene.loads(set_up.text).readings("boundary-elements", rtol=RTOL_OF_CHECKS)[READING]
-    found = {name: {"value": getattr(reading, name), "error": reading.error[name]} for name in QUANTITIES}
-    return {"boundary": rounded(found)}
+    scene = model_stage.model_module().Scene.loads(set_up.text)
+    return {"boundary": stored.rounded(stored.by_boundary_elements(scene, READING, RTOL_OF_CHECKS))}
 
 
-CHECK = FieldCheck[SetUp](
+CHECK = stored.FieldCheck[SetUp](
     file=Path(__file__).with_name("field_checks.json"),
     description=_DESCRIPTION_OF_CHECKS,
     chosen=chosen,

@@ -1,7 +1,6 @@
 """Experiment VIII as a topic: what insulators before a sensor make of its reading, and the model's layer rule beside it."""
 
-from __future__ import annotations
-
+import math
 from collections.abc import Iterable
 from dataclasses import dataclass
 
@@ -10,27 +9,12 @@ from markupsafe import Markup
 from analysis.report import page
 from analysis.report.plot import Panel, axis, boxes, figure, log_axis, marks, rows_axis, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.statistics import Spread, range_of, spread
+from analysis.results.statistics import Spread, grouped, range_of, spread
 from analysis.results.store import Document
 from analysis.results.units import percent, signed_percent
 from analysis.topics.insulators import set_ups
-from analysis.topics.insulators.set_ups import (
-    BLANKET,
-    CHECK,
-    COUNTS,
-    COVER,
-    FILM,
-    IGNORING,
-    REDUCED,
-    RTOL,
-    STAGES,
-    TARGET,
-    SetUp,
-    Truths,
-    read,
-)
+from analysis.topics.insulators.set_ups import BLANKET, COVER, FILM, IGNORING, REDUCED, TARGET, SetUp
 from analysis.topics.topic import Topic
-from geometries.common.measured import picofarads
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +22,7 @@ class Entry:
     """A set-up; `changes` holds the change (F) by the reduced method, with the insulator and without it, where it answers."""
 
     set_up: SetUp
-    true: Truths
+    true: set_ups.Truths
     changes: dict[str, Estimate]
 
     @property
@@ -49,15 +33,8 @@ class Entry:
     @property
     def uncertainty(self) -> float:
         """The relative error of the factor."""
-        return sum(
-            each.change.error / abs(each.change.value) for each in (self.true.insulated, self.true.without)
-        )
-
-    @property
-    def false_change(self) -> float:
-        """What the insulator alone adds to the reading, over the change by the hand without it."""
-        added = self.true.insulated.background.value - self.true.without.background.value
-        return added / self.true.without.change.value
+        both = self.true.insulated.change, self.true.without.change
+        return sum(change.error / abs(change.value) for change in both)
 
     def error(self, method: str) -> float:
         """Returns a change by the reduced method over the true one with the insulator, less one."""
@@ -66,14 +43,16 @@ class Entry:
     @property
     def is_enclosed(self) -> bool:
         """Tells whether the true change lies within the error that the reduced method states."""
-        found, true = self.changes[REDUCED], self.true.insulated.change
-        return abs(found.value - true.value) <= found.error + true.error
+        return self.changes[REDUCED].agrees_with(self.true.insulated.change)
 
 
 def by_family(found: list[Entry]) -> dict[str, list[Entry]]:
     """Returns the entries of each family that has any."""
-    families = {family: [entry for entry in found if entry.set_up.family == family] for family in COUNTS}
-    return {family: members for family, members in families.items() if members}
+    return grouped(found, lambda entry: entry.set_up.family)
+
+
+def _of(family: str, found: list[Entry]) -> list[Entry]:
+    return [entry for entry in found if entry.set_up.family == family]
 
 
 def errors(found: Iterable[Entry], method: str) -> Spread | None:
@@ -81,10 +60,20 @@ def errors(found: Iterable[Entry], method: str) -> Spread | None:
     return spread(entry.error(method) for entry in found if method in entry.changes)
 
 
+def _factors(found: Iterable[Entry]) -> Spread | None:
+    return spread(entry.factor for entry in found)
+
+
+def _false(found: Iterable[Entry]) -> Spread | None:
+    """Returns what the insulator alone adds to the reading, over the change by the hand without it."""
+    both = ((entry.true.insulated.background, entry.true.without) for entry in found)
+    return spread((own.value - without.background.value) / without.change.value for own, without in both)
+
+
 def entry(set_up: SetUp, answer: Document) -> Entry:
     """Returns a set-up with its answer."""
     changes = {name: Estimate(**each) for name, each in answer["changes"].items() if "refused" not in each}
-    return Entry(set_up, read(answer["truths"]), changes)
+    return Entry(set_up, set_ups.read(answer["truths"]), changes)
 
 
 TITLE = "Insulators: Experiment VIII"
@@ -108,11 +97,8 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
             by_family(found).items(),
             ("family", lambda each: each[0]),
             ("set-ups", lambda each: str(len(each[1]))),
-            (
-                "factor: median (least to greatest)",
-                lambda each: range_of(spread(entry.factor for entry in each[1])),
-            ),
-            ("false change", lambda each: _false_changes(*each)),
+            ("factor: median (least to greatest)", lambda each: range_of(_factors(each[1]))),
+            ("false change", lambda each: "" if each[0] in (BLANKET, TARGET) else range_of(_false(each[1]))),
             ("error of the factor", lambda each: percent(max(entry.uncertainty for entry in each[1]))),
         ),
         page.finding(warnings(found)),
@@ -131,29 +117,26 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
 
 def finding(found: list[Entry]) -> str:
     """Tells by how much each kind of insulator multiplies the change."""
-    phrases = [
-        f"a {family} {range_of(spread(entry.factor for entry in members))}"
-        for family, members in by_family(found).items()
-        if family != TARGET
-    ]
+    others = ((family, members) for family, members in by_family(found).items() if family != TARGET)
+    phrases = [f"a {family} {range_of(_factors(members))}" for family, members in others]
     sure = spread(entry.uncertainty for entry in found)
     assert sure is not None
     return (
         f"Over {len(found)} set-ups insulators multiply the change that a hand makes, in the median and from least to most, by: {'; '.join(phrases)}. The factors are "
-        f"known to {percent(sure.median)} in the median and {percent(sure.greatest)} at worst, by boundary elements asked for {percent(RTOL)} of each entry and change."
+        f"known to {percent(sure.median)} in the median and {percent(sure.greatest)} at worst, by boundary elements asked for {percent(set_ups.RTOL)} of each entry and change."
     )
 
 
 def warnings(found: list[Entry]) -> str:
     """Says in numbers what manuals warn of: keep dry, and insulating objects are not seen."""
-    families, told = by_family(found), []
-    wet = spread(entry.false_change for entry in families.get(FILM, []))
+    told = []
+    wet = _false(_of(FILM, found))
     if wet:
         told.append(
             "Keep dry: a wet film of half a millimetre adds to the reading, before any hand comes, "
             f"{range_of(wet)} of the change by the hand."
         )
-    seen = spread(entry.factor for entry in families.get(TARGET, []))
+    seen = _factors(_of(TARGET, found))
     if seen:
         told.append(
             f"Insulating objects are seen less, not unseen: they make {range_of(seen)} of the change by a grounded one of the same shape."
@@ -165,20 +148,13 @@ def rule_finding(found: list[Entry]) -> str:
     """Tells how far off the reduced method is under layers, with the layer rule and without it."""
     phrases = []
     for family in (COVER, FILM):
-        members = by_family(found).get(family, [])
-        ruled, ignoring = (errors(members, method) for method in (REDUCED, IGNORING))
+        ruled, ignoring = (errors(_of(family, found), method) for method in (REDUCED, IGNORING))
         if ruled and ignoring:
             phrases.append(
                 f"under a {family} {percent(ruled.rms)} rms and {signed_percent(ruled.worst)} at worst ({percent(ignoring.rms)} and "
                 f"{signed_percent(ignoring.worst)} without regard to the layer)"
             )
     return f"The reduced method, with the layer rule, is off by: {'; '.join(phrases)}."
-
-
-def _false_changes(family: str, members: list[Entry]) -> str:
-    if family in (BLANKET, TARGET):
-        return ""
-    return range_of(spread(entry.false_change for entry in members))
 
 
 def _rows_of_model(found: list[Entry]) -> list[list[str]]:
@@ -206,15 +182,15 @@ def _numbers(found: list[Entry]) -> Markup:
         ("permittivity", lambda entry: f"{entry.set_up.permittivity:g}"),
         ("thickness (mm)", lambda entry: f"{1e3 * entry.set_up.thickness:.1f}"),
         ("distance (mm)", lambda entry: f"{1e3 * entry.set_up.gap:.1f}"),
-        ("change (pF)", lambda entry: _picofarads(entry.true.insulated.change)),
-        ("without (pF)", lambda entry: _picofarads(entry.true.without.change)),
-        ("reduced (pF)", lambda entry: _picofarads(entry.changes.get(REDUCED))),
+        ("change (pF)", lambda entry: entry.true.insulated.change.in_picofarads),
+        ("without (pF)", lambda entry: entry.true.without.change.in_picofarads),
+        ("reduced (pF)", _reduced),
         text_columns=2,
     )
 
 
-def _picofarads(estimate: Estimate | None) -> str:
-    return "refused" if estimate is None else picofarads(estimate.value, estimate.error)
+def _reduced(entry: Entry) -> str:
+    return entry.changes[REDUCED].in_picofarads if REDUCED in entry.changes else "refused"
 
 
 _PERCENT = 100.0
@@ -241,50 +217,38 @@ def of_layers(found: list[Entry]) -> Panel:
     """Plots what covers and films add to the change over the shift of the layer rule relative to the hand's distance."""
     traces: list[object] = []
     for index, family in enumerate((COVER, FILM)):
-        members = by_family(found).get(family, [])
-        traces.append(
-            marks(
-                family,
-                [entry.set_up.shift / entry.set_up.gap for entry in members],
-                [_PERCENT * (entry.factor - 1) for entry in members],
-                {"color": series_colour(index), "size": 6},
-                _HOVER,
-                [_PERCENT * entry.uncertainty for entry in members],
-                text=[entry.set_up.name for entry in members],
-            )
-        )
+        members, marker = _of(family, found), {"color": series_colour(index), "size": 6}
+        layers = [entry.set_up for entry in members]
+        shifts = [each.thickness * (1 - 1 / each.permittivity) / each.gap for each in layers]
+        added = [_PERCENT * (entry.factor - 1) for entry in members]
+        bars, names = [_PERCENT * entry.uncertainty for entry in members], _names(members)
+        traces.append(marks(family, shifts, added, marker, _HOVER, bars, text=names))
     x = log_axis("thickness · (1 − 1/permittivity) over the distance of the hand")
     return Panel("what layers add to the change", figure(traces, x, axis("added to the change (%)")))
 
 
 def of_targets(found: list[Entry]) -> Panel:
     """Plots the change by insulating targets over that by grounded ones, over their permittivity; the reduced method's estimates beside the truth."""
-    members = by_family(found).get(TARGET, [])
-    changes = {
-        ("true change", "circle"): [entry.true.insulated.change.value for entry in members],
-        ("estimate", "x-thin-open"): [_estimate(entry) for entry in members],
-    }
-    traces = [
-        marks(
-            name,
-            [entry.set_up.permittivity for entry in members],
-            [value / entry.true.without.change.value for value, entry in zip(values, members, strict=True)],
-            {"color": series_colour(index), "size": 7, "symbol": symbol},
-            _HOVER,
-            text=[entry.set_up.name for entry in members],
-        )
-        for index, ((name, symbol), values) in enumerate(changes.items())
-    ]
+    members = _of(TARGET, found)
+    unknown = Estimate(math.nan, math.nan)
+    known = [(entry.changes.get(REDUCED, unknown), entry.true.without.change) for entry in members]
+    estimates = [found.value / without.value for found, without in known]
+    shown = {"true change": ("circle", [entry.factor for entry in members])}
+    shown["estimate"] = "x-thin-open", estimates
+    permittivities, traces = [entry.set_up.permittivity for entry in members], []
+    for index, (name, (symbol, values)) in enumerate(shown.items()):
+        marker = {"color": series_colour(index), "size": 7, "symbol": symbol}
+        traces.append(marks(name, permittivities, values, marker, _HOVER, text=_names(members)))
     x = log_axis("relative permittivity of the target")
     return Panel("insulating targets", figure(traces, x, log_axis("change over that by a grounded target")))
 
 
-def _estimate(entry: Entry) -> float:
-    return entry.changes[REDUCED].value if REDUCED in entry.changes else float("nan")
+def _names(found: list[Entry]) -> list[str]:
+    return [entry.set_up.name for entry in found]
 
 
 INSULATORS = Topic[SetUp, Entry](
-    stages=STAGES,
+    stages=set_ups.STAGES,
     set_ups=lambda: set_ups.all_set_ups(),
     entry=entry,
     sections=lambda found, checked, _: [section(found, checked)],
@@ -298,6 +262,6 @@ INSULATORS = Topic[SetUp, Entry](
         "solver's readings that are not stored."
     ),
     truths=set_ups.STORED,
-    check=CHECK,
+    check=set_ups.CHECK,
     is_quick=True,
 )

@@ -30,8 +30,6 @@ ALL_PARTS = (*COMPANY, NOT_KNOWN, TURNED_AWAY, *PARTS[DELTA_SELF])
 """Every part, in the order in which they are shown. Those after COMPANY are of sensor and target by themselves: for a plate the parts of `errors`,
 for any other target the faces turned away, another quantity and the rest, and for a reading between sensors that it is not known."""
 
-Chosen = frozenset[str]
-
 
 @dataclass(frozen=True)
 class OnMachine:
@@ -42,9 +40,8 @@ class OnMachine:
     @staticmethod
     def read(documents: Iterable[Document]) -> OnMachine:
         """Reads what `documents` returns."""
-        return OnMachine(
-            {tuple(each["included"]): Estimate(each["value"], each["error"]) for each in documents}
-        )
+        changes = {tuple(each["included"]): Estimate(each["value"], each["error"]) for each in documents}
+        return OnMachine(changes)
 
     def documents(self) -> list[Document]:
         """Returns the changes as they are stored."""
@@ -66,7 +63,11 @@ class OnMachine:
 
     def company(self) -> dict[str, Part]:
         """Returns by how much each thing lowers the change, in the mean over all orders of including them (F); 0 for what is not there."""
-        found = shares(self.included, lambda chosen: self.changes[_in_order(chosen)].value)
+
+        def change(chosen: frozenset[str]) -> float:
+            return self.changes[tuple(name for name in COMPANY if name in chosen)].value
+
+        found = shares(self.included, change)
         return {name: found.get(name, Part(0.0, 0.0, 0.0)) for name in COMPANY}
 
 
@@ -98,11 +99,8 @@ class Pairs:
         if self.split is not None:
             return parts(self.split, self.truths[0], DELTA_SELF)
         mutual = added(truth.mutual for truth in self.truths).value
-        return {
-            TURNED_AWAY: self.every - self.facing,
-            QUANTITY: mutual - self.delta_self.value,
-            REST: self.facing - mutual,
-        }
+        away, quantity = self.every - self.facing, mutual - self.delta_self.value
+        return {TURNED_AWAY: away, QUANTITY: quantity, REST: self.facing - mutual}
 
 
 def added(values: Iterable[Estimate]) -> Estimate:
@@ -133,13 +131,8 @@ def choices(set_up: SetUp) -> Iterator[tuple[str, ...]]:
 def scenes(set_up: SetUp, chosen: tuple[str, ...]) -> list[Scene]:
     """Returns the scenes whose changes add up to that of a choice: one, or one for each body of the target if MERGED is not chosen."""
     whole = set_up.scene
-    left_out = {
-        name
-        for part, names in ((OWN, set_up.own), (OTHERS, set_up.others))
-        if part not in chosen
-        for name in names
-    }
-    machine = tuple(body for body in whole.objects if not body.target and body.name not in left_out)
+    kept = (set_up.own if OWN in chosen else ()) + (set_up.others if OTHERS in chosen else ())
+    machine = tuple(body for body in whole.objects if not body.target and body.name in kept)
     targets = set_up.targets if GROUNDING in chosen else grounded(set_up.targets)
     groups = [targets] if MERGED in chosen else [(body,) for body in targets]
     sensors = whole.sensors if SENSORS in chosen else _used(whole)
@@ -155,7 +148,3 @@ def _used(scene: Scene) -> tuple[Sensor, ...]:
 def grounded(bodies: tuple[Object, ...]) -> tuple[Object, ...]:
     """Returns the same bodies connected to the ground."""
     return tuple(replace(body, potential=GROUNDED, to_ground=0.0) for body in bodies)
-
-
-def _in_order(chosen: Chosen) -> tuple[str, ...]:
-    return tuple(name for name in COMPANY if name in chosen)

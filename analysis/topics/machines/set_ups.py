@@ -4,8 +4,6 @@ random. Metres, farads, in the world's frame.
 Definitions of the families: MACHINES.md. The last third of each family is sealed: no rule of the model is chosen by looking at it. The sensors lie in the plane
 z = 0 and look in the direction of +z. Machines lie below that plane or beside the target, targets above it: so none of them touches another by chance."""
 
-from __future__ import annotations
-
 import hashlib
 import math
 import random
@@ -17,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 from analysis.pipeline.set_up_stages import OfScene
-from analysis.topics.draw import DIGITS, between, length, rotation
+from analysis.topics.draw import DIGITS, Range, between, length, rotation
 from geometries.common.arrays import Array
 from geometries.scene.meshes import read_triangles
 from geometries.scene.poses import AxisRotation, Pose, Rotation, Vector3
@@ -25,7 +23,6 @@ from geometries.scene.scene import Object, Plate, Reading, Scene, Sensor
 from geometries.scene.shapes import Capsule, Cuboid, Cylinder, Ellipsoid, MeshShape, PlateShape, Shape, Sphere
 from geometries.studies import machines
 from geometries.studies.families import FLOATING
-
 
 # Sides of a round shape: its triangles are the truth here, and more of them cost time only.
 _SEGMENTS = 12
@@ -37,7 +34,8 @@ _UPRIGHT = AxisRotation((1.0, 0.0, 0.0), 90.0)
 def hand(chance: random.Random, name: str, gap: float, shift: tuple[float, float]) -> Object:
     """Draws a body of a hand's size, turned at random, whose lowest point is `gap` above z = 0 and whose centre is shifted along x and y."""
     shape = chance.choice(_OF_HANDS)(chance)
-    return _above(Object(name, shape, pose=Pose((*shift, 0.0), rotation(chance))), gap)
+    body = Object(name, shape, pose=Pose((*shift, 0.0), rotation(chance)))
+    return _raised(body, gap - lowest(body))
 
 
 def person(
@@ -55,28 +53,21 @@ def person(
     legs = (0.11 * tall, 0.62 * tall, (x + 0.12 * tall, y - 0.78 * tall, reach + 0.1 * tall), _UPRIGHT)
     parts = {"forearm": forearm, "upper arm": upper_arm, "trunk": trunk, "legs": legs}
     centre = (x + 0.12 * tall, y + 0.27 * tall, reach + 0.1 * tall)
-    bodies = [
-        Object(
-            name,
-            Capsule(round(radius, DIGITS), round(segment, DIGITS), _SEGMENTS),
-            pose=Pose(_rounded(middle), turn),
-            conductor=conductor,
-        )
-        for name, (radius, segment, middle, turn) in parts.items()
-    ]
+    bodies = []
+    for name, (radius, segment, middle, turn) in parts.items():
+        capsule = Capsule(round(radius, DIGITS), round(segment, DIGITS), _SEGMENTS)
+        bodies.append(Object(name, capsule, pose=Pose(_rounded(middle), turn), conductor=conductor))
     head = Sphere(round(0.11 * tall, DIGITS), _SEGMENTS)
     return (*bodies, Object("head", head, pose=Pose(_rounded(centre)), conductor=conductor))
 
 
 def chain(chance: random.Random, joints: int, size: float, top: float) -> tuple[Object, ...]:
     """Draws the links of an arm that overlap at the joints, from the one below the sensor, whose face is at z = `top` < 0, downwards and aside.
-
     A link is a box, a cylinder, a capsule or a mesh of about `size`; the first one is a box, on which the sensor is mounted.
     """
     depth = between(chance, (0.4 * size, size))
-    first = Cuboid(
-        (length(chance, (1.2 * size, 2.5 * size)), between(chance, (1.1 * size, 1.6 * size)), depth)
-    )
+    along, across = length(chance, (1.2 * size, 2.5 * size)), between(chance, (1.1 * size, 1.6 * size))
+    first = Cuboid((along, across, depth))
     found = [Object("link 1", first, pose=Pose((0.0, 0.0, round(top - depth / 2, DIGITS))))]
     # Each joint is deeper than half of the next link is thick, so that no link reaches the plane of the sensor.
     place = np.array([first.size[0] / 2, 0.0, top - depth])
@@ -86,7 +77,9 @@ def chain(chance: random.Random, joints: int, size: float, top: float) -> tuple[
         along = float(np.ptp(points[:, 2]))
         direction = _downwards(chance)
         pose = Pose(_rounded(tuple(place + direction * 0.4 * along)), _turning_z_to(direction))
-        body = _below(Object(f"link {number}", shape, pose=pose), top)
+        body = Object(f"link {number}", shape, pose=pose)
+        # One whose highest point is above the face is lowered.
+        body = _raised(body, min(0.0, top - farthest(body, 2)))
         found.append(body)
         place = np.asarray(body.pose.translation) + direction * 0.4 * along
     return tuple(found)
@@ -107,18 +100,9 @@ def _points(body: Object) -> Array:
     return np.asarray(transform.points(body.shape.triangles()).reshape(-1, 3))
 
 
-def _above(body: Object, gap: float) -> Object:
-    return _raised(body, gap - lowest(body))
-
-
-def _below(body: Object, top: float) -> Object:
-    """Lowers a body whose highest point is above `top`."""
-    return _raised(body, min(0.0, top - farthest(body, 2)))
-
-
 def _raised(body: Object, by: float) -> Object:
     x, y, z = body.pose.translation
-    return Object(body.name, body.shape, pose=Pose((x, y, round(z + by, DIGITS)), body.pose.rotation))
+    return replace(body, pose=Pose((x, y, round(z + by, DIGITS)), body.pose.rotation))
 
 
 def _rounded(point: tuple[float, ...]) -> Vector3:
@@ -141,14 +125,14 @@ def _turning_z_to(direction: Array) -> Rotation:
     return AxisRotation((x, y, z), round(math.degrees(math.acos(float(direction[2]))), 2))
 
 
+def _lengths(chance: random.Random, x: Range, y: Range, z: Range) -> Vector3:
+    return length(chance, x), length(chance, y), length(chance, z)
+
+
 _OF_HANDS: tuple[Callable[[random.Random], Shape], ...] = (
-    lambda chance: Cuboid(
-        (length(chance, (0.05, 0.12)), length(chance, (0.08, 0.2)), length(chance, (0.02, 0.06)))
-    ),
+    lambda chance: Cuboid(_lengths(chance, (0.05, 0.12), (0.08, 0.2), (0.02, 0.06))),
     lambda chance: Capsule(length(chance, (0.01, 0.05)), length(chance, (0.05, 0.3)), _SEGMENTS),
-    lambda chance: Ellipsoid(
-        (length(chance, (0.03, 0.06)), length(chance, (0.04, 0.1)), length(chance, (0.015, 0.03))), _SEGMENTS
-    ),
+    lambda chance: Ellipsoid(_lengths(chance, (0.03, 0.06), (0.04, 0.1), (0.015, 0.03)), _SEGMENTS),
     lambda chance: Sphere(length(chance, (0.01, 0.1)), _SEGMENTS),
     lambda chance: PlateShape((length(chance, (0.03, 0.2)), length(chance, (0.03, 0.2)))),
 )
@@ -164,15 +148,15 @@ def _radius(chance: random.Random, size: float) -> float:
 
 
 def _link_mesh(chance: random.Random, size: float) -> Shape:
-    surface, digest, file = _mesh(chance.randrange(len(_LINKS)))
-    return MeshShape(file, digest, round(size * chance.uniform(1.5, 4), DIGITS), surface)
+    whole = _mesh(chance.randrange(len(_LINKS)))
+    return replace(whole, scale=round(size * chance.uniform(1.5, 4), DIGITS))
 
 
 @cache
-def _mesh(number: int) -> tuple[Array, str, str]:
-    """Returns the triangles of a link of length 1 along z, the digest of its file and its path."""
+def _mesh(number: int) -> MeshShape:
+    """Returns a link of length 1 along z."""
     file = _LINKS[number]
-    return read_triangles(file), hashlib.sha256(file.read_bytes()).hexdigest(), str(file)
+    return MeshShape(str(file), hashlib.sha256(file.read_bytes()).hexdigest(), 1.0, read_triangles(file))
 
 
 _OF_LINKS: tuple[Callable[[random.Random, float], Shape], ...] = (
@@ -181,7 +165,6 @@ _OF_LINKS: tuple[Callable[[random.Random, float], Shape], ...] = (
     lambda chance, size: Capsule(_radius(chance, size), between(chance, (1.0 * size, 3 * size)), _SEGMENTS),
     _link_mesh,
 )
-
 
 HOUSING, TABLE, ARM, PERSON, ROBOT, TRANSMIT = "housing", "table", "arm", "person", "robot", "transmit"
 FAMILIES = (HOUSING, TABLE, ARM, PERSON, ROBOT, TRANSMIT)
@@ -203,7 +186,6 @@ _TO_GROUND = (0.0, 1e-11, 1e-10, 1e-9)
 @dataclass(frozen=True)
 class SetUp(OfScene):
     """A scene with one reading, which drives and senses the first sensor; in the family `transmit` it drives the second and senses the first.
-
     `own` names the bodies that the sensors are mounted on, `others` the other bodies of the machine and around it.
     """
 
@@ -291,11 +273,8 @@ def _robot(chance: random.Random) -> _Parts:
     hand = _hand(chance, size)
     beside = max(farthest(hand, 0), size) + length(chance, (0.02, 0.3))
     folded = Cuboid((0.08, 0.08, length(chance, (0.1, 0.5))))
-    second = Object(
-        "folded link",
-        folded,
-        pose=Pose((round(beside + 0.04, DIGITS), 0.0, round(folded.size[2] / 2, DIGITS))),
-    )
+    pose = Pose(_rounded((beside + 0.04, 0.0, folded.size[2] / 2)))
+    second = Object("folded link", folded, pose=pose)
     others = (*links[1:], second) if chance.random() < 0.5 else links[1:]
     return _Parts(sensors, links[:1], others, _connected((hand,), chance))
 
@@ -323,10 +302,8 @@ def _sensors(chance: random.Random, count: int) -> tuple[tuple[Sensor, ...], flo
     starts = [round((place - (count - 1) / 2) * step - width / 2, 5) for place in range(count)]
     chance.shuffle(starts)
     edges = (width, 0.0, 0.0), (0.0, depth, 0.0)
-    sensors = tuple(
-        Sensor(f"sensor {number}", (Plate((start, -depth / 2, 0.0), *edges),))
-        for number, start in enumerate(starts, start=1)
-    )
+    plates = [Plate((start, -depth / 2, 0.0), *edges) for start in starts]
+    sensors = tuple(Sensor(f"sensor {number}", (plate,)) for number, plate in enumerate(plates, start=1))
     return sensors, math.sqrt(((count - 1) * step + width) * depth)
 
 
@@ -337,16 +314,12 @@ def _mounted_on_a_box(chance: random.Random, sensors: tuple[Sensor, ...]) -> tup
     along, across = (round(chance.uniform(1.1, 3) * side, DIGITS) for side in (width, depth))
     thick = length(chance, (0.01, 0.2))
     below = length(chance, _BEHIND)
-    return (
-        Object(
-            "housing", Cuboid((along, across, thick)), pose=Pose((0.0, 0.0, -round(below + thick / 2, 5)))
-        ),
-    )
+    pose = Pose((0.0, 0.0, -round(below + thick / 2, 5)))
+    return (Object("housing", Cuboid((along, across, thick)), pose=pose),)
 
 
 def _hand(chance: random.Random, size: float) -> Object:
-    gap = length(chance, _GAPS)
-    return hand(chance, "hand", gap, _shift(chance, size))
+    return hand(chance, "hand", length(chance, _GAPS), _shift(chance, size))
 
 
 def _shift(chance: random.Random, size: float) -> tuple[float, float]:

@@ -1,7 +1,5 @@
 """The model on machines as a topic: how far its change of a reading is from the true one there, and why."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from dataclasses import dataclass
@@ -11,20 +9,10 @@ import numpy as np
 import plotly.graph_objects as go
 from markupsafe import Markup
 
-from analysis.report import page
-from analysis.report.plot import (
-    Panel,
-    axis,
-    boxes,
-    family_marker,
-    figure,
-    marks,
-    power_axis,
-    rows_axis,
-    series_colour,
-)
+from analysis.report import page, plot
+from analysis.report.plot import Panel, axis, boxes, figure, marks, power_axis, rows_axis, series_colour
 from analysis.results.answers import Estimate
-from analysis.results.statistics import Spread, range_of, ratio, spread
+from analysis.results.statistics import Spread, grouped, range_of, ratio, spread
 from analysis.results.store import Document
 from analysis.results.units import signed_percent
 from analysis.topics.machines import parts, set_ups, truths
@@ -32,7 +20,6 @@ from analysis.topics.machines.parts import ALL_PARTS, COMPANY, OnMachine, Pairs
 from analysis.topics.machines.set_ups import FAMILIES, SetUp
 from analysis.topics.machines.truths import CHECK, METHODS, RTOL, STAGES
 from analysis.topics.topic import Topic
-from geometries.common.measured import picofarads
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,9 +106,11 @@ def section(found: list[Entry], checked: list[Markup]) -> Markup:
         TITLE,
         page.finding(finding(found)),
         page.figures([of_methods(found)]),
-        page.table(
-            ["family", "set-ups", *(f"{method}: median (least to greatest)" for method in METHODS)],
-            _rows(found),
+        page.table_of(
+            grouped(found, lambda entry: entry.set_up.family).items(),
+            ("family", lambda each: each[0]),
+            ("set-ups", lambda each: str(len(each[1]))),
+            *((f"{method}: median (least to greatest)", partial(_range, method)) for method in METHODS),
         ),
         page.finding(parts_finding(found)),
         page.figures([of_parts(found)]),
@@ -159,38 +148,31 @@ def finding(found: list[Entry]) -> str:
 def parts_finding(found: list[Entry]) -> str:
     """Tells what company makes of the error, and which parts are the greatest."""
     pairs = [entry.true.alone.value / entry.change.value for entry in found if entry.pairs] or [np.nan]
-    of_company = {
-        name: [entry.parts()[name] for entry in found if name in entry.true.included] for name in COMPANY
-    }
-    strongest = max(of_company, key=lambda name: float(np.median(of_company[name] or [0.0])))
+    of_company = {}
+    for name in COMPANY:
+        own = [entry.parts()[name] for entry in found if name in entry.true.included]
+        of_company[name] = float(np.median(own or [0.0]))
+    strongest = max(COMPANY, key=lambda name: of_company[name])
     greatest = max(mean_parts(found), key=lambda each: each.largest_in)
     return (
         f"Company alone makes {ratio(float(np.median(pairs)))} times too much of a change ({ratio(min(pairs))} to {ratio(max(pairs))}): so much is the exact change "
         f"of the sensor and the target by themselves over that on the machine, and no better model of pairs can be nearer. Most of it is {strongest} "
-        f"({np.median(of_company[strongest]):.2g} of the true change in the median). Of all parts {greatest.name} is the greatest most often, in {greatest.largest_in} "
+        f"({of_company[strongest]:.2g} of the true change in the median). Of all parts {greatest.name} is the greatest most often, in {greatest.largest_in} "
         f"of {len(found)} set-ups."
     )
 
 
-def _rows(found: list[Entry]) -> list[list[str]]:
-    return [
-        [family, str(len(own)), *(range_of(statistics(own, method)) for method in METHODS)]
-        for family in FAMILIES
-        if (own := [entry for entry in found if entry.set_up.family == family])
-    ]
+def _range(method: str, family: tuple[str, list[Entry]]) -> str:
+    return range_of(statistics(family[1], method))
 
 
 def _sealed(found: list[Entry]) -> Markup:
     """Returns how each method does in the sealed set-ups and in the others."""
-    members = {
-        name: [entry for entry in found if entry.set_up.sealed == (name == "sealed")]
-        for name in ("sealed", "open")
-    }
     known = [
         (method, name, own)
         for method in METHODS
-        for name, some in members.items()
-        if (own := statistics(some, method))
+        for name, sealed in (("sealed", True), ("open", False))
+        if (own := statistics([entry for entry in found if entry.set_up.sealed == sealed], method))
     ]
     return page.table_of(
         known,
@@ -209,8 +191,8 @@ def _numbers(found: list[Entry]) -> Markup:
         ("set-up", lambda entry: page.code(entry.set_up.id)),
         ("name", lambda entry: entry.set_up.name),
         ("sealed", lambda entry: "yes" if entry.set_up.sealed else ""),
-        ("change (pF)", lambda entry: picofarads(entry.change.value, entry.change.error)),
-        ("pair (pF)", lambda entry: picofarads(entry.true.alone.value, entry.true.alone.error)),
+        ("change (pF)", lambda entry: entry.change.in_picofarads),
+        ("pair (pF)", lambda entry: entry.true.alone.in_picofarads),
         *((method, partial(_ratio, method)) for method in METHODS),
         ("greatest part", lambda entry: entry.largest),
         text_columns=3,
@@ -233,10 +215,9 @@ def of_methods(found: list[Entry]) -> Panel:
         answering = [entry for entry in found if method in entry.methods]
         points = [(entry.set_up.family, entry.ratio(method), entry.set_up.name) for entry in answering]
         traces.append(boxes(points, method, series_colour(index)))
-    caption = "the model's change over the true one"
-    height = _AROUND + _FAMILY * len(FAMILIES)
-    drawn = figure(traces, power_axis(caption), rows_axis(list(FAMILIES)), height=height, boxmode="group")
-    return Panel(caption, drawn)
+    caption, height = "the model's change over the true one", _AROUND + _FAMILY * len(FAMILIES)
+    x, y = power_axis(caption), rows_axis(list(FAMILIES))
+    return Panel(caption, figure(traces, x, y, height, boxmode="group"))
 
 
 def of_parts(found: list[Entry]) -> Panel:
@@ -244,14 +225,10 @@ def of_parts(found: list[Entry]) -> Panel:
     there = [name for name in ALL_PARTS if any(entry.parts()[name] for entry in found)]
     traces = [_points(found, family, there) for family in FAMILIES]
     # Parts of either sign over five decades: linear up to the change itself, then logarithmic.
-    x = axis(
-        "part of the error over the true change",
-        tickvals=[_place(value) for value in _TICKS],
-        ticktext=[f"{value:g}" for value in _TICKS],
-    )
-    return Panel(
-        "the parts of the error", figure(traces, x, rows_axis(there), height=_AROUND + _PART * len(there))
-    )
+    places = {"tickvals": list(map(_place, _TICKS)), "ticktext": [f"{value:g}" for value in _TICKS]}
+    x = axis("part of the error over the true change", **places)
+    height = _AROUND + _PART * len(there)
+    return Panel("the parts of the error", figure(traces, x, rows_axis(there), height))
 
 
 def _place(value: float) -> float:
@@ -267,14 +244,10 @@ def _points(found: list[Entry], family: str, there: list[str]) -> go.Scatter:
         for name, value in entry.parts().items()
         if name in there and value != 0
     ]
-    return marks(
-        family,
-        [_place(value) for _, value, _ in points],
-        [name for name, _, _ in points],
-        family_marker(family, list(FAMILIES), size=6, opacity=0.45),
-        "%{text}<extra>%{y}</extra>",
-        text=[f"{value:+.3g}<br>{name}" for _, value, name in points],
-    )
+    marker = plot.family_marker(family, list(FAMILIES), size=6, opacity=0.45)
+    places, names = [_place(value) for _, value, _ in points], [name for name, _, _ in points]
+    text = [f"{value:+.3g}<br>{name}" for _, value, name in points]
+    return marks(family, places, names, marker, "%{text}<extra>%{y}</extra>", text=text)
 
 
 MACHINES = Topic[SetUp, Entry](

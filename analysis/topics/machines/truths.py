@@ -3,8 +3,6 @@
 The field solver's readings of some set-ups are stored: `python3 -m analysis measure field-check machines`, an hour of one core.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import cache
@@ -20,9 +18,7 @@ from analysis.results.store import Document
 from analysis.topics import stored
 from analysis.topics.errors.parts import Truth, split
 from analysis.topics.machines import parts
-from analysis.topics.machines.parts import OnMachine
 from analysis.topics.machines.set_ups import READING, SetUp, all_set_ups
-from analysis.topics.stored import FieldCheck, Stored, rounded
 from geometries.scene.scene import Scene
 from geometries.scene.shapes import Cuboid, PlateShape
 from geometries.scene.writer import canonical
@@ -43,26 +39,31 @@ _DESCRIPTION = (
 class Truths:
     """The true changes of a set-up, and the truth of the sensor with each body of the target by itself, empty for a reading between sensors."""
 
-    changes: OnMachine
+    changes: parts.OnMachine
     pairs: tuple[Truth, ...]
 
 
 @cache
 def load() -> dict[str, Truths]:
     """Returns the records by the identity of their set-up's scene; none without a file."""
-    return {identity: _truths(record) for identity, record in STORED.records().items()}
+    return {
+        identity: Truths(parts.OnMachine.read(record["changes"]), tuple(map(Truth.read, record["pairs"])))
+        for identity, record in STORED.records().items()
+    }
 
 
 def solved(model: Any, set_up: SetUp) -> Truths:
     """Solves a set-up for every choice of what is included. `model` is the model's module."""
     if set_up.is_between_sensors:
-        return Truths(OnMachine(_changes(model, set_up, parts.choices(set_up))), ())
+        return Truths(parts.OnMachine(_changes(model, set_up, parts.choices(set_up))), ())
     alone = parts.scenes(set_up, ())
     plates = len(alone) == 1 and rectangles(alone[0]) is not None
-    pairs = tuple(_pair(model, scene, _RTOL_OF_PLATES if plates else RTOL) for scene in alone)
+    rtol = _RTOL_OF_PLATES if plates else RTOL
+    solutions = (model.Scene.loads(canonical(scene)).maxwell(rtol=rtol) for scene in alone)
+    pairs = tuple(Truth.of(solution, alone[0].sensors[0].name) for solution in solutions)
     changes: dict[tuple[str, ...], Estimate] = {(): parts.added(pair.delta_self for pair in pairs)}
     changes |= _changes(model, set_up, (chosen for chosen in parts.choices(set_up) if chosen))
-    return Truths(OnMachine(changes), pairs)
+    return Truths(parts.OnMachine(changes), pairs)
 
 
 def _changes(
@@ -83,25 +84,16 @@ def _change(model: Any, scene: Scene, rtol: float) -> Estimate:
     return Estimate(float(reading.change), float(reading.error["change"]))
 
 
-def _pair(model: Any, scene: Scene, rtol: float) -> Truth:
-    return Truth.of(model.Scene.loads(canonical(scene)).maxwell(rtol=rtol), scene.sensors[0].name)
+def _document(truths: Truths) -> Document:
+    return {"changes": truths.changes.documents(), "pairs": [asdict(pair) for pair in truths.pairs]}
 
 
-def _truths(record: Document) -> Truths:
-    return Truths(OnMachine.read(record["changes"]), tuple(map(Truth.read, record["pairs"])))
-
-
-def _record(truths: Truths) -> Document:
-    return rounded({"changes": truths.changes.documents(), "pairs": [asdict(pair) for pair in truths.pairs]})
-
-
-STORED = Stored[SetUp](
+STORED = stored.Stored[SetUp](
     file=Path(__file__).with_name("truths.json"),
     description=_DESCRIPTION,
     chosen=all_set_ups,
-    solve=lambda each: _record(solved(model_stage.model_module(), each)),
+    solve=lambda each: stored.rounded(_document(solved(model_stage.model_module(), each))),
 )
-
 
 EVERY, FACING, REDUCED = "exact", "exact+facing", "reduced"
 METHODS = (EVERY, FACING, REDUCED)
@@ -109,12 +101,7 @@ METHODS = (EVERY, FACING, REDUCED)
 REDUCED_RTOL = 0.1
 """Relative error asked of the reduced method, which then prepares a machine in less than a second."""
 _SECONDS = 1.0
-_FILES = (
-    "errors/parts.py",
-    "machines/parts.py",
-    "machines/truths.py",
-    "machines/truths.json",
-)
+_FILES = ("errors/parts.py", "machines/parts.py", "machines/truths.py", "machines/truths.json")
 
 
 def answer(set_up: SetUp, _: Path) -> Document:
@@ -136,12 +123,14 @@ def methods(set_up: SetUp) -> tuple[str, ...]:
 
 def _by(model: Any, set_up: SetUp, method: str) -> Document:
     """Computes a method's change; that of the plain model for the grounded target, since it knows no other one."""
-    left_out = () if method == REDUCED else (parts.GROUNDING,)
-    scene = parts.scenes(set_up, tuple(name for name in parts.COMPANY if name not in left_out))[0]
-    loaded = model.Scene.loads(canonical(scene))
+    included = tuple(name for name in parts.COMPANY if method == REDUCED or name != parts.GROUNDING)
+    options = model_stage.options(method)
+    if method == REDUCED:
+        options = {"method": method, "rtol": REDUCED_RTOL}
+    loaded = model.Scene.loads(canonical(parts.scenes(set_up, included)[0]))
     before = perf_counter()
     try:
-        reading = loaded.readings(**_options(method))[READING]
+        reading = loaded.readings(**options)[READING]
     except ValueError as error:
         return {"refused": str(error)}
     if reading.change is None:
@@ -149,25 +138,14 @@ def _by(model: Any, set_up: SetUp, method: str) -> Document:
     return {"change": float(reading.change), "seconds": perf_counter() - before}
 
 
-def _options(method: str) -> dict[str, Any]:
-    return {"method": method, "rtol": REDUCED_RTOL} if method == REDUCED else model_stage.options(method)
-
-
 def _pairs(model: Any, set_up: SetUp, true: Truths) -> parts.Pairs:
     """Evaluates the model of the sensor with each body of the target by itself, and takes its error apart if that is one plate."""
     scenes = parts.scenes(set_up, ())
     plates = rectangles(scenes[0]) if len(scenes) == 1 else None
-    by_model = {method: sum(_model(model, scene, method) for scene in scenes) for method in (EVERY, FACING)}
-    return parts.Pairs(
-        truths=true.pairs,
-        every=by_model[EVERY],
-        facing=by_model[FACING],
-        split=split(model, *plates) if plates else None,
-    )
-
-
-def _model(model: Any, scene: Scene, method: str) -> float:
-    return float(model.Scene.loads(canonical(scene)).readings(**model_stage.options(method))[READING].change)
+    loaded = [model.Scene.loads(canonical(scene)) for scene in scenes]
+    asked = [model_stage.options(method) for method in (EVERY, FACING)]
+    every, facing = (sum(float(scene.readings(**each)[READING].change) for scene in loaded) for each in asked)
+    return parts.Pairs(true.pairs, every, facing, split(model, *plates) if plates else None)
 
 
 STAGES = SetUpStages[SetUp](
@@ -178,7 +156,6 @@ STAGES = SetUpStages[SetUp](
     seconds=lambda _: _SECONDS,
     answer=answer,
 )
-
 
 _RTOL_OF_CHECKS = 2e-2
 """Relative accuracy asked of the enclosures of value and background: the first mesh mostly has it."""
@@ -193,12 +170,11 @@ _DESCRIPTION_OF_CHECKS = (
 def chosen() -> tuple[SetUp, ...]:
     """Returns the set-ups whose bodies are cuboids and plates only, which the field solver meshes quickly: those with few bodies, and of these
     the sealed ones, first."""
-    flat = (
-        each
-        for each in all_set_ups()
-        if all(isinstance(body.shape, (Cuboid, PlateShape)) for body in each.scene.objects)
+    flat = (Cuboid, PlateShape)
+    found = (
+        each for each in all_set_ups() if all(isinstance(body.shape, flat) for body in each.scene.objects)
     )
-    return tuple(sorted(flat, key=lambda each: (len(each.scene.objects), not each.sealed)))
+    return tuple(sorted(found, key=lambda each: (len(each.scene.objects), not each.sealed)))
 
 
 def checked(set_up: SetUp) -> Document:
@@ -206,8 +182,7 @@ def checked(set_up: SetUp) -> Document:
     (asked_for,) = set_up.scene.readings
     columns = dict.fromkeys([asked_for.sense, *asked_for.drive])
     asked = ("--rtol", repr(_RTOL_OF_CHECKS), "--error", "enclosure", "--max-unknowns", str(_MOST_UNKNOWNS))
-    document = stored.solved(set_up, *asked, "--columns", ",".join(columns))
-    (reading,) = document["readings"]
+    reading, document = stored.solved(set_up, *asked, "--columns", ",".join(columns))
     return {
         **stored.quantities_of(reading, ("change",)),
         "lower": reading["lower"]["change"],
@@ -216,7 +191,7 @@ def checked(set_up: SetUp) -> Document:
     }
 
 
-CHECK = FieldCheck[SetUp](
+CHECK = stored.FieldCheck[SetUp](
     file=Path(__file__).with_name("field_checks.json"),
     description=_DESCRIPTION_OF_CHECKS,
     chosen=chosen,

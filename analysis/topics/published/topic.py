@@ -1,8 +1,6 @@
 """The published table as a topic: set-ups above, beside and diagonal to a plate, with bounds and four digits for every value. The table and its checks are CSV
 files, kept with the project; TABLE.md tells how they were made."""
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import io
@@ -17,17 +15,14 @@ from markupsafe import Markup
 from analysis.pipeline.set_up_stages import Whole
 from analysis.report import page, set_ups_page
 from analysis.report.plot import Panel, axis, by_family, figure, log_axis
-from analysis.report.set_ups_page import Around, Shown
 from analysis.results.answers import Estimate
 from analysis.results.set_up import Rectangle
 from analysis.results.store import Document
 from analysis.results.study_results import Failure
-from analysis.results.units import CENTIMETRE
+from analysis.results.units import CENTIMETRE, in_words
 from analysis.topics.topic import Topic
 from geometries.common.measured import measured
 from geometries.studies import study
-from geometries.studies.study import EMPTY, Case
-
 
 MUTUAL, SENSOR, TARGET, DELTA_SELF = "mutual", "self_sensor", "self_target", "delta_self"
 QUANTITIES = (MUTUAL, SENSOR, TARGET, DELTA_SELF)
@@ -59,11 +54,6 @@ class Row:
     values: dict[str, Value]
 
 
-def worst_error(found: Iterable[Row]) -> float:
-    """Returns the largest relative stated error of the best values."""
-    return max(value.error / value.best for row in found for value in row.values.values())
-
-
 PLACE = Path(__file__).parent
 """The folder of the published table."""
 TABLE, CHECKS, PAGE = "reference_table.csv", "checks.csv", "TABLE.md"
@@ -92,11 +82,9 @@ class Check:
 
 def load() -> tuple[list[Row], list[Check]]:
     """Returns the table and its checks."""
-    rows, checks = (
-        list(csv.DictReader(io.StringIO((PLACE / name).read_text(encoding="utf-8"))))
-        for name in (TABLE, CHECKS)
-    )
-    return [_row(record) for record in rows], [_check(record) for record in checks]
+    texts = ((PLACE / name).read_text(encoding="utf-8") for name in (TABLE, CHECKS))
+    rows, checks = (csv.DictReader(io.StringIO(text)) for text in texts)
+    return list(map(_row, rows)), list(map(_check, checks))
 
 
 def digest() -> str:
@@ -105,15 +93,14 @@ def digest() -> str:
     return hashlib.sha256(b"".join(contents)).hexdigest()
 
 
-def cases() -> list[Case]:
+def cases() -> list[study.Case]:
     """Returns the set-ups in the order of the table."""
-    return [case for case in study.load(study.find(STUDY)).cases() if case.family != EMPTY]
+    return [case for case in study.load(study.find(STUDY)).cases() if case.family != study.EMPTY]
 
 
 def _check(record: dict[str, str]) -> Check:
-    value, error, best, best_error = (
-        float(record[name]) for name in ("value", "error", "best", "best_error")
-    )
+    numbers = (float(record[name]) for name in ("value", "error", "best", "best_error"))
+    value, error, best, best_error = numbers
     return Check(record["case"], record["quantity"], Estimate(value, error), Estimate(best, best_error))
 
 
@@ -142,19 +129,15 @@ def section(published: Published, set_ups: str) -> Markup:
     """Tells what the table holds and how sure it is; `set_ups` is the file of the page of its set-ups, as seen from the page."""
     found, checks = published
     gaps, widths = log_axis("gap (cm)"), axis("half width (%)", rangemode="tozero")
-    values = _points(
-        found, lambda row: row.parameters["gap"] / CENTIMETRE, lambda row: row.values[MUTUAL].best
-    )
-    halves = _points(
-        found, lambda row: row.values[MUTUAL].best, lambda row: _PERCENT * row.values[MUTUAL].half_width
-    )
-    panels = [
-        Panel("mutual, best values", figure(values, gaps, log_axis("mutual (pF)"))),
-        Panel(
-            "half the width of the interval that mutual is proven to lie in",
-            figure(halves, log_axis("mutual (pF)"), widths),
-        ),
-    ]
+
+    def mutual(row: Row) -> float:
+        return row.values[MUTUAL].best
+
+    values = _points(found, lambda row: row.parameters["gap"] / CENTIMETRE, mutual)
+    halves = _points(found, mutual, lambda row: _PERCENT * row.values[MUTUAL].half_width)
+    half = "half the width of the interval that mutual is proven to lie in"
+    panels = [Panel("mutual, best values", figure(values, gaps, log_axis("mutual (pF)")))]
+    panels.append(Panel(half, figure(halves, log_axis("mutual (pF)"), widths)))
     place = PLACE.relative_to(PLACE.parent.parent)
     return page.section(
         TITLE,
@@ -169,10 +152,11 @@ def section(published: Published, set_ups: str) -> Markup:
 
 def headline(found: list[Row]) -> str:
     """Tells the number of set-ups and values, and their accuracy."""
-    values = len(found) * len(QUANTITIES)
+    values = [value for row in found for value in row.values.values()]
+    worst = max(value.error / value.best for value in values)
     return (
-        f"{len(found)} set-ups of a plate above, beside and diagonal to a square plate, {values} values: mutual, both own capacitances and "
-        f"delta_self of each, every one enclosed and with a best value whose stated error is at most {worst_error(found):.1e}."
+        f"{len(found)} set-ups of a plate above, beside and diagonal to a square plate, {len(values)} values: mutual, both own capacitances and "
+        f"delta_self of each, every one enclosed and with a best value whose stated error is at most {worst:.1e}."
     )
 
 
@@ -192,7 +176,7 @@ def set_ups_document(published: Published, back: str, back_title: str, inputs: s
     """Returns the page of the table's set-ups; `back` is the file of the page that leads to it, `inputs` the hash of what it is made from."""
     found, _ = published
     texts = {case.id: case for case in cases()}
-    around = Around(
+    around = set_ups_page.Around(
         "Set-ups of the published table",
         back,
         back_title,
@@ -208,29 +192,17 @@ def _points(found: list[Row], x: Callable[[Row], float], y: Callable[[Row], floa
     return by_family(found, lambda row: row.family, hover, size=6, x=x, y=y, customdata=lambda row: row.case)
 
 
-def _shown(row: Row, case: Case) -> Shown:
-    mutual = row.values[MUTUAL]
-    finding = f"mutual: {measured(mutual.best, mutual.error)} pF, proven to lie in [{mutual.low:.7g}, {mutual.high:.7g}]."
+def _shown(row: Row, case: study.Case) -> set_ups_page.Shown:
     numbers = tuple(
         (quantity, measured(value.best, value.error), f"{value.low:.7g}", f"{value.high:.7g}")
         for quantity, value in row.values.items()
     )
-    description = _description(row, case)
-    return Shown(row.case, row.family, description, (finding,), numbers, case.scene, case.text)
-
-
-def _description(row: Row, case: Case) -> str:
-    """Describes a row's parameters in words."""
+    _, best, low, high = numbers[QUANTITIES.index(MUTUAL)]
+    finding = f"mutual: {best} pF, proven to lie in [{low}, {high}]."
     (plate,) = case.scene.sensors[0].plates
     sides = (f"{np.linalg.norm(edge) / CENTIMETRE:g}" for edge in (plate.edge_u, plate.edge_v))
-    phrases = [f"Sensor {' × '.join(sides)} cm"]
-    for name, value in row.parameters.items():
-        label = name.replace("_", " ")
-        if name.endswith("_degrees"):
-            phrases.append(f"{label.removesuffix(' degrees')} {value:g}°")
-        else:
-            phrases.append(f"{label} {value / CENTIMETRE:g} cm")
-    return ", ".join(phrases) + "."
+    description = f"Sensor {' × '.join(sides)} cm, {in_words(dict(row.parameters))}."
+    return set_ups_page.Shown(row.case, row.family, description, (finding,), numbers, case.scene, case.text)
 
 
 @dataclass(frozen=True)

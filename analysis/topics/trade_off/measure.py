@@ -1,11 +1,8 @@
 """Run time against error: `python3 -m analysis.topics.trade_off.measure RESULTS TARGET` asks every method of the module on every pair of plates of a study.
 
-All run on one core. Methods take turns at every pose, so that other work on the machine disturbs all alike. A time is that of one
-pose after a move, with the bodies already prepared; the smallest of several, because disturbances only add to it. As the stage of a study
-the answer is kept as long as code, set-ups and machine are the same.
-"""
-
-from __future__ import annotations
+All run on one core. Methods take turns at every pose, so that other work on the machine disturbs all alike. A time is
+that of one pose after a move, with the bodies already prepared; the smallest of several, because disturbances only
+add to it. As the stage of a study the answer is kept as long as code, set-ups and machine are the same."""
 
 import functools
 import os
@@ -21,12 +18,10 @@ from analysis.pipeline.scheduler import run_all
 from analysis.pipeline.stage import NoAnswer, Processes, Stage, outdated, unfinished_file
 from analysis.results import machine, study_results
 from analysis.results.store import Document, read_json, write_json
-from analysis.results.study_results import CaseResult, Failure
 from geometries.common.children import temporary_folder
 from geometries.common.installation import ROOT, from_repository
 from geometries.scene.scene import Link, Scene
 from geometries.scene.writer import canonical
-
 
 ANSWER = "trade_off.json"
 NAME = "run time against error of all methods"
@@ -35,18 +30,12 @@ _SOURCES = ("model", "CMakeLists.txt", "CMakePresets.json", "analysis/topics/tra
 _SECONDS = 90.0
 
 
-def run(folder: Path, cases: list[str], wanted: bool) -> list[Failure]:
+def run(folder: Path, cases: list[str], wanted: bool) -> list[study_results.Failure]:
     """Measures the cases of a study whose manifest is in the folder, if `wanted` and not done; an outdated answer is removed."""
     target = folder / ANSWER
-    stages = outdated(
-        [Stage(NAME, "", target, key(cases), _SECONDS, functools.partial(_answer, folder, target))]
-    )
+    answer = functools.partial(_answer, folder, target)
+    stages = outdated([Stage(NAME, "", target, key(cases), _SECONDS, answer)])
     return run_all(stages, 1, "measured") if wanted else []
-
-
-def load(folder: Path) -> Document | None:
-    """Returns the answer in a folder of results; None without one."""
-    return read_json(folder / ANSWER)
 
 
 def command(folder: Path) -> str:
@@ -56,9 +45,8 @@ def command(folder: Path) -> str:
 
 def key(cases: list[str]) -> str:
     """Returns the key, which depends on the machine because times do; `cases` are the identities of the set-ups."""
-    return keys.measurement_key(
-        f"{_MODULE} {' '.join(cases)}", keys.code_of(_SOURCES, ROOT), machine.identity()
-    )
+    command = f"{_MODULE} {' '.join(cases)}"
+    return keys.measurement_key(command, keys.code_of(_SOURCES, ROOT), machine.identity())
 
 
 def _answer(folder: Path, target: Path, processes: Processes) -> Document:
@@ -99,19 +87,19 @@ class Method:
 def methods() -> list[Method]:
     """Returns every method."""
     of_integrals = {f"split:{level}": "thesis" for level in LEVELS} | {"exact": "model", "formula": "formula"}
-    found = [Method(kind, name, _TURNS, _POSES, _integral(name)) for name, kind in of_integrals.items()]
-    found += [
-        Method("reduced", f"reduced {rtol}", _TURNS, _POSES, _matrix(method="reduced", rtol=float(rtol)))
-        for rtol in RTOLS_OF_REDUCED
-    ]
-    found += [
-        Method("boundary elements", rtol, turns, 1, _matrix(rtol=float(rtol)))
-        for rtol, turns in _TURNS_OF_BOUNDARY_ELEMENTS.items()
-    ]
+    found = []
+    for name, kind in of_integrals.items():
+        found.append(Method(kind, name, _TURNS, _POSES, functools.partial(_integral, method=name)))
+    for rtol in RTOLS_OF_REDUCED:
+        ask = functools.partial(_matrix, method="reduced", rtol=float(rtol))
+        found.append(Method("reduced", f"reduced {rtol}", _TURNS, _POSES, ask))
+    for rtol, turns in _TURNS_OF_BOUNDARY_ELEMENTS.items():
+        ask = functools.partial(_matrix, rtol=float(rtol))
+        found.append(Method("boundary elements", rtol, turns, 1, ask))
     return found
 
 
-def measured(module: Any, cases: list[CaseResult]) -> Document:
+def measured(module: Any, cases: list[study_results.CaseResult]) -> Document:
     """Returns the truths by case, and for every method its values and its seconds by case."""
     known = methods()
     truths: dict[str, Document] = {}
@@ -123,11 +111,8 @@ def measured(module: Any, cases: list[CaseResult]) -> Document:
         for case in cases:
             path.write_text(canonical(movable(case.scene)), encoding="utf-8")
             solved = module.Scene.load(str(path)).maxwell(rtol=TRUTH_RTOL)
-            truths[case.id] = {
-                "mutual": -float(solved["maxwell"][0][1]),
-                "error": float(solved["error"][0][1]),
-                "reached": bool(solved["reached"]),
-            }
+            entry, error = (float(solved[name][0][1]) for name in ("maxwell", "error"))
+            truths[case.id] = {"mutual": -entry, "error": error, "reached": bool(solved["reached"])}
             for answer, (value, seconds) in zip(answers, _in_turn(module, path, known)):
                 answer["values"][case.id], answer["seconds"][case.id] = value, seconds
     return {"truth_rtol": TRUTH_RTOL, "truths": truths, "methods": answers}
@@ -154,20 +139,14 @@ def _in_turn(module: Any, path: Path, known: list[Method]) -> list[tuple[float, 
     return list(zip(values, best))
 
 
-def _integral(method: str) -> Callable[[Any], tuple[float, float]]:
-    def ask(scene: Any) -> tuple[float, float]:
-        answer = scene.capacitance(method=method)
-        return float(answer["sensors"][0]["total"]), float(answer["seconds"])
-
-    return ask
+def _integral(scene: Any, method: str) -> tuple[float, float]:
+    answer = scene.capacitance(method=method)
+    return float(answer["sensors"][0]["total"]), float(answer["seconds"])
 
 
-def _matrix(**options: Any) -> Callable[[Any], tuple[float, float]]:
-    def ask(scene: Any) -> tuple[float, float]:
-        answer = scene.maxwell(**options)
-        return -float(answer["maxwell"][0][1]), float(answer["seconds"])
-
-    return ask
+def _matrix(scene: Any, **options: Any) -> tuple[float, float]:
+    answer = scene.maxwell(**options)
+    return -float(answer["maxwell"][0][1]), float(answer["seconds"])
 
 
 def main(folder: str, target: str) -> None:

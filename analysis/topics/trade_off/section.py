@@ -1,7 +1,5 @@
 """The section on run time against error: one plot with its finding."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -43,25 +41,15 @@ def points(document: Document, results: Results) -> list[Point]:
 
     def point(kind: str, name: str, answers: dict[str, tuple[float, float]]) -> Point:
         """Makes a point of a method, whose values and seconds are given by case."""
-        errors = {case: float(value / truths[case] - 1) for case, (value, _) in answers.items()}
-        size = np.abs(list(errors.values()))
-        return Point(
-            kind,
-            name,
-            float(np.median([seconds for _, seconds in answers.values()])),
-            float(np.median(size)),
-            float(np.quantile(size, 0.95)),
-            max(errors, key=lambda case: abs(errors[case])),
-        )
+        errors = {case: abs(float(value / truths[case] - 1)) for case, (value, _) in answers.items()}
+        sizes, seconds = list(errors.values()), np.median([taken for _, taken in answers.values()])
+        middle, most = float(np.median(sizes)), float(np.quantile(sizes, 0.95))
+        return Point(kind, name, float(seconds), middle, most, max(errors, key=lambda case: errors[case]))
 
-    found = [
-        point(
-            entry["kind"],
-            entry["name"],
-            {case: (entry["values"][case], entry["seconds"][case]) for case in truths},
-        )
-        for entry in document["methods"]
-    ]
+    found = []
+    for entry in document["methods"]:
+        answers = {case: (entry["values"][case], entry["seconds"][case]) for case in truths}
+        found.append(point(entry["kind"], entry["name"], answers))
     solved = _solved(document, results)
     for depth in range(max((len(answer.levels) for answer in solved.values()), default=0)):
         there = {case: answer.levels[depth] for case, answer in solved.items() if len(answer.levels) > depth}
@@ -115,11 +103,12 @@ def section(document: Document | None, results: Results, cases: str) -> Markup:
     """Returns the finding, the plot and what it shows; empty without a measurement. `cases` is the folder of the cases as seen from the page."""
     if document is None or not document["truths"]:
         return Markup("")
-    found = points(document, results)
+    found, count = points(document, results), len(document["truths"])
+    caption = f"median over {count} set-ups of one plate before another; the bars end at 95 % of them"
     return page.section(
         TITLE,
         page.finding(finding(found, document)),
-        page.figures([Panel(_caption(document), plot(found, known_to(document)))], cases),
+        page.figures([Panel(caption, plot(found, known_to(document)))], cases),
         page.soft(_explanation(document, results)),
     )
 
@@ -127,22 +116,19 @@ def section(document: Document | None, results: Results, cases: str) -> Markup:
 def finding(found: list[Point], document: Document) -> str:
     """Tells time and error from the plain model to the field solver, and compares the reduced method with an equally accurate mesh."""
     named = {point.name: point for point in found}
-    exact, fast = named["exact"], named["reduced 1e-3"]
-    best = named["formula"]
+    exact, fast, best = named["exact"], named["reduced 1e-3"], named["formula"]
     seconds = [point.seconds for point in found]
     sentence = (
         f"Over {len(document['truths'])} set-ups the plain model takes {duration(exact.seconds, 2)} and is {percent(exact.error)} off in mutual "
         f"(medians), the {best.name} {duration(best.seconds, 2)} and {percent(best.error)}, {fast.name} "
         f"{duration(fast.seconds, 2)} and {percent(fast.error)}"
     )
-    meshes = [point for point in found if point.kind == MESH]
-    matched = [point for point in meshes if point.error >= fast.error]
+    matched = [point for point in found if point.kind == MESH and point.error >= fast.error]
     if matched:
         last = matched[-1]
-        sentence += (
-            f"; mesh {last.name} of the field solver is {percent(last.error)} off after {duration(last.seconds, 2)}, "
-            f"{_rounded(last.seconds / fast.seconds)} times as long"
-        )
+        # To one digit: a ratio of times measured on different days is not known better.
+        ratio = f"{float(f'{last.seconds / fast.seconds:.0e}'):,.0f} times as long"
+        sentence += f"; mesh {last.name} of the field solver is {percent(last.error)} off after {duration(last.seconds, 2)}, {ratio}"
     return f"{sentence}. The plot spans {math.log10(max(seconds) / min(seconds)):.1f} decades of time."
 
 
@@ -156,10 +142,9 @@ def advice(document: Document | None, results: Results) -> str:
         best = next((point for point in found if point.percentile_95 <= accuracy), None)
         if best is not None:
             reached.setdefault(best, []).append(percent(accuracy))
-    told = [
-        f"{' or '.join(accuracies)}: {_in_words(best)}, {duration(best.seconds, 2)} a pose"
-        for best, accuracies in reached.items()
-    ]
+    told = []
+    for best, accuracies in reached.items():
+        told.append(f"{' or '.join(accuracies)}: {_in_words(best)}, {duration(best.seconds, 2)} a pose")
     return f"For an error of at most {'; '.join(told)} (in 95 of 100 set-ups)." if told else ""
 
 
@@ -172,7 +157,10 @@ def _in_words(point: Point) -> str:
 
 def plot(found: list[Point], known_to: float) -> go.Figure:
     """Plots every series, the Pareto front, and the error of the truth. Smaller errors are drawn there as open symbols."""
-    traces = [_front(found, known_to)]
+    # Errors below that of the truth count as equal on the front.
+    places = [(point.seconds, max(point.error, known_to)) for point in found]
+    fastest, errors = zip(*front(places, lambda place: place))
+    traces = [guide("front: none is faster and better", fastest, errors, shape="hv")]
     (plain,) = (point.error for point in found if point.kind == "model")
     for kind, (name, colour, symbol, mode) in _SERIES.items():
         members = [point for point in found if point.kind == kind]
@@ -186,29 +174,17 @@ def plot(found: list[Point], known_to: float) -> go.Figure:
     return figure(traces, x, power_axis("relative error in mutual"), height=560)
 
 
-def _front(found: list[Point], known_to: float) -> go.Scatter:
-    """Returns the line through the Pareto front; errors below that of the truth count as equal."""
-    places = [(point.seconds, max(point.error, known_to)) for point in found]
-    seconds, errors = zip(*front(places, lambda place: place))
-    return guide("front: none is faster and better", seconds, errors, shape="hv")
-
-
 def _series(
     name: str, members: list[Point], colour: int, symbol: str, mode: str, known_to: float, plain: float
 ) -> go.Scatter:
-    shown = [max(point.error, known_to) for point in members]
+    shown, paint = [max(point.error, known_to) for point in members], {"color": series_colour(colour)}
+    above = [max(point.percentile_95 - error, 0) for point, error in zip(members, shown)]
+    bars = {"type": "data", "symmetric": False, "array": above, "arrayminus": [0] * len(members)}
+    symbols = [symbol if point.error > known_to else f"{symbol}-open" for point in members]
     return go.Scatter(
         x=[point.seconds for point in members],
         y=shown,
-        error_y={
-            "type": "data",
-            "symmetric": False,
-            "array": [max(point.percentile_95 - error, 0) for point, error in zip(members, shown)],
-            "arrayminus": [0] * len(members),
-            "thickness": 0.8,
-            "width": 2,
-            "color": series_colour(colour),
-        },
+        error_y=bars | {"thickness": 0.8, "width": 2} | paint,
         mode=mode,
         text=[_label(point, plain) for point in members],
         textposition="bottom center" if members[0].kind == "formula" else "top right",
@@ -216,12 +192,8 @@ def _series(
         customdata=[point.worst for point in members],
         hovertext=[point.name for point in members],
         cliponaxis=False,
-        marker={
-            "color": series_colour(colour),
-            "symbol": [symbol if point.error > known_to else f"{symbol}-open" for point in members],
-            "size": 14 if symbol == "star" else 8,
-        },
-        line={"color": series_colour(colour)},
+        marker=paint | {"symbol": symbols, "size": 14 if symbol == "star" else 8},
+        line=paint,
         name=name,
         hovertemplate="%{hovertext}: %{x:.2g} s, %{y:.1e}<extra>" + name + "</extra>",
     )
@@ -234,10 +206,6 @@ def _label(point: Point, plain: float) -> str:
     if point.kind == "thesis":
         return point.name.partition(":")[2] if point.name in _NAMED_OF_SPLITS else ""
     return point.name.removeprefix("reduced ")
-
-
-def _caption(document: Document) -> str:
-    return f"median over {len(document['truths'])} set-ups of one plate before another; the bars end at 95 % of them"
 
 
 def _explanation(document: Document, results: Results) -> str:
@@ -253,9 +221,3 @@ def _explanation(document: Document, results: Results) -> str:
         f"the study was solved, and of the whole answer. {document['processor']} with {document['instruction_sets']}. Again, from the "
         f"project's folder: {measure.command(results.folder)}"
     )
-
-
-def _rounded(factor: float) -> str:
-    """Rounds to one digit: a ratio of times measured on different days is not known better."""
-    digits = 10 ** math.floor(math.log10(factor))
-    return f"{round(factor / digits) * digits:,.0f}"

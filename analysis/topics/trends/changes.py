@@ -6,8 +6,6 @@ four since it last moved differ by as much, however small each step was. The sam
 are never looked at. On another machine, with another processor or other versions of packages, alarms are held back where most values of the same method moved at once: it
 is the machine that they tell of."""
 
-from __future__ import annotations
-
 import csv
 import json
 import math
@@ -19,20 +17,14 @@ from datetime import datetime, timezone
 from pathlib import Path
 
 from analysis.results import machine, study_results
-from analysis.results.store import read_json
-from analysis.results.study_results import (
-    Results,
-    boundary_command,
-    case_folder,
-    model_command,
-    reference_command,
-)
+from analysis.results.statistics import grouped
+from analysis.results.store import finite, read_json
+from analysis.results.study_results import Results, case_folder
 from analysis.results.table import TABLE
 from analysis.results.truth import BOUNDARY, FIELD
 from geometries.common.children import ending_with_this
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT
-
 
 FILE = "trends.jsonl"
 INSTRUCTIONS = "instructions"
@@ -47,12 +39,10 @@ _NEEDED = ("case", "family", "quantity", "sensor", "object")
 
 @dataclass(frozen=True)
 class Record:
-    """One value of one night.
-
-    `kind` is the method, or INSTRUCTIONS, and `name` what the value is of; `case` is the case's id, empty for counts. Value and
-    `error`, the half-width of its interval, are farads, or instructions; a value that is not finite is NaN. `command` computes the
-    answer anew, from the project's folder, `inputs` is the key of the answer, and `versions` are those of the packages it depends on.
-    """
+    """One value of one night. `kind` is the method, or INSTRUCTIONS, and `name` what the value is of; `case` is the case's id, empty
+    for counts. Value and `error`, the half-width of its interval, are farads, or instructions; a value that is not finite is NaN.
+    `command` computes the answer anew, from the project's folder, `inputs` is the key of the answer, and `versions` are those of the
+    packages it depends on."""
 
     kind: str
     name: str
@@ -85,28 +75,38 @@ def load(folder: Path) -> list[Record]:
     except FileNotFoundError:
         return []
     known = [json.loads(line) for line in lines]
-    return [
-        Record(**{**each, "value": math.nan if each["value"] is None else each["value"]}) for each in known
-    ]
+    values = [math.nan if each["value"] is None else each["value"] for each in known]
+    return [Record(**each | {"value": value}) for each, value in zip(known, values)]
 
 
 def of_night(folder: Path) -> list[Record]:
-    """Returns the values in a folder of results, with what they were computed from."""
-    return _with_origin(of_table(folder), study_results.load(folder))
+    """Returns the values in a folder of results, with the commands, the inputs and the packages that each was computed by."""
+    results = study_results.load(folder)
+    files = {FIELD: study_results.REFERENCE, BOUNDARY: study_results.BOUNDARY}
+    answers: dict[Path, tuple[str, str]] = {}
+    known = []
+    for each in of_table(folder):
+        path = case_folder(folder, each.case) / files.get(each.kind, study_results.MODEL)
+        if path not in answers:
+            document = read_json(path) or {}
+            packages = sorted(document.get("versions", {}).items())
+            answers[path] = document.get("key", ""), ", ".join(" ".join(package) for package in packages)
+        inputs, versions = answers[path]
+        known.append(replace(each, command=_command(results, each), inputs=inputs, versions=versions))
+    return known
 
 
 def add(folder: Path, found: Iterable[Record], at: str | None = None) -> list[Record]:
     """Appends what is new of these values, as of the commit `at` or else the one that is checked out; returns it."""
-    last = {each.series: (each.inputs, _finite(each.value)) for each in load(folder)}
+    last = {each.series: (each.inputs, finite(each.value)) for each in load(folder)}
     now = {
         "time": datetime.now(timezone.utc).isoformat(timespec="microseconds"),
         "commit": at or commit(),
         "processor": machine.description()["processor"],
     }
-    new = [
-        replace(each, **now) for each in found if last.get(each.series) != (each.inputs, _finite(each.value))
-    ]
-    lines = [json.dumps(asdict(each) | {"value": _finite(each.value)}) + "\n" for each in new]
+    others = (each for each in found if last.get(each.series) != (each.inputs, finite(each.value)))
+    new = [replace(each, **now) for each in others]
+    lines = [json.dumps(asdict(each) | {"value": finite(each.value)}) + "\n" for each in new]
     folder.mkdir(parents=True, exist_ok=True)
     with (folder / FILE).open("a+b") as file:
         # An unfinished line of a killed night goes: its values are written again now.
@@ -118,18 +118,16 @@ def add(folder: Path, found: Iterable[Record], at: str | None = None) -> list[Re
 
 def of_count(name: str, instructions: int, command: str, inputs: str, versions: str) -> Record:
     """Returns the record of an instruction count."""
-    return Record(
-        INSTRUCTIONS, name, "", instructions, _COUNTING * instructions, None, command, inputs, versions
-    )
+    error = _COUNTING * instructions
+    return Record(INSTRUCTIONS, name, "", instructions, error, None, command, inputs, versions)
 
 
 def commit() -> str:
     """Returns the commit that is checked out, with the mark -dirty if files have changed since; `unknown` outside of a repository."""
     asked = ["git", "-C", str(ROOT), "describe", "--always", "--abbrev=40", "--dirty", "--exclude=*"]
     try:
-        return subprocess.run(
-            ending_with_this(asked), capture_output=True, text=True, check=True
-        ).stdout.strip()
+        done = subprocess.run(ending_with_this(asked), capture_output=True, text=True, check=True)
+        return done.stdout.strip()
     except (OSError, subprocess.CalledProcessError):
         return "unknown"
 
@@ -173,32 +171,11 @@ def _of_row(row: dict[str, str]) -> list[Record]:
     return found
 
 
-def _with_origin(found: list[Record], results: Results) -> list[Record]:
-    """Adds by which command, from which inputs and with which packages each value was computed."""
-    files = {FIELD: study_results.REFERENCE, BOUNDARY: study_results.BOUNDARY}
-    answers: dict[Path, tuple[str, str]] = {}
-    known = []
-    for each in found:
-        path = case_folder(results.folder, each.case) / files.get(each.kind, study_results.MODEL)
-        if path not in answers:
-            document = read_json(path) or {}
-            packages = sorted(document.get("versions", {}).items())
-            answers[path] = document.get("key", ""), ", ".join(" ".join(package) for package in packages)
-        inputs, versions = answers[path]
-        known.append(replace(each, command=_command(results, each), inputs=inputs, versions=versions))
-    return known
-
-
 def _command(results: Results, record: Record) -> str:
-    if record.kind == FIELD:
-        return f"{reference_command(results, record.case)} --json"
-    if record.kind == BOUNDARY:
-        return f"{boundary_command(results, record.case)} --json"
-    return f"{model_command(results, record.case, record.kind.removeprefix(_MODEL))} --json"
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
+    references = {FIELD: study_results.reference_command, BOUNDARY: study_results.boundary_command}
+    if record.kind in references:
+        return f"{references[record.kind](results, record.case)} --json"
+    return f"{study_results.model_command(results, record.case, record.kind.removeprefix(_MODEL))} --json"
 
 
 MOVED, DRIFTED, SLOWER, FASTER = "moved", "drifted", "more instructions", "fewer instructions"
@@ -229,13 +206,10 @@ class Mark:
         return change / abs(self.before.value) if self.before.value else math.copysign(math.inf, change)
 
 
-Step = tuple[Record, Record]
-
-
 def marks(records: Iterable[Record]) -> list[Mark]:
     """Returns all changes, in the order of the nights, those of a night the largest first."""
     found: list[Mark] = []
-    steps: dict[tuple[str, str], list[Step]] = defaultdict(list)
+    steps: dict[tuple[str, str], list[tuple[Record, Record]]] = defaultdict(list)
     for own in by_series(records).values():
         found += _of_series(own)
         for before, after in zip(own, own[1:]):
@@ -244,30 +218,27 @@ def marks(records: Iterable[Record]) -> list[Mark]:
     held = {
         night
         for night, comparable in steps.items()
-        if len(comparable) >= _FEWEST and 2 * sum(map(_has_moved, comparable)) > len(comparable)
+        if len(comparable) >= _FEWEST and 2 * sum(_over(*step) > 1 for step in comparable) > len(comparable)
     }
-    return [
-        replace(mark, held=mark.before.machine != mark.after.machine and _night(mark) in held)
-        for mark in sorted(found, key=lambda mark: (mark.after.time, -mark.over))
-    ]
+    found.sort(key=lambda mark: (mark.after.time, -mark.over))
+
+    def is_held(before: Record, after: Record) -> bool:
+        return before.machine != after.machine and (after.kind, after.time) in held
+
+    return [replace(mark, held=is_held(mark.before, mark.after)) for mark in found]
 
 
 def by_series(records: Iterable[Record]) -> dict[tuple[str, str], list[Record]]:
     """Returns the records of each value, in the order given."""
-    found: dict[tuple[str, str], list[Record]] = defaultdict(list)
-    for each in records:
-        found[each.series].append(each)
-    return found
+    return grouped(records, lambda each: each.series)
 
 
 def to_text(found: list[Mark]) -> str:
     """Writes alarms for people: a line that counts, and one for each of the largest."""
     alarms = [mark for mark in found if mark.is_alarm]
     held = sum(mark.held for mark in found)
-    lines = [
-        f"{len(alarms)} values moved by more than their errors"
-        + (f"; {held} more on another machine, where most did" if held else "")
-    ]
+    more_held = f"; {held} more on another machine, where most did" if held else ""
+    lines = [f"{len(alarms)} values moved by more than their errors{more_held}"]
     for mark in alarms[:_MOST_LINES]:
         before, after = mark.before, mark.after
         lines.append(
@@ -283,8 +254,8 @@ def _of_series(own: list[Record]) -> list[Mark]:
     found, since = [], own[:1]
     for before, after in zip(own, own[1:]):
         mark = None
-        if _has_moved((before, after)):
-            mark = _mark(MOVED, before, after, _over(before, after))
+        if (over := _over(before, after)) > 1:
+            mark = _mark(MOVED, before, after, over)
         else:
             since.append(after)
             if len(since) >= 2 * _WINDOW:
@@ -307,10 +278,6 @@ def _mean(some: list[Record]) -> Record:
     return replace(some[-1], value=value, error=error)
 
 
-def _has_moved(step: Step) -> bool:
-    return _over(*step) > 1
-
-
 def _over(before: Record, after: Record) -> float:
     """Returns the change relative to both errors; 0 for equal values, also if neither is finite, and infinity if only one is."""
     if before.value == after.value or (math.isnan(before.value) and math.isnan(after.value)):
@@ -319,7 +286,3 @@ def _over(before: Record, after: Record) -> float:
     if not math.isfinite(change):
         return math.inf
     return change / error if error > 0 else math.inf
-
-
-def _night(mark: Mark) -> tuple[str, str]:
-    return mark.after.kind, mark.after.time

@@ -3,8 +3,6 @@
 Instructions are counted by callgrind: the same on a busy machine as on an idle one. Valgrind 3.19 emulates a processor with AVX2 and without AVX-512, so that the
 counts are those of the AVX2 code whatever the machine; a machine without AVX2 counts other instructions."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 import re
@@ -17,11 +15,9 @@ from pathlib import Path
 from typing import Any
 
 from analysis.topics.trends import changes
-from analysis.topics.trends.changes import Mark, Record
 from geometries.common.children import ending_with_this, run_with_all_it_starts, temporary_folder
 from geometries.common.errors import InputError
 from geometries.common.installation import ROOT, from_repository, model_program
-
 
 PROGRAM = model_program().with_name("instruction_counts")
 # The function of the program that does the work and nothing else.
@@ -35,7 +31,7 @@ class CountingFailed(Exception):
     """The program or callgrind did not do what it should; the message says what it printed."""
 
 
-def of_build(program: Path = PROGRAM) -> list[Record]:
+def of_build(program: Path = PROGRAM) -> list[changes.Record]:
     """Returns the counts of a program; none without it or without valgrind. CountingFailed if one of them cannot be counted."""
     if not (program.is_file() and shutil.which("valgrind")):
         return []
@@ -64,28 +60,20 @@ def count(workload: str, program: Path = PROGRAM) -> int:
 
 def _command(workload: str, program: str) -> list[str]:
     """Returns the command that prints the count among other things, all on standard output."""
-    options = [
-        "--tool=callgrind",
-        "--log-fd=1",
-        "--collect-atstart=no",
-        f"--toggle-collect={_WORKLOAD}",
-        "--callgrind-out-file=/dev/null",
-    ]
-    return ["valgrind", *options, program, workload]
+    counted = ["--collect-atstart=no", f"--toggle-collect={_WORKLOAD}", "--callgrind-out-file=/dev/null"]
+    return ["valgrind", "--tool=callgrind", "--log-fd=1", *counted, program, workload]
 
 
 def _run(command: list[str]) -> str:
     """Returns the command's standard output; CountingFailed when it is missing, fails, or takes too long."""
+    asked = ending_with_this(command)
     try:
-        finished = subprocess.run(
-            ending_with_this(command), capture_output=True, text=True, check=False, timeout=_LONGEST
-        )
+        finished = subprocess.run(asked, capture_output=True, text=True, check=False, timeout=_LONGEST)
     except (OSError, subprocess.TimeoutExpired) as error:
         raise CountingFailed(str(error)) from error
     if finished.returncode != 0:
-        raise CountingFailed(
-            f"{' '.join(command)}: exit code {finished.returncode}: {finished.stderr.strip()}"
-        )
+        reason = f"exit code {finished.returncode}: {finished.stderr.strip()}"
+        raise CountingFailed(f"{' '.join(command)}: {reason}")
     return finished.stdout
 
 
@@ -98,7 +86,7 @@ _DIRTY = "-dirty"
 
 def count_each(
     folder: Path, commits: str, repository: Path = ROOT, build: str = BUILD_COUNTED
-) -> Iterator[tuple[str, list[Record]]]:
+) -> Iterator[tuple[str, list[changes.Record]]]:
     """Counts the workloads at each of the commits, as `git rev-list` takes them, the earliest first, and adds the counts to the trends;
     yields each commit with what was new. Commits that cannot be built have no counts."""
     listed = _git(repository, "rev-list", "--first-parent", "--reverse", *commits.split()).split()
@@ -114,10 +102,8 @@ def count_each(
 
 def find(folder: Path, name: str, repository: Path = ROOT, build: str = BUILD) -> str:
     """Returns what git says of the first commit after which the value was nearer to what it is since its last change than to what it
-    was before; InputError if there is no such change, or its commits are not known.
-
-    `name` is the value's, or `KIND: NAME` if several methods have one of that name. Commits that cannot be built are passed over.
-    """
+    was before; InputError if there is no such change, or its commits are not known. `name` is the value's, or `KIND: NAME` if
+    several methods have one of that name. Commits that cannot be built are passed over."""
     mark = _last(folder, name)
     good, bad = (each.commit.removesuffix(_DIRTY) for each in (mark.before, mark.after))
     with _tree(repository, good) as tree:
@@ -142,12 +128,9 @@ def _tree(repository: Path, commit: str) -> Iterator[Path]:
             _git(repository, "worktree", "remove", "--force", str(tree))
 
 
-def _last(folder: Path, name: str) -> Mark:
-    known = [
-        mark
-        for mark in changes.marks(changes.load(folder))
-        if name in (mark.after.name, ": ".join(mark.after.series))
-    ]
+def _last(folder: Path, name: str) -> changes.Mark:
+    marks = changes.marks(changes.load(folder))
+    known = [mark for mark in marks if name in (mark.after.name, ": ".join(mark.after.series))]
     if not known:
         raise InputError(name, "", "is no value that has changed")
     before, after = known[-1].before, known[-1].after
@@ -156,7 +139,7 @@ def _last(folder: Path, name: str) -> Mark:
     return known[-1]
 
 
-def _numbers(tree: Path, mark: Mark, build: str) -> dict[str, float] | None:
+def _numbers(tree: Path, mark: changes.Mark, build: str) -> dict[str, float] | None:
     """Returns the numbers that the value's command prints there, by their places; None where it cannot be built or fails."""
     said = _said(mark.after.command, tree) if _said(build, tree) is not None else None
     if said is None:
@@ -190,7 +173,7 @@ def _nearest(numbers: dict[str, float], value: float, name: str) -> str:
     return min(numbers, key=lambda place: abs(abs(numbers[place]) - abs(value)))
 
 
-def _word(numbers: dict[str, float] | None, where: str, mark: Mark) -> str:
+def _word(numbers: dict[str, float] | None, where: str, mark: changes.Mark) -> str:
     """Returns what git is told of a commit: good, bad or skip."""
     if numbers is None or where not in numbers:
         return "skip"

@@ -1,7 +1,5 @@
 """`trends.html`: every value and every instruction count over the commits, with what has changed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import plotly.graph_objects as go
@@ -92,14 +90,9 @@ def _panels(found: list[Record], marks: list[Mark]) -> list[Panel]:
 def _curve(own: list[Record], colour: str, symbols: dict[Record, str]) -> go.Scatter:
     shown = [symbols.get(each, "circle") for each in own]
     sizes = [11 if each in symbols else 6 for each in own]
-    return joined(
-        own[0].name,
-        [*map(_short, own)],
-        [_since_first(own[0], each) for each in own],
-        colour,
-        "%{x}: %{y:.3g}",
-        marker={"color": colour, "symbol": shown, "size": sizes},
-    )
+    values = [_since_first(own[0], each) for each in own]
+    marker = {"color": colour, "symbol": shown, "size": sizes}
+    return joined(own[0].name, [*map(_short, own)], values, colour, "%{x}: %{y:.3g}", marker=marker)
 
 
 def _since_first(first: Record, record: Record) -> float:

@@ -1,8 +1,6 @@
 """The set-ups of the verification: those with known capacitances. One is solved in a process of its own: python3 -m analysis.topics.verification.set_ups ROW
 prints JSON."""
 
-from __future__ import annotations
-
 import argparse
 import itertools
 import json
@@ -23,7 +21,6 @@ from fem_reference.bodies.round_bodies import Cone, Cylinder, Sphere
 from fem_reference.bodies.shapes import Body, Cuboid, Disc, Rectangle, rectangle
 from geometries.common.arrays import Array
 from geometries.scene.poses import AxisRotation
-
 
 UNIT = 4 * np.pi * epsilon_0
 
@@ -47,9 +44,7 @@ class SetUp:
 @dataclass(frozen=True)
 class Quantity:
     """A quantity: the function `of` the Maxwell matrix (F), monotone in every entry, with its true value (F) and relative error.
-
-    Without `of` it is the first sensor's delta_self.
-    """
+    Without `of` it is the first sensor's delta_self."""
 
     name: str
     of: Callable[[Array], float] | None
@@ -59,10 +54,8 @@ class Quantity:
 
 @dataclass(frozen=True)
 class TrueCase:
-    """A set-up with quantities that are known.
-
-    With `longer`, the same with bodies twice and three times as long, the quantity is per length of infinitely long ones.
-    """
+    """A set-up with quantities that are known. With `longer`, the same with bodies twice and three times as long, the
+    quantity is per length of infinitely long ones."""
 
     name: str
     source: str
@@ -97,16 +90,8 @@ def opposite(maxwell: Array) -> float:
 @cache
 def true_cases() -> dict[str, TrueCase]:
     """Returns every case whose truth is known without finite elements, by name."""
-    builders = (
-        _single_bodies,
-        _discs,
-        _squares,
-        _strips,
-        _balls,
-        _sphere_and_plane,
-        _boundary_elements,
-        _rooms,
-    )
+    of_plates = (_discs, _squares, _strips)
+    builders = (_single_bodies, *of_plates, _balls, _sphere_and_plane, _boundary_elements, _rooms)
     return {case.name: case for builder in builders for case in builder()}
 
 
@@ -178,12 +163,10 @@ def _balls() -> Iterator[TrueCase]:
     ]  # fmt: skip
     for words, answer, more in answers:
         value, _ = truths.two_balls(0.01, 0.02, 0.05, answer)
-        quantities = (
-            Quantity("C11", entry(0, 0), UNIT * value, 1e-12),
-            Quantity("delta_self", None, UNIT * (value - 0.01), 1e-12),
-        )
+        own = Quantity("C11", entry(0, 0), UNIT * value, 1e-12)
+        change = Quantity("delta_self", None, UNIT * (value - 0.01), 1e-12)
         set_up = SetUp(bodies, ("first",), more=more)
-        yield TrueCase(f"the same, the second {words}", "multipoles", set_up, quantities)
+        yield TrueCase(f"the same, the second {words}", "multipoles", set_up, (own, change))
 
 
 def _sphere_and_plane() -> Iterator[TrueCase]:
@@ -226,11 +209,8 @@ def _rooms() -> Iterator[TrueCase]:
 def _entries(case: dict[str, Any]) -> tuple[Quantity, ...]:
     """Every entry of a symmetric matrix, known to a relative error."""
     matrix, error = 1e-12 * np.array(case["maxwell_pF"]), case["relative_error"]
-    return tuple(
-        Quantity(f"C{i + 1}{j + 1}", entry(i, j), matrix[i, j], error)
-        for i in range(len(matrix))
-        for j in range(i, len(matrix))
-    )
+    places = itertools.combinations_with_replacement(range(len(matrix)), 2)
+    return tuple(Quantity(f"C{i + 1}{j + 1}", entry(i, j), matrix[i, j], error) for i, j in places)
 
 
 Document = dict[str, Any]
@@ -240,10 +220,8 @@ TRUTH_RTOL = 1e-3
 
 def solve_row(case: TrueCase) -> Document:
     """Computes the document of one row."""
-    found = [
-        solve_conductors(set_up.conductors(), rtol=TRUTH_RTOL, error=case.error)
-        for set_up in (case.set_up, *case.longer)
-    ]
+    conductors = (set_up.conductors() for set_up in (case.set_up, *case.longer))
+    found = [solve_conductors(each, rtol=TRUTH_RTOL, error=case.error) for each in conductors]
     quantities = [
         _per_length(quantity, found, case.length) if case.longer else compared(quantity, found[0])
         for quantity in case.quantities
@@ -270,11 +248,8 @@ def compared(quantity: Quantity, found: Reference) -> Document:
             "levels": [float(level.delta_self[0]) for level in found.levels],
         }
     value, error = found.maxwell.value, found.maxwell.error
-    document = described | {
-        "value": of(value),
-        "error": carried_error(of, value, error),
-        "levels": [of(level.maxwell) for level in found.levels],
-    }
+    document = described | {"value": of(value), "error": carried_error(of, value, error)}
+    document["levels"] = [of(level.maxwell) for level in found.levels]
     if found.enclosure is not None:
         document["lower"], document["upper"] = extremes(of, found.enclosure.lower, found.enclosure.upper)
     return document
@@ -324,9 +299,8 @@ def extremes(of: Callable[[Array], float], lower: Array, upper: Array) -> tuple[
 
 
 def main() -> int:
-    parser = argparse.ArgumentParser(
-        prog="python3 -m analysis.topics.verification.set_ups", description=__doc__
-    )
+    program = "python3 -m analysis.topics.verification.set_ups"
+    parser = argparse.ArgumentParser(prog=program, description=__doc__)
     parser.add_argument("row", metavar="ROW", choices=list(true_cases()))
     logging.getLogger().setLevel(logging.WARNING)
     print(json.dumps(solve_row(true_cases()[parser.parse_args().row])))

@@ -1,7 +1,5 @@
 """The verification of the field reference as a topic: known capacitances, its errors, compared with its stated ones, and its orders of convergence."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -17,12 +15,12 @@ from analysis.pipeline import keys
 from analysis.pipeline.scheduler import parallel_jobs, run_all
 from analysis.pipeline.stage import NoAnswer, Processes, Stage, outdated, parsed
 from analysis.report import page
-from analysis.report.plot import Panel, figure, guide, marks, power_axis, series_colour
+from analysis.report.plot import Panel, figure, guide, joined, marks, power_axis, series_colour
+from analysis.results.statistics import grouped
 from analysis.results.store import Document, read_json
 from analysis.results.study_results import Failure
 from analysis.topics.topic import Topic
 from geometries.common.installation import ROOT
-
 
 ROUNDING = 2.0**-52
 CLEAR_OF_TRUTH = 3.0
@@ -92,28 +90,16 @@ def _compared(case: str, row: Document, quantity: Document) -> Compared:
     if "lower" in quantity:
         half = (quantity["upper"] - quantity["lower"]) / 2 / size
         enclosed = quantity["lower"] <= truth + slack * size and truth - slack * size <= quantity["upper"]
-    return Compared(
-        case,
-        quantity["name"],
-        row["source"],
-        slack,
-        abs(quantity["value"] - truth) / size,
-        quantity["error"] / size,
-        half,
-        enclosed,
-        tuple(row["edge_sizes"]),
-        tuple((value - truth) / size for value in quantity["levels"]),
-        row["seconds"],
-    )
+    off, stated = abs(quantity["value"] - truth) / size, quantity["error"] / size
+    levels = tuple((value - truth) / size for value in quantity["levels"])
+    described, sizes = (case, quantity["name"], row["source"]), tuple(row["edge_sizes"])
+    return Compared(*described, slack, off, stated, half, enclosed, sizes, levels, row["seconds"])
 
 
 def worst_of_each_case(found: Iterable[Compared]) -> list[Compared]:
     """Returns, for each case, the quantity whose true error is the largest fraction of the stated one."""
-    worst: dict[str, Compared] = {}
-    for row in found:
-        known = worst.setdefault(row.case, row)
-        worst[row.case] = max(known, row, key=lambda r: r.off / r.stated)
-    return list(worst.values())
+    cases = grouped(found, lambda row: row.case).values()
+    return [max(own, key=lambda row: row.off / row.stated) for own in cases]
 
 
 TITLE = "The reference against known capacitances"
@@ -147,7 +133,9 @@ def chapter(found: list[Compared], missing: list[str]) -> Markup:
             "For each set-up, the quantity whose true error is the largest fraction of the stated one."
         ),
         page.table_of(worst_of_each_case(found), *_COLUMNS, text_columns=2),
-        page.folded(f"All {len(found)} quantities", page.table_of(found, *_ALL_COLUMNS, text_columns=2)),
+        page.folded(
+            f"All {len(found)} quantities", page.table_of(found, *_COLUMNS, *_OF_ALL, text_columns=2)
+        ),
         page.soft(_WHAT),
         *_orders(found),
         page.soft("Again, from the project's folder: python3 -m analysis verify"),
@@ -157,12 +145,10 @@ def chapter(found: list[Compared], missing: list[str]) -> Markup:
 def finding(found: list[Compared]) -> str:
     """Tells how many truths lie within the stated errors, how large the true errors are, and the effectivities."""
     cases = len({row.case for row in found})
-    within = sum(row.within for row in found)
-    off = [row.off for row in found]
-    worst = max(found, key=lambda row: row.off)
+    middle, worst = np.median([row.off for row in found]), max(found, key=lambda row: row.off)
     sentences = [
-        f"{within} of {len(found)} known quantities of {cases} set-ups are within the stated error; the best value is off by "
-        f"{np.median(off):.1e} (median) and {worst.off:.1e} at most ({worst.case}, {worst.quantity}).",
+        f"{sum(row.within for row in found)} of {len(found)} known quantities of {cases} set-ups are within the stated error; the best value is off by "
+        f"{middle:.1e} (median) and {worst.off:.1e} at most ({worst.case}, {worst.quantity}).",
         f"Stated over true error: {_spread([row.effectivity for row in found])}.",
     ]
     enclosed = [row for row in found if row.enclosed is not None]
@@ -174,11 +160,9 @@ def finding(found: list[Compared]) -> str:
             f"{inside} of {len(enclosed)} enclosures hold the truth; half their width is {np.median(widths):.1e} (median) and "
             f"{_spread(ratios)} times the best value's true error."
         )
-    outside = sorted(
-        {f"{row.case}, {row.quantity}" for row in found if not row.within or row.enclosed is False}
-    )
+    outside = {f"{row.case}, {row.quantity}" for row in found if not row.within or row.enclosed is False}
     if outside:
-        sentences.append(f"Outside: {'; '.join(outside)}.")
+        sentences.append(f"Outside: {'; '.join(sorted(outside))}.")
     return " ".join(sentences)
 
 
@@ -188,8 +172,7 @@ def _spread(values: Iterable[float]) -> str:
 
 
 def _stated_against_true(found: list[Compared]) -> Panel:
-    shown = [max(row.known_off, _SMALLEST) for row in found]
-    ends = [min(shown), max(row.stated for row in found)]
+    ends = [max(min(row.known_off for row in found), _SMALLEST), max(row.stated for row in found)]
     traces = [
         guide("equal", ends, ends),
         _marks("stated error of the best value", [(row, row.stated) for row in found], 0, "circle"),
@@ -225,13 +208,8 @@ _COLUMNS: tuple[tuple[str, Callable[[Compared], str]], ...] = (
     ("order", lambda row: _known(row.order, ".2f")),
 )
 
-
 # The table of all answers also tells where each truth is from, and the run time.
-_ALL_COLUMNS = (
-    *_COLUMNS,
-    ("seconds", lambda row: f"{row.seconds:.1f}"),
-    ("truth from", lambda row: row.source),
-)
+_OF_ALL = (("seconds", lambda row: f"{row.seconds:.1f}"), ("truth from", lambda row: row.source))
 
 
 def _known(value: float | None, form: str) -> str:
@@ -242,41 +220,23 @@ def _orders(found: list[Compared]) -> list[Markup]:
     shown = [row for row in worst_of_each_case(found) if row.order is not None]
     if not shown:
         return []
-    return [
-        page.heading("Orders of convergence"),
-        page.finding(order_finding(shown)),
-        page.figures([_error_over_size(shown)]),
-        page.soft(_ORDER),
-    ]
-
-
-def order_finding(shown: list[Compared]) -> str:
-    """Tells the median order of convergence, and how many are near the theory's."""
     orders = [row.order for row in shown if row.order is not None]
     near = sum(0.7 <= order <= 1.4 for order in orders)
-    return (
+    says = page.finding(
         f"Over three and more meshes the error falls with the power {np.median(orders):.2f} of the edge size (median of "
         f"{len(orders)} set-ups; {near} of them between 0.7 and 1.4, in theory 1 at edges)."
     )
+    figures = page.figures([_error_over_size(shown)])
+    return [page.heading("Orders of convergence"), says, figures, page.soft(_ORDER)]
 
 
 def _error_over_size(shown: list[Compared]) -> Panel:
-    traces = []
+    traces, look = [], {"line": {"color": series_colour(0), "width": 1}, "marker": {"size": 5}}
     for row in shown:
-        largest = max(row.edge_sizes)
-        known = row.clear_levels
-        traces.append(
-            go.Scatter(
-                x=[size / largest for size, _ in known],
-                y=[error for _, error in known],
-                mode="lines+markers",
-                line={"color": series_colour(0), "width": 1},
-                marker={"size": 5},
-                name=row.case,
-                showlegend=False,
-                hovertemplate=f"{escape(row.case)}<br>%{{y:.1e}}<extra></extra>",
-            )
-        )
+        largest, known = max(row.edge_sizes), row.clear_levels
+        sizes, errors = [size / largest for size, _ in known], [error for _, error in known]
+        hover = f"{escape(row.case)}<br>%{{y:.1e}}<extra></extra>"
+        traces.append(joined(row.case, sizes, errors, series_colour(0), hover, showlegend=False, **look))
     middle = math.exp(float(np.mean([math.log(row.clear_levels[0][1]) for row in shown])))
     sizes = [1.0, 0.25]
     traces.append(guide("order 1", sizes, [middle * size for size in sizes], width=2))
@@ -308,9 +268,8 @@ def all_rows() -> Iterator[Row]:
 
 def code(repository: Path = ROOT) -> str:
     """Returns the version of the code that computes rows: the reference, and the set-ups and comparisons of this package."""
-    own = keys.hash_of_files(
-        [repository / "analysis" / "topics" / "verification" / name for name in _SOURCES], repository
-    )
+    place = repository / "analysis" / "topics" / "verification"
+    own = keys.hash_of_files([place / name for name in _SOURCES], repository)
     return f"{keys.reference_code(repository)} {own}"
 
 
@@ -335,9 +294,8 @@ class Rows:
         missing = outdated([stage(folder, row.id, current) for row in rows])
         failures: list[Failure] = []
         # The others would wait for the forms that the first solve compiles.
-        first = [each for each in missing if each.name == _COMPILES_FORMS]
-        rest = [each for each in missing if each not in first]
-        for group in (first, rest):
+        for is_first in (True, False):
+            group = [each for each in missing if (each.name == _COMPILES_FORMS) == is_first]
             failures += run_all(group, workers or parallel_jobs(), "rows of the verification")
         return failures
 
@@ -345,9 +303,7 @@ class Rows:
         """Returns the rows in a folder that are up to date, by name; rows of another version of the code are left out."""
         stored = [read_json(path) for path in sorted((folder / "rows").glob("*.json"))]
         current = code() if stored else ""
-        return {
-            row["row"]: row for row in stored if row is not None and row["key"] == key(row["row"], current)
-        }
+        return {row["row"]: row for row in stored if row and row["key"] == key(row["row"], current)}
 
 
 def stage(folder: Path, name: str, code: str) -> Stage:
@@ -375,17 +331,12 @@ def truths(found: list[Entry]) -> Markup:
     return chapter(compared(rows), missing)
 
 
-def _finding(found: list[Entry]) -> str:
-    known = compared(dict(found))
-    return finding(known) if known else ABSENT
-
-
 VERIFICATION = Topic[Row, Entry](
     stages=Rows(),
     set_ups=all_rows,
     entry=lambda row, answer: (row.id, answer),
     sections=lambda found, _, __: [truths(found)],
-    finding=_finding,
+    finding=lambda found: finding(compared(dict(found))),
     absent=ABSENT,
     title="Is the field solver right, and are its stated errors?",
     command="verify",

@@ -3,8 +3,6 @@
 Values are in units that need no permittivity; each comment gives unit and source. Those of round bodies come first.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -38,11 +36,9 @@ def dielectric(permittivity: float) -> Callable[[int], float]:
 def two_balls(
     radius: float, other_radius: float, distance: float, answer: Callable[[int], float]
 ) -> tuple[float, float]:
-    """Returns charge / 4πε of a ball at 1 V and of another one, `distance` between the centres.
-
-    u = Σ_l a_l (a/r1)^(l+1) P_l(cos θ1) + b_l (b/r2)^(l+1) P_l(cos θ2), both axes towards the other ball; one ball's
-    multipole l is Σ_k C(l+k, k) r^k P_k / d^(l+k+1) about the other's centre.
-    """
+    """Returns charge / 4πε of a ball at 1 V and of another one, `distance` between the centres. u = Σ_l a_l
+    (a/r1)^(l+1) P_l(cos θ1) + b_l (b/r2)^(l+1) P_l(cos θ2), both axes towards the other ball; one ball's multipole l
+    is Σ_k C(l+k, k) r^k P_k / d^(l+k+1) about the other's centre."""
     orders = np.arange(ORDERS)
     shared = comb(orders[:, None] + orders, orders[:, None])
 
@@ -62,11 +58,9 @@ def two_balls(
 
 def body_of_revolution(outline: Sequence[tuple[float, float]]) -> float:
     """Returns C / 4πε of a conductor whose surface is the polygon `outline` of (distance from the axis, z), turned about z.
-
     Rings of constant charge density on panels that shrink towards the polygon's corners, the potential 1 in the middle of
-    each panel; a ring's potential is a complete elliptic integral. The error falls with the third power of the number
-    of panels, by which two solutions are extrapolated.
-    """
+    each panel; a ring's potential is a complete elliptic integral. The error falls with the third power of the number of
+    panels, by which two solutions are extrapolated."""
     coarse, fine = (_rings(outline, panels) for panels in (40, 80))
     return fine + (fine - coarse) / 7
 
@@ -141,13 +135,11 @@ def strips(width_over_gap: float) -> float:
 
         dz = c·(s² − b) / √((s² − 1)(s² − 1/m)) ds.
 
-    Both sides of the strip have one length: b·m = E'/K'. Legendre's relation makes the height of the strip c·π/(2K'·√m), so that
-    width/gap = (2/π)·(K'·E(φ, m') − E'·F(φ, m')), sin²φ = (1 − b·m)/m', and C/ε = K'/K. For strips of up to eight gaps: with
-    wider ones 1 − m is no number of its own.
-    """
-    logarithm = brentq(
-        lambda x: _strip_width(float(np.exp(x))) - width_over_gap, np.log(1e-13), np.log(1 - 1e-9), xtol=1e-13
-    )
+    Both sides of the strip have one length: b·m = E'/K'. Legendre's relation makes the height of the
+    strip c·π/(2K'·√m), so that width/gap = (2/π)·(K'·E(φ, m') − E'·F(φ, m')), sin²φ = (1 − b·m)/m',
+    and C/ε = K'/K. For strips of up to eight gaps: with wider ones 1 − m is no number of its own."""
+    ends = np.log(1e-13), np.log(1 - 1e-9)
+    logarithm = brentq(lambda x: _strip_width(float(np.exp(x))) - width_over_gap, *ends, xtol=1e-13)
     m = float(np.exp(logarithm))
     return float(ellipk(1 - m) / ellipk(m))
 

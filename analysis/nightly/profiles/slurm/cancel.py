@@ -1,7 +1,6 @@
 """`cancel.py NAME`: end every job of that name that this user has in SLURM, waiting or running; returns when none is left.
 
-Status 1, with what SLURM says, when there are still some after minutes, or when it does not answer.
-"""
+Status 1, with what SLURM says, when there are still some after minutes, or when it does not answer."""
 
 from __future__ import annotations
 

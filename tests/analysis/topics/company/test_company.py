@@ -195,7 +195,7 @@ def test_one_mesh_has_no_error_and_leaves_no_record(
 
     def solve(_: Path, __: object, *options: str) -> store.Document:
         asked.append(options)
-        return {"levels": [{}]}
+        return {"levels": [{}], "readings": [{}]}
 
     monkeypatch.setattr(reference_stage, "solve", solve)
     assert replace(CHECK, file=tmp_path / "field_checks.json").complete([guarded]) == (0, 1)

@@ -40,7 +40,7 @@ def text() -> str:
 
 
 def test_every_set_up_has_a_truth_and_a_third_is_sealed(found: list[Document]) -> None:
-    assert [case["name"] for case in found] == list(set_ups.load())
+    assert {each.identity for each in set_ups.set_ups(model_module())} == set(set_ups.load())
     assert len(found) >= 300
     assert {case["family"] for case in found} == set(set_ups.COUNTS)
     assert 0.25 < np.mean([case["sealed"] for case in found]) < 0.4
@@ -49,7 +49,7 @@ def test_every_set_up_has_a_truth_and_a_third_is_sealed(found: list[Document]) -
 def test_stored_truths_are_what_boundary_elements_say() -> None:
     known = set_ups.load()
     for set_up in list(set_ups.set_ups(model_module()))[::150]:
-        truth, stored = set_ups.solved(model_module(), set_up), known[set_up.name]
+        truth, stored = set_ups.solved(model_module(), set_up), known[set_up.identity]
         assert abs(truth.mutual - stored.mutual) <= truth.error + stored.error <= 3e-4 * stored.mutual
 
 

@@ -105,7 +105,7 @@ def test_what_the_reference_may_be_off_moves_the_delta_output_by_its_error_bar()
 
 def test_a_curve_for_each_plate_in_the_order_of_the_study_and_of_the_distance(tmp_path: Path) -> None:
     found = curves(results.load(make_results(tmp_path, OVER_DISTANCE + INCLINED + EDGE)))
-    assert [(curve.family, curve.target_size, curve.at.tolist()) for curve in found] == [
+    assert [(curve.family, curve.size("target"), curve.at.tolist()) for curve in found] == [
         ("parallel", (0.1, 0.1), [0.01, 0.04]),
         ("parallel", (0.05, 0.05), [0.01, 0.04]),
         ("inclined", (0.1, 0.1), [30, 60]),
@@ -131,7 +131,7 @@ def test_cases_without_both_answers_and_floating_targets_are_left_out(
     tmp_path: Path, answers: dict[int, Any]
 ) -> None:
     found = curves(results.load(make_results(tmp_path, OVER_DISTANCE, answers)))
-    assert [curve.target_size for curve in found] == [(0.05, 0.05)]
+    assert [curve.size("target") for curve in found] == [(0.05, 0.05)]
 
 
 def test_the_parallel_plate_at_the_height_of_the_hinge_is_the_angle_0(tmp_path: Path) -> None:
@@ -147,7 +147,7 @@ def test_the_parallel_plate_at_the_height_of_the_hinge_is_the_angle_0(tmp_path: 
 def test_a_plate_hinged_to_the_edge_of_a_wider_sensor_is_not_the_centred_one(tmp_path: Path) -> None:
     wide = (OVER_DISTANCE + INCLINED).replace("sensor_size = [0.1, 0.1]", "sensor_size = [0.2, 0.1]")
     flat, _, pivoted = curves(results.load(make_results(tmp_path, wide)))
-    assert flat.target_size == pivoted.target_size
+    assert flat.size("target") == pivoted.size("target")
     assert with_flat_start(pivoted, flat).at.tolist() == [30, 60]
 
 
