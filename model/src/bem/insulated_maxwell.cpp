@@ -201,6 +201,21 @@ double between_spaces(double coarse, double half_refined, double fine) {
   return std::abs(half_refined - coarse) + std::abs(fine - half_refined);
 }
 
+StepsOfChanges steps_of_changes(const Solved& all, const Solved& background, const ChargedBodies& bodies) {
+  const Index count = index_of(bodies.readings.size()), kept = all.fine.rows();
+  StepsOfChanges result{VectorXd(count), VectorXd(count)};
+  for (Index k = 0; k < count; ++k) {
+    const ChargedReading& reading = bodies.readings[static_cast<std::size_t>(k)];
+    const auto form = [&](const MatrixXd& matrix) {
+      return reading.sense.head(kept).dot(matrix * reading.drive.head(kept));
+    };
+    const double half_refined = form(all.half_refined - background.half_refined);
+    result.by_charges[k] = half_refined - form(all.coarse - background.coarse);
+    result.by_potentials[k] = form(all.fine - background.fine) - half_refined;
+  }
+  return result;
+}
+
 /// Estimates a quantity and its error. `change` is that from the coarse to the whole space.
 Estimate estimate_of(double value, double change, double least_part, double undivided, double other,
                      double error_per_change) {
@@ -341,8 +356,8 @@ class InsulatedProblem : public AdaptiveProblem {
       if (has_readings()) {
         const InsulatedSolution without = system_.solve(2);
         background = solved(without, deviations, conductors_);
-        solution_.error_indicators =
-            solution_.error_indicators.cwiseMax(system_.change_indicators(solution_, without));
+        solution_.error_indicators = solution_.error_indicators.cwiseMax(
+            system_.change_indicators(solution_, without, steps_of_changes(all, background, conductors_)));
       }
     } catch (const Interrupted&) {
       if (answer_.unknowns == 0)

@@ -370,8 +370,8 @@ InsulatedSolution InsulatedSystem::solve(std::size_t set) const {
   return result;
 }
 
-VectorXd InsulatedSystem::change_indicators(const InsulatedSolution& all,
-                                            const InsulatedSolution& background) const {
+VectorXd InsulatedSystem::change_indicators(const InsulatedSolution& all, const InsulatedSolution& background,
+                                            const StepsOfChanges& steps) const {
   const ChargedBodies& bodies = bodies_.conductors;
   const NestedMatrix with{symmetric(all.matrix.fine), symmetric(all.matrix.coarse)},
       without{symmetric(background.matrix.fine), symmetric(background.matrix.coarse)};
@@ -383,25 +383,11 @@ VectorXd InsulatedSystem::change_indicators(const InsulatedSolution& all,
       missed_energies(mesh_, all.unknowns, single_layer_, details(all.unknowns.panels, Eigen::all),
                       of_readings(all.almost_conductors, background.almost_conductors));
   const VectorXd scales = change_scales(with, without, bodies);
-  const auto changes_by = [&](const auto& matrix_of) {
-    const MatrixXd change = without_floating(symmetric(matrix_of(all)), bodies) -
-                            without_floating(symmetric(matrix_of(background)), bodies);
-    VectorXd result(scales.size());
-    for (Index k = 0; k < scales.size(); ++k) {
-      const ChargedReading& reading = bodies.readings[static_cast<std::size_t>(k)];
-      result[k] = reading.sense.head(change.rows()).dot(change * reading.drive.head(change.rows()));
-    }
-    return result;
-  };
-  const VectorXd coarse = changes_by([](const auto&solution) { return solution.matrix.coarse; }),
-                 half_refined = changes_by([](const auto&solution) { return solution.half_refined; }),
-                 fine = changes_by([](const auto&solution) { return solution.matrix.fine; });
   const auto weighted = [&](const MatrixXd& energies, const VectorXd& changes) {
     const VectorXd sums = reading_effects(energies_of_pairs(energies)).change;
     return largest_parts_of_change(energies, scales.cwiseQuotient(share_of_energies(changes, sums)));
   };
-  return weighted(missed.by_charges, half_refined - coarse) +
-         weighted(missed.by_potentials, fine - half_refined);
+  return weighted(missed.by_charges, steps.by_charges) + weighted(missed.by_potentials, steps.by_potentials);
 }
 
 InsulatedResponse InsulatedSystem::respond(const MatrixXd& outer, const VectorXd& own) const {

@@ -43,6 +43,12 @@ struct InsulatedResponse {
   Eigen::VectorXd energies;           ///< that groups of panels miss, the largest of all columns
 };
 
+/// How much the changes of the readings change from the coarse to the whole space.
+struct StepsOfChanges {
+  Eigen::VectorXd by_charges;
+  Eigen::VectorXd by_potentials;  ///< of interfaces
+};
+
 /// Returns the symmetric part of a matrix.
 Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix);
 
@@ -72,7 +78,8 @@ class InsulatedSystem {
 
   /// Returns the energies that groups of panels miss in the changes of readings, by the solutions with the
   /// targets and without them: the largest of all readings, relative to its change.
-  Eigen::VectorXd change_indicators(const InsulatedSolution& all, const InsulatedSolution& background) const;
+  Eigen::VectorXd change_indicators(const InsulatedSolution& all, const InsulatedSolution& background,
+                                    const StepsOfChanges& steps) const;
 
   /// Solves for all bodies in outer potentials, given by their means on the panels (rows). Energies are
   /// relative to `own`, one for each column.
