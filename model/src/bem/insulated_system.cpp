@@ -229,7 +229,8 @@ InsulatedSystem::InsulatedSystem(const InsulatedBodies& bodies, const std::vecto
     if (body >= conductors + bodies.insulators.size())
       return nullptr;
     const Insulator& insulator = bodies.insulators[body - conductors];
-    return insulator.round && surfaces[body].size() <= PanelMesh::few_triangles ? &*insulator.round : nullptr;
+    return follows_shape(insulator) && surfaces[body].size() <= PanelMesh::few_triangles ? &*insulator.round
+                                                                                         : nullptr;
   };
   for (std::size_t body = 0; body < surfaces.size(); ++body) {
     std::erase_if(surfaces[body], [&](const Triangle& part) {

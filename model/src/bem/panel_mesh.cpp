@@ -127,6 +127,9 @@ class PanelMesh::Carried {
       charges_.rightCols(carried.cols()) = carried;
   }
 
+  /// Returns the charges of four panels in the columns that choose sides.
+  MatrixXd choosing(std::size_t first) const { return charges_.block(index_of(first), 0, 4, choosing_); }
+
   /// Keeps the charge of a panel.
   void keep(std::size_t panel) { rows_.emplace_back(charges_.row(index_of(panel))); }
 
@@ -374,7 +377,8 @@ MatrixXd PanelMesh::divide(const std::vector<Division>& divisions, const MatrixX
   panels_.clear();
   groups_.clear();
   places_before_.clear();
-  Carried moving(charges, carried);
+  // Sides are chosen by charges; without any, which all alike stand for, the longest are.
+  Carried moving(charges.cols() > 0 ? charges : MatrixXd::Zero(index_of(panels.size()), 1), carried);
   for (std::size_t k = 0; k < groups.size(); ++k) {
     const PanelGroup& group = groups[k];
     const auto& [steps, chosen] = divisions[k];

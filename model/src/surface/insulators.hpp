@@ -74,6 +74,9 @@ void refuse_thick_covers(const Scene& scene);
 /// dielectric body whose surface is not closed, and for a sensor's cover that a conductor reaches into.
 InsulatedBodies insulated_bodies(const Scene& scene, bool with_readings = false);
 
+/// Tells whether the panels of a dielectric body that stands apart follow its round shape.
+bool follows_shape(const Insulator& insulator);
+
 /// Returns the bodies with few triangles for round dielectric bodies whose boxes meet no others: their panels
 /// follow the shape where they are divided, which says better where triangles are needed than their number of
 /// segments.

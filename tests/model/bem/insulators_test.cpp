@@ -309,6 +309,13 @@ TEST(Insulators, WhatARoundOneChangesIsReachedAsIsTheCapacitanceOfThePlate) {
   EXPECT_NEAR(*plate.value, 0.366788 * 0.06 * unit, *plate.error);
 }
 
+TEST(Insulators, AFlatSpheroidDoesNotLoseItsSolutionWherePanelsAreDivided) {
+  const Object lens = object("lens", Ellipsoid{0.05, 0.05, 0.002, 48}, at(0, 0, 0.04), Dielectric{50});
+  const Estimate change =
+      maxwell(scene_of(square(0.06, 0), {target(lens)}), {.rtol = 0.1}).readings[0].change;
+  EXPECT_LE(*change.error, 0.2 * *change.value);
+}
+
 TEST(FilmSheets, AStripBetweenTwoConductorsHasTheCapacitanceOfItsLengthWhateverItsPanels) {
   // Two panels, and beside them three, one corner of which lies on a side of the former.
   const Eigen::Vector3d a(0, 0, 0), b(1, 0, 0), c(1, 1, 0), d(0, 1, 0), e(2, 0, 0), f(2, 1, 0),
