@@ -392,9 +392,9 @@ MatrixXd PanelMesh::divide(const std::vector<Division>& divisions, const MatrixX
     } else if (group.is_quartered) {
       const Triangle whole = quartered_triangle(panels, group);
       const std::array<Vector3d, 3> middles = middles_of_quartered(panels, group);
-      const std::size_t side = chosen ? *chosen
-                                      : side_to_halve(whole, charges.middleRows(index_of(group.first), 4),
-                                                      bends(whole, middles, group.body));
+      const std::size_t side =
+          chosen ? *chosen
+                 : side_to_halve(whole, moving.choosing(group.first), bends(whole, middles, group.body));
       moving.begin(panels, group.first, true);
       add_halves(whole, Matrix3d::Identity(), side, middles[side], group.body, steps - 1, moving);
     } else {
