@@ -53,7 +53,7 @@ def _body(results: Results, case: CaseResult, rows: list[Row], apart: Entry | No
         head += [page.finding(_without_model(*each)) for each in known.items()]
     yield page.header(case.name, *head)
     panels = plots_in_space.panels(case)
-    # What the target's parts add is shown where the model knows it and is built.
+    # The first picture shows how much each part of the target adds, if the model answers the scene.
     if case.model is not None and model_is_built():
         panels[0] = plots_in_space.coloured(case.scene)
     yield page.figures(panels, with_data=False)

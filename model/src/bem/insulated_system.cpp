@@ -113,9 +113,9 @@ MissedEnergies missed_energies(const PanelMesh& mesh, const InsulatedUnknowns& u
   return energies;
 }
 
-/// Returns how much a change between the spaces is of the energies that go with it, for each. By the steps of
-/// a potential a capacitance errs far less than these have energy: by their squares, where the panels resolve
-/// the potential, so that the energies tell where panels are missing, but not beside those of charges.
+/// Returns the ratio of each change between the spaces to the energy that the coarse space misses with it. A
+/// capacitance errs by far less than the energy of a potential's steps where panels resolve the potential. So
+/// the energies tell which groups miss most, and the ratio how much all of them together matter.
 VectorXd share_of_energies(const VectorXd& changes, const VectorXd& energies) {
   /// Least share: contributions may cancel in a change by chance. Largest one: potentials of bodies that are
   /// almost conductors hardly vary.

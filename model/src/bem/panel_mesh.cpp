@@ -216,7 +216,7 @@ std::array<Vector3d, 3> PanelMesh::middles(const Triangle& triangle, std::size_t
 std::array<double, 3> PanelMesh::bends(const Triangle& triangle, const std::array<Vector3d, 3>& middles,
                                        std::size_t body) const {
   std::array<double, 3> result{};
-  // Potentials of interfaces are no charges.
+  // This is the cost per charge; the panels of dielectric bodies have potentials instead.
   if (!follows_shape(body) || is_kept_closed(body))
     return result;
   const std::array<Vector3d, 3> straight = middles_of_sides(triangle);
@@ -377,7 +377,7 @@ MatrixXd PanelMesh::divide(const std::vector<Division>& divisions, const MatrixX
   panels_.clear();
   groups_.clear();
   places_before_.clear();
-  // Sides are chosen by charges; without any, which all alike stand for, the longest are.
+  // A triangle whose charges are unknown is halved across its longest side, like one whose charges are zero.
   Carried moving(charges.cols() > 0 ? charges : MatrixXd::Zero(index_of(panels.size()), 1), carried);
   for (std::size_t k = 0; k < groups.size(); ++k) {
     const PanelGroup& group = groups[k];

@@ -304,7 +304,7 @@ TEST(Insulators, WhatARoundOneChangesIsReachedAsIsTheCapacitanceOfThePlate) {
   const Object tin = object("tin", Cylinder{0.05, 0.03, 48}, at(0, 0, 0.12), Dielectric{3});
   const MaxwellMatrix found = maxwell(scene_of(square(0.06, 0), {target(tin)}), loose);
   EXPECT_TRUE(found.reached);
-  // Of a square plate by itself (HierBEM), over its side.
+  // The capacitance of a square plate by itself is 0.366788 times 4πε and its side (HierBEM).
   const Estimate& plate = found.readings[0].background;
   EXPECT_NEAR(*plate.value, 0.366788 * 0.06 * unit, *plate.error);
 }

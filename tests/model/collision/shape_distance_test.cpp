@@ -166,7 +166,8 @@ TEST(GjkDistance, OfSweptBoxesIsThatOfTheirInnerBoxesLessTheirRadii) {
   EXPECT_GT(apart, 200);
 }
 
-/// From a point of the surface along its normal, which is that of the gradient of Σ(pᵢ/aᵢ)².
+/// The ball's centre lies on the normal through a point of the ellipsoid, along the gradient of Σ(pᵢ/aᵢ)². So
+/// this point is the nearest one, and the gap is known.
 TEST(GjkDistance, OfAnEllipsoidAndABallBeforeAPointOfItIsTheGapBetweenThem) {
   Random random(8);
   for (int i = 0; i < 200; ++i) {
