@@ -8,7 +8,6 @@ import os
 import shutil
 import signal
 import subprocess
-import tempfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -23,7 +22,7 @@ _PR_SET_PDEATHSIG = 1
 # ended yet may write to the folder for a while.
 _FOLDER_KEEPER = """
 trap '' HUP INT TERM PIPE
-folder=$(mktemp -d -p "$0") || exit
+folder=$(mktemp -d -p "${0:-${TMPDIR:-/tmp}}") || exit
 echo "$folder"
 read -r _
 tries=600
@@ -84,10 +83,11 @@ def end_with(parent: int) -> None:
 def temporary_folder(place: Path | None = None) -> Iterator[Path]:
     """Gives a new folder in `place`, or where the system has temporary files; it is removed at the end or when this process ends.
 
-    A process in a session of its own makes and removes the folder, so that a signal to all others leaves it alone.
+    A process in a session of its own makes and removes the folder, so that a signal to all others leaves it alone. Python's `tempfile`
+    would try the place by a file of its own, which stays if this process is killed then.
     """
     with subprocess.Popen(
-        ["sh", "-c", _FOLDER_KEEPER, str(place or tempfile.gettempdir())],
+        ["sh", "-c", _FOLDER_KEEPER, str(place or "")],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,

@@ -76,20 +76,26 @@ void add_near_element(const Panel& target, const Panel& source, double tolerance
 
 }  // namespace
 
-MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Panel> panels,
-                             const std::vector<bool>& is_source, double tolerance, const KnownElements& known,
-                             std::size_t threads) {
+DoubleLayer double_layer_of(std::span<const Panel> targets, std::span<const Panel> panels,
+                            const std::vector<bool>& is_source, double tolerance, const KnownAngles& known,
+                            std::size_t threads) {
   const double farthest = 1 / far_ratio(tolerance, far_degree);
   const TriangleRule& rule = triangle_rule(far_degree);
+  std::vector<std::size_t> sources;
   std::vector<Dipoles> dipoles;
   std::vector<Vector3d> normals;
-  for (const Panel& panel : panels) {
-    dipoles.push_back(dipoles_of(panel, rule));
+  DoubleLayer result;
+  for (std::size_t k = 0; k < panels.size(); ++k) {
+    result.columns.push_back(is_source[k] ? static_cast<Index>(sources.size()) : -1);
+    if (!is_source[k])
+      continue;
+    sources.push_back(k);
+    dipoles.push_back(dipoles_of(panels[k], rule));
     normals.push_back(dipoles.back().moment.normalized());
   }
   const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
-  const auto size = static_cast<Index>(panels.size());
-  MatrixXd result(static_cast<Index>(targets.size()), size);
+  const auto size = static_cast<Index>(sources.size());
+  result.elements.resize(static_cast<Index>(targets.size()), size);
   /// Number of rows that one thread evaluates at a time.
   constexpr std::size_t together = 16;
   parallel_for((targets.size() + together - 1) / together, threads, [&](std::size_t block) {
@@ -101,13 +107,11 @@ MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Pan
       const Panel& target = targets[row];
       const std::vector<Vector3d> points = dipoles_of(target, rule).points;
       double* const elements = transposed.col(static_cast<Index>(row - first)).data();
-      for (std::size_t k = 0; k < panels.size(); ++k) {
-        if (!is_source[k])
-          continue;
-        const Panel& source = panels[k];
+      for (std::size_t k = 0; k < sources.size(); ++k) {
+        const Panel& source = panels[sources[k]];
         const double reach = farthest * (target.radius + source.radius);
-        if (place(row) >= 0 && place(k) >= 0)
-          elements[k] = known.matrix(place(row), place(k));
+        if (place(row) >= 0 && place(sources[k]) >= 0)
+          elements[k] = known.matrix(place(row), place(sources[k]));
         else if ((target.centre - source.centre).squaredNorm() > reach * reach)
           elements[k] = far_element(points, dipoles[k], rule);
         else if (!lies_in_plane(target, source, normals[k]))
@@ -115,7 +119,7 @@ MatrixXd double_layer_matrix(std::span<const Panel> targets, std::span<const Pan
       }
     }
     angles.flush();
-    result.middleRows(static_cast<Index>(first), static_cast<Index>(rows)) = transposed.transpose();
+    result.elements.middleRows(static_cast<Index>(first), static_cast<Index>(rows)) = transposed.transpose();
   });
   return result;
 }

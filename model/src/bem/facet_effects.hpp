@@ -18,7 +18,7 @@ struct BesideFacets {
   std::vector<double> depths;       ///< m, from each to its shape's surface, with the weight in the sample
   std::vector<bool> are_added;      ///< RoundShape::is_lack_added() of the shapes
   std::vector<Panel> beside;        ///< the copies
-  Eigen::MatrixXd double_layer;     ///< of all panels, as means over the copies (rows)
+  DoubleLayer double_layer;         ///< of all panels, as means over the copies (rows)
 };
 
 /// Returns the sample, without its double layer.

@@ -85,7 +85,7 @@ void add_effects_along(const PanelMesh& mesh, const InsulatedBodies& bodies,
 /// Adds what the thickness of films displaces of the flux that crosses them.
 void add_effects_across(const PanelMesh& mesh, const InsulatedBodies& bodies,
                         const Surroundings& surroundings, const InsulatedEquations& equations,
-                        const MatrixXd& double_layer, const MatrixXd& charges, FilmEffects& effects) {
+                        const DoubleLayer& double_layer, const MatrixXd& charges, FilmEffects& effects) {
   const InsulatedUnknowns& unknowns = equations.unknowns;
   const std::size_t others = bodies.conductors.bodies.size() + bodies.insulators.size();
   for (Index k = 0; k < unknowns.size(); ++k) {
@@ -120,7 +120,7 @@ void add_effects_across(const PanelMesh& mesh, const InsulatedBodies& bodies,
 
 FilmEffects film_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
                          const Surroundings& surroundings, const InsulatedEquations& equations,
-                         const MatrixXd& double_layer, const MatrixXd& charges) {
+                         const DoubleLayer& double_layer, const MatrixXd& charges) {
   const Index count = charges.cols();
   const MatrixXd none = MatrixXd::Zero(count, count);
   FilmEffects result{MatrixXd::Zero(index_of(mesh.groups().size()), count), {}, none, none, none};

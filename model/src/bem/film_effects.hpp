@@ -30,6 +30,6 @@ struct FilmEffects {
 /// Computes the corrections for charges of all unknowns (rows), with conductors at unit potential (columns).
 FilmEffects film_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
                          const Surroundings& surroundings, const InsulatedEquations& equations,
-                         const Eigen::MatrixXd& double_layer, const Eigen::MatrixXd& charges);
+                         const DoubleLayer& double_layer, const Eigen::MatrixXd& charges);
 
 }  // namespace fringe::detail

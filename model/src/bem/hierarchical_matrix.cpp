@@ -18,9 +18,9 @@ MatrixXd restricted_rows(const MatrixXd& factor, ClusterRange range, const Restr
                          Index first, Index count) {
   MatrixXd result = MatrixXd::Zero(count, factor.cols());
   for (Index k = 0; k < range.count; ++k) {
-    const Index unknown = range.first + k;
-    result.row(restriction.target[static_cast<std::size_t>(unknown)] - first) +=
-        restriction.weights[unknown] * factor.row(k);
+    const Index unknown = range.first + k, target = restriction.target[static_cast<std::size_t>(unknown)];
+    if (target >= 0)
+      result.row(target - first) += restriction.weights[unknown] * factor.row(k);
   }
   return result;
 }
@@ -117,9 +117,15 @@ HierarchicalMatrix HierarchicalMatrix::restricted(const Restriction& restriction
 
 MatrixXd HierarchicalMatrix::dense_restricted(const Restriction& restriction, Index rows) const {
   const auto range_of = [&](std::size_t cluster) -> ClusterRange {
-    const auto begin = restriction.target.begin() + clusters_[cluster].first;
-    const auto [first, last] = std::minmax_element(begin, begin + clusters_[cluster].count);
-    return {*first, *last - *first + 1};
+    ClusterRange range{rows, 0};
+    Index last = -1;
+    for (Index k = 0; k < clusters_[cluster].count; ++k)
+      if (const Index target = restriction.target[static_cast<std::size_t>(clusters_[cluster].first + k)];
+          target >= 0) {
+        range.first = std::min(range.first, target);
+        last = std::max(last, target);
+      }
+    return last < 0 ? ClusterRange{0, 0} : ClusterRange{range.first, last - range.first + 1};
   };
   const auto restricted = [&](const MatrixXd& factor, std::size_t cluster) -> MatrixXd {
     const ClusterRange range = range_of(cluster);

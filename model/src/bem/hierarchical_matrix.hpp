@@ -27,8 +27,9 @@ struct DenseBlock {
 /// A linear combination of the unknowns for each of fewer ones: those of a cluster give such of the same
 /// cluster, which follow each other.
 struct Restriction {
-  std::vector<Eigen::Index> target;  ///< for each unknown, in the order of the tree; none below zero
-  Eigen::VectorXd weights;           ///< of each unknown
+  /// For each unknown, in the order of the tree. Negative: it gives to none; only for dense_restricted().
+  std::vector<Eigen::Index> target;
+  Eigen::VectorXd weights;  ///< of each unknown
 };
 
 /// A symmetric matrix in blocks between clusters, of low rank where these are well separated (a hierarchical

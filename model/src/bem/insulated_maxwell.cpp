@@ -28,16 +28,11 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Returns the largest number of panels: their dense matrices take a quarter of the memory.
-std::size_t most_panels(const BoundaryElementOptions& options) {
-  /// Memory of a pair of panels, in all matrices together: measured with 14,512 panels.
-  constexpr double bytes_per_pair = 32, part_of_memory = 4;
-  const double pairs = static_cast<double>(physical_memory()) / part_of_memory / bytes_per_pair;
-  return std::min(static_cast<std::size_t>(std::sqrt(pairs)), options.most_unknowns);
+/// Returns the memory that the matrices may take, in bytes.
+double most_bytes() {
+  constexpr double part_of_memory = 4;
+  return static_cast<double>(physical_memory()) / part_of_memory;
 }
-
-/// Simplified surfaces have at most one triangle for so many panels: the others are for refinement.
-constexpr std::size_t most_simplified_part = 3;
 
 /// A-priori grading takes part of so many panels.
 constexpr std::size_t graded_of = 3000;
@@ -101,10 +96,10 @@ struct Solved {
   MatrixXd undivided;       ///< of undivided triangles, UndividedGain::roots
   MatrixXd facets;          ///< roots of the errors by those of round shapes
   MatrixXd lasting_facets;  ///< those that no refinement makes less
-  MatrixXd simplified;      ///< roots of the errors by simplified surfaces, for every panel
+  MatrixXd simplified;      ///< roots of the errors by simplified surfaces and the ridge, for every panel
 };
 
-/// `deviations` are deviation_effects().
+/// `deviations` are energies of errors per squared charge of each panel.
 Solved solved(const InsulatedSolution& solution, const VectorXd& deviations, const ChargedBodies& bodies) {
   const MatrixXd asymmetry = (solution.matrix.fine - solution.matrix.fine.transpose()).cwiseAbs() / 2;
   const MatrixXd values = without_floating(symmetric(solution.extrapolated), bodies);
@@ -327,10 +322,11 @@ class InsulatedProblem : public AdaptiveProblem {
   InsulatedProblem(const InsulatedBodies& bodies, const Simplification& simplification,
                    const BoundaryElementOptions& options)
       : conductors_(bodies.conductors), simplification_(simplification), options_(options),
-        most_(most_panels(options)),
         system_(bodies, presences(bodies),
-                {grading_part * options.rtol, std::min(most_, graded_of) / most_graded_with_insulators},
+                {grading_part * options.rtol,
+                 std::min(options.most_unknowns, graded_of) / most_graded_with_insulators},
                 options.threads),
+        most_(std::min(system_.most_panels(most_bytes()), options.most_unknowns)),
         films_(!bodies.films.empty()), answer_(named_answer(conductors_)) {}
 
   bool is_too_large() const { return system_.panels() > most_; }
@@ -347,8 +343,9 @@ class InsulatedProblem : public AdaptiveProblem {
   Assessment solve() override {
     Solved all, alone, background;
     try {
-      const VectorXd deviations = deviation_effects(simplification_, system_.mesh());
       system_.evaluate(std::min(tolerance_part * options_.rtol, coarsest_tolerance));
+      const VectorXd deviations =
+          deviation_effects(simplification_, system_.mesh()) + system_.ridge_effects();
       solution_ = system_.solve(0);
       all = solved(solution_, deviations, conductors_);
       if (answer_.sensors > 0)
@@ -458,8 +455,8 @@ class InsulatedProblem : public AdaptiveProblem {
   const ChargedBodies& conductors_;
   const Simplification& simplification_;
   const BoundaryElementOptions& options_;
-  std::size_t most_;
   InsulatedSystem system_;
+  std::size_t most_;
   bool films_;
   MaxwellMatrix answer_;
   InsulatedSolution solution_;
@@ -480,7 +477,10 @@ MaxwellMatrix refined_answer(const InsulatedBodies& bodies, const Simplification
 }  // namespace
 
 std::size_t most_triangles_beside_insulators(const BoundaryElementOptions& options) {
-  return most_panels(options) / most_simplified_part;
+  /// Memory of a pair of a panel and a source of the double layer. As many triangles are kept as could all be
+  /// sources: those of conductors are none, which leaves room for refinement.
+  constexpr double bytes_per_pair = 32;
+  return std::min(static_cast<std::size_t>(std::sqrt(most_bytes() / bytes_per_pair)), options.most_unknowns);
 }
 
 MaxwellMatrix insulated_maxwell(const InsulatedBodies& given, const Simplification& simplification,

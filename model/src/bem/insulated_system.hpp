@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <memory>
 #include <vector>
 
 #include <Eigen/Core>
@@ -53,7 +54,7 @@ struct StepsOfChanges {
 Eigen::MatrixXd symmetric(const Eigen::MatrixXd& matrix);
 
 /// The boundary element equations of conductors and dielectric bodies (model/BOUNDARY_ELEMENTS.md, section
-/// 13), with dense matrices.
+/// 13), with the single layer as a hierarchical matrix.
 class InsulatedSystem {
  public:
   /// Divides the surfaces into panels, graded towards the sharp edges. Only parts that exist with all bodies
@@ -70,8 +71,12 @@ class InsulatedSystem {
   /// triangles of such a body.
   double undivided_error() const;
 
-  /// Evaluates both operators; `tolerance` is the error aimed at for each element.
+  /// Evaluates both operators; `tolerance` is the error aimed at for each element. Panels of conductors that
+  /// coincide or nearly do get a ridge on the diagonal of the single layer, by which they share their charge.
   void evaluate(double tolerance);
+
+  /// Returns the energy that the ridge takes from each panel, per squared charge.
+  const Eigen::VectorXd& ridge_effects() const { return ridge_effects_; }
 
   /// Solves for all bodies (set 0) or for one of the `others` (1, 2, …).
   InsulatedSolution solve(std::size_t set) const;
@@ -88,12 +93,19 @@ class InsulatedSystem {
   /// Returns the panels that border on the space outside of all bodies, in their order.
   std::vector<Eigen::Index> outermost_panels() const;
 
-  const Eigen::MatrixXd& single_layer() const { return single_layer_; }
+  /// Returns the single-layer matrix of some panels, in their order.
+  Eigen::MatrixXd single_layer(const std::vector<Eigen::Index>& panels) const {
+    return single_layer_->block(panels);
+  }
+  /// Returns the largest number of panels whose matrices take no more than some bytes, if as many of them as
+  /// now are sources of the double layer.
+  std::size_t most_panels(double bytes) const;
 
   /// Divides the marked groups of panels.
   void refine(const std::vector<int>& marked, const Eigen::MatrixXd& panels);
 
  private:
+  void raise_diagonal(double tolerance);
   /// Tells for every panel, in any of the sets, if the permittivities on both sides of it differ or a thin
   /// film lies on it.
   std::vector<bool> have_flux() const;
@@ -102,8 +114,9 @@ class InsulatedSystem {
   std::vector<Surroundings> surroundings_;  ///< of all sets
   std::size_t threads_;
   PanelMesh mesh_;
-  Eigen::MatrixXd single_layer_;
-  Eigen::MatrixXd double_layer_;
+  std::unique_ptr<PanelOperator> single_layer_;
+  DoubleLayer double_layer_;
+  Eigen::VectorXd ridge_effects_;
   QuartersWithAngles quarters_;  ///< of undivided triangles
   BesideFacets facets_;
   double tolerance_ = 1;  ///< of the operators

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -116,18 +117,28 @@ PanelOperator::PanelOperator(const PanelMesh& mesh, double tolerance, const Pane
       HierarchicalMatrix(panel_ranges(*tree_), tree_->leaves(), std::move(far), std::move(near), threads);
 }
 
-const float* PanelOperator::near_element(Index a, Index b) const {
-  const auto& blocks = near_of_leaf_[tree_->leaf_of(a)];
-  const std::size_t other = tree_->leaf_of(b);
+const DenseBlock* PanelOperator::near_block(std::size_t leaf, std::size_t other) const {
+  const auto& blocks = near_of_leaf_[leaf];
   const auto found = std::lower_bound(blocks.begin(), blocks.end(), std::pair(other, std::size_t{0}));
-  if (found == blocks.end() || found->first != other)
+  return found == blocks.end() || found->first != other ? nullptr : &matrix_.near()[found->second];
+}
+
+const float* PanelOperator::near_element(Index a, Index b) const {
+  const std::size_t leaf = tree_->leaf_of(a);
+  const DenseBlock* const block = near_block(leaf, tree_->leaf_of(b));
+  if (block == nullptr)
     return nullptr;
-  const DenseBlock& block = matrix_.near()[found->second];
-  const Index first_a = matrix_.range(block.a).first, first_b = matrix_.range(block.b).first;
-  const bool as_rows =
-      a >= first_a && a < first_a + block.values.rows() && b >= first_b && b < first_b + block.values.cols();
-  const Index row = (as_rows ? a : b) - first_a, column = (as_rows ? b : a) - first_b;
-  return block.values.data() + row + column * block.values.rows();
+  const bool as_rows = tree_->leaves()[leaf] == block->a;
+  const Index row = (as_rows ? a : b) - matrix_.range(block->a).first;
+  const Index column = (as_rows ? b : a) - matrix_.range(block->b).first;
+  return block->values.data() + row + column * block->values.rows();
+}
+
+std::vector<std::size_t> PanelOperator::leaves_near(std::size_t leaf) const {
+  std::vector<std::size_t> result;
+  for (const auto& [other, block] : near_of_leaf_[leaf])
+    result.push_back(other);
+  return result;
 }
 
 MatrixXd PanelOperator::block_of_group(const PanelGroup& group) const {
@@ -135,6 +146,24 @@ MatrixXd PanelOperator::block_of_group(const PanelGroup& group) const {
   const std::size_t leaf = tree_->leaf_of(first);
   const Index offset = first - matrix_.range(tree_->leaves()[leaf]).first;
   return matrix_.diagonal_block(leaf, {offset, static_cast<Index>(group.count)});
+}
+
+MatrixXd PanelOperator::block(const std::vector<Index>& panels) const {
+  // Numbered in the order of the tree, so that the parts of its blocks are small.
+  std::vector<Index> order(panels.size()), rank(panels.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](Index a, Index b) {
+    return tree_->places()[static_cast<std::size_t>(panels[static_cast<std::size_t>(a)])] <
+           tree_->places()[static_cast<std::size_t>(panels[static_cast<std::size_t>(b)])];
+  });
+  Restriction restriction{std::vector<Index>(tree_->panels().size(), -1),
+                          Eigen::VectorXd::Ones(matrix_.size())};
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const auto panel = static_cast<std::size_t>(panels[static_cast<std::size_t>(order[k])]);
+    restriction.target[static_cast<std::size_t>(tree_->places()[panel])] = index_of(k);
+    rank[static_cast<std::size_t>(order[k])] = index_of(k);
+  }
+  return matrix_.dense_restricted(restriction, index_of(panels.size()))(rank, rank);
 }
 
 double PanelOperator::self(std::size_t panel) const {

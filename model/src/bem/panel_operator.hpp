@@ -25,8 +25,16 @@ class PanelOperator {
 
   /// Returns the block of a group's panels with each other.
   Eigen::MatrixXd block_of_group(const PanelGroup& group) const;
+  /// Returns the block of some panels with each other, in their order.
+  Eigen::MatrixXd block(const std::vector<Eigen::Index>& panels) const;
   /// Returns the interaction of a panel with itself.
   double self(std::size_t panel) const;
+
+  /// Returns the block between two leaves near each other, given by their positions, of which the first or
+  /// the second has the rows; else null.
+  const DenseBlock* near_block(std::size_t leaf, std::size_t other) const;
+  /// Returns the leaves near a leaf, and itself, by their positions.
+  std::vector<std::size_t> leaves_near(std::size_t leaf) const;
 
   /// Multiplies the interactions of all panels with themselves.
   void scale_diagonal(double factor) { matrix_.scale_diagonal(factor); }

@@ -1,6 +1,7 @@
 #include "bem/potentials_beside.hpp"
 
 #include <cstddef>
+#include <numeric>
 
 #include "bem/single_layer_panels.hpp"
 
@@ -33,7 +34,7 @@ MatrixXd potentials_of_panels(const InsulatedBodies& bodies, const InsulatedUnkn
 
 MatrixXd potentials_beside(const PanelMesh& mesh, const InsulatedBodies& bodies,
                            const InsulatedEquations& equations, std::span<const Panel> targets,
-                           const MatrixXd& double_layer, const std::vector<AngleTarget>& places,
+                           const DoubleLayer& double_layer, const std::vector<AngleTarget>& places,
                            const MatrixXd& values, double tolerance) {
   const InsulatedUnknowns& unknowns = equations.unknowns;
   if (targets.empty())
@@ -49,15 +50,16 @@ MatrixXd potentials_beside(const PanelMesh& mesh, const InsulatedBodies& bodies,
       interfaces.push_back(k);
   }
   MatrixXd result = panel_potentials(targets, mesh.panels(), charges, tolerance, equations.threads);
-  const auto element = [&](Index row, Index k) {
-    return double_layer(row, unknowns.panels[static_cast<std::size_t>(k)]);
+  std::vector<Index> all(targets.size());
+  std::iota(all.begin(), all.end(), 0);
+  const auto column = [&](Index k) {
+    return double_layer.column(all, unknowns.panels[static_cast<std::size_t>(k)]);
   };
-  const AngleSums angles(unknowns, equations.components, places, element);
-  for (Index row = 0; row < result.rows(); ++row) {
-    for (const Index k : interfaces)
-      result.row(row) += angles.corrected(row, k, element(row, k)) * potentials.row(k);
+  const AngleSums angles(unknowns, equations.components, places, column);
+  for (const Index k : interfaces)
+    result += angles.corrected(k, column(k)) * potentials.row(k);
+  for (Index row = 0; row < result.rows(); ++row)
     result.row(row) /= places[static_cast<std::size_t>(row)].mean;
-  }
   return result;
 }
 

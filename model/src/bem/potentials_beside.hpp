@@ -23,7 +23,7 @@ Eigen::MatrixXd potentials_of_panels(const InsulatedBodies& bodies, const Insula
 /// @param values the unknowns, a column for each conductor at unit potential
 Eigen::MatrixXd potentials_beside(const PanelMesh& mesh, const InsulatedBodies& bodies,
                                   const InsulatedEquations& equations, std::span<const Panel> targets,
-                                  const Eigen::MatrixXd& double_layer, const std::vector<AngleTarget>& places,
+                                  const DoubleLayer& double_layer, const std::vector<AngleTarget>& places,
                                   const Eigen::MatrixXd& values, double tolerance);
 
 }  // namespace fringe::detail

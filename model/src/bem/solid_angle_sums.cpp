@@ -55,7 +55,7 @@ std::vector<Index> components_of(const PanelMesh& mesh, const InsulatedBodies& b
 }
 
 AngleSums::AngleSums(const InsulatedUnknowns& unknowns, const std::vector<Index>& components,
-                     const std::vector<AngleTarget>& targets, const Element& element)
+                     const std::vector<AngleTarget>& targets, const Column& column)
     : components_(components) {
   Index count = 0;
   for (const Index component : components)
@@ -72,11 +72,9 @@ AngleSums::AngleSums(const InsulatedUnknowns& unknowns, const std::vector<Index>
       continue;
     double& most = largest[static_cast<std::size_t>(component)];
     most = std::max(most, std::abs(jump));
-    for (Index row = 0; row < size; ++row) {
-      const double part = jump * element(row, k);
-      sums(row, component) += part;
-      magnitudes(row, component) += std::abs(part);
-    }
+    const Eigen::VectorXd part = jump * column(k);
+    sums.col(component) += part;
+    magnitudes.col(component) += part.cwiseAbs();
   }
   factors_ = MatrixXd::Zero(size, count);
   for (Index row = 0; row < size && count > 0; ++row) {
@@ -93,11 +91,12 @@ AngleSums::AngleSums(const InsulatedUnknowns& unknowns, const std::vector<Index>
   }
 }
 
-double AngleSums::corrected(Index target, Index column, double element) const {
-  const auto at = static_cast<std::size_t>(column);
-  const double value = jumps_[at] * element;
-  const Index component = components_[at];
-  return component == AngleSums::unknown ? value : value + factors_(target, component) * std::abs(value);
+Eigen::VectorXd AngleSums::corrected(Index unknown, const Eigen::VectorXd& column) const {
+  const auto at = static_cast<std::size_t>(unknown);
+  Eigen::VectorXd result = jumps_[at] * column;
+  if (const Index component = components_[at]; component != AngleSums::unknown)
+    result += factors_.col(component).cwiseProduct(result.cwiseAbs());
+  return result;
 }
 
 }  // namespace fringe::detail

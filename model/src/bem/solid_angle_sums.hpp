@@ -26,16 +26,16 @@ class AngleSums {
  public:
   static constexpr Eigen::Index unknown = -1;
 
-  /// The mean over a target of the solid angle of an unknown's panel, over 4π.
-  using Element = std::function<double(Eigen::Index target, Eigen::Index column)>;
+  /// The means over all targets of the solid angle of an unknown's panel, over 4π.
+  using Column = std::function<Eigen::VectorXd(Eigen::Index unknown)>;
 
   /// `components` are those of the unknowns, from components_of().
   AngleSums(const InsulatedUnknowns& unknowns, const std::vector<Eigen::Index>& components,
-            const std::vector<AngleTarget>& targets, const Element& element);
+            const std::vector<AngleTarget>& targets, const Column& column);
 
-  /// Returns an element times the jump of the permittivity, corrected in proportion to its size so that the
-  /// sum over the component is right.
-  double corrected(Eigen::Index target, Eigen::Index column, double element) const;
+  /// Returns a column times the jump of the permittivity, its elements corrected in proportion to their size
+  /// so that the sum over the component is right.
+  Eigen::VectorXd corrected(Eigen::Index unknown, const Eigen::VectorXd& column) const;
 
  private:
   std::vector<double> jumps_;             ///< of each unknown

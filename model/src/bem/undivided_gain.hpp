@@ -13,7 +13,7 @@ namespace fringe::detail {
 /// as means over them, over 4π.
 struct QuartersWithAngles {
   SampledQuarters sampled;
-  Eigen::MatrixXd double_layer;
+  DoubleLayer double_layer;
 };
 
 /// Energies that the change from the coarse to the whole space does not show.

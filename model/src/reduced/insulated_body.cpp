@@ -63,7 +63,7 @@ Outermost outermost_of(const InsulatedSystem& system) {
   for (std::size_t k = 0; k < result.panels.size(); ++k)
     result.shares[index_of(k)] = all[static_cast<std::size_t>(result.panels[k])].area /
                                  areas[static_cast<std::size_t>(result.groups[k])];
-  const MatrixXd matrix = system.single_layer()(result.panels, result.panels);
+  const MatrixXd matrix = system.single_layer(result.panels);
   result.coarse = Cholesky(result.means(result.means(matrix).transpose()));
   result.factor = Cholesky(matrix);
   if (!result.factor.is_positive_definite() || !result.coarse.is_positive_definite())

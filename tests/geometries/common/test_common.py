@@ -112,6 +112,19 @@ def start(folder: Path) -> subprocess.Popen[str]:
     )
 
 
+def wait_until_nothing_is_left(folder: Path) -> None:
+    left: list[object] = []
+
+    def is_empty() -> bool:
+        left[:] = [*marked(folder).items(), *folder.rglob("*")]
+        return not left
+
+    try:
+        wait_until(is_empty, "the end of all processes and files")
+    except AssertionError as error:
+        raise AssertionError(f"{error}: {left[:20]}") from None
+
+
 @pytest.mark.parametrize("ending", ENDINGS)
 @pytest.mark.parametrize("whole_session", [False, True], ids=["process", "session"])
 def test_nothing_is_left_of_a_process_at_work(
@@ -121,9 +134,7 @@ def test_nothing_is_left_of_a_process_at_work(
         assert parent.stdout is not None and parent.stdout.readline() == "begun\n"
         assert len(marked(tmp_path)) >= 3 and list(tmp_path.iterdir())
         (os.killpg if whole_session else os.kill)(parent.pid, ending)
-    wait_until(
-        lambda: not marked(tmp_path) and not list(tmp_path.iterdir()), "the end of all processes and files"
-    )
+    wait_until_nothing_is_left(tmp_path)
 
 
 def test_nothing_is_left_of_processes_that_are_killed_at_any_moment(tmp_path: Path) -> None:
@@ -132,9 +143,27 @@ def test_nothing_is_left_of_processes_that_are_killed_at_any_moment(tmp_path: Pa
         with start(tmp_path) as parent:
             time.sleep(moments.uniform(0, 0.2))
             os.kill(parent.pid, ending)
-    wait_until(
-        lambda: not marked(tmp_path) and not list(tmp_path.iterdir()), "the end of all processes and files"
+    wait_until_nothing_is_left(tmp_path)
+
+
+def test_a_temporary_folder_is_made_without_trying_the_place_by_a_file(tmp_path: Path) -> None:
+    """Such a file stayed where the process was killed before it removed it."""
+    script = """
+import tempfile
+from geometries.common.children import temporary_folder
+with temporary_folder() as folder:
+    print(folder.parent, tempfile.tempdir)
+"""
+    environment = os.environ | {"TMPDIR": str(tmp_path)}
+    made = subprocess.run(
+        [sys.executable, "-c", script],
+        cwd=REPOSITORY,
+        env=environment,
+        capture_output=True,
+        text=True,
+        check=True,
     )
+    assert made.stdout == f"{tmp_path} None\n"
 
 
 @pytest.mark.parametrize("ending", (signal.SIGKILL, signal.SIGTERM))

@@ -352,7 +352,7 @@ TEST(DoubleLayer, TheFacesOfABodyAddUpToTheWholeSolidAngle) {
   for (const Triangle& triangle : triangulate(Cuboid{1, 2, 0.1}))
     panels.push_back(detail::make_panel(triangle));
   const std::vector<bool> all(panels.size(), true);
-  const Eigen::MatrixXd matrix = detail::double_layer_matrix(panels, panels, all, 1e-5, {{}, {}}, 1);
+  const Eigen::MatrixXd matrix = detail::double_layer_of(panels, panels, all, 1e-5, {{}, {}}, 1).elements;
   for (Eigen::Index row = 0; row < matrix.rows(); ++row)
     EXPECT_NEAR(matrix.row(row).sum(), 0.5, 1e-4);
 }
