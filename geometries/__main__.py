@@ -9,8 +9,8 @@ from pathlib import Path
 from geometries.common.errors import InputError
 from geometries.common.files import whole_file
 from geometries.common.installation import command
-from geometries.scene import meshes, person_capsules
-from geometries.scene.person import BUILDS, POSTURES, Person
+from geometries.scene import meshes
+from geometries.scene.person import BUILDS, POSTURES, Person, capsule_objects, capsules
 from geometries.studies import study
 
 # As everywhere in the project: 0 answered, 2 the input is wrong.
@@ -72,13 +72,13 @@ def _write_person(person: Person, target: Path) -> str:
         triangles = person.triangles()
         meshes.write(triangles, target)
         return f"{target}: {len(triangles)} triangles"
-    text = person_capsules.objects(person)
+    text = capsule_objects(person)
     try:
         with whole_file(target) as unfinished:
             unfinished.write_text(text, encoding="utf-8")
     except OSError as error:
         raise InputError(str(target), "", f"cannot be written: {error.strerror}") from error
-    return f"{target}: {len(person_capsules.capsules(person))} capsules"
+    return f"{target}: {len(capsules(person))} capsules"
 
 
 def _table(chosen: study.Study) -> str:

@@ -13,9 +13,8 @@ import numpy as np
 from geometries.common.arrays import Array
 from geometries.scene import meshes, shapes
 from geometries.scene.covers import covers
-from geometries.scene.joints import Joint
 from geometries.scene.person import Person
-from geometries.scene.poses import AxisRotation, Pose, Vector3
+from geometries.scene.poses import AxisRotation, Joint, Pose, Vector3
 from geometries.scene.scene import Link, Medium, Object, Plate, Reading, Scene, Sensor
 from geometries.studies.machines import ARM, GUARD, HOUSING, NONE, around, before as with_readings
 

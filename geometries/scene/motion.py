@@ -11,8 +11,7 @@ import numpy as np
 from geometries.common.errors import InputError
 from geometries.common.tables import Table, parse, read_text
 from geometries.scene import reader
-from geometries.scene.joints import PRISMATIC, Joint, resolved
-from geometries.scene.poses import Pose, QuaternionRotation, quaternion
+from geometries.scene.poses import PRISMATIC, Joint, Pose, QuaternionRotation, quaternion, resolved
 from geometries.scene.scene import Scene
 
 

@@ -16,9 +16,18 @@ from geometries.common.tables import LARGEST_NUMBER, Table, parse, read_text
 from geometries.scene.conductor_checks import check_conductors, check_readings, check_targets
 from geometries.scene import polygons
 from geometries.scene.covers import read_cover
-from geometries.scene.joints import PRISMATIC, Joint, Mimic, resolved
 from geometries.scene.meshes import SCENE_FORMATS, read_surface
-from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation, Rotation, Vector3
+from geometries.scene.poses import (
+    PRISMATIC,
+    AxisRotation,
+    Joint,
+    Mimic,
+    Pose,
+    QuaternionRotation,
+    Rotation,
+    Vector3,
+    resolved,
+)
 from geometries.scene.rectangles import (
     LARGEST_COSINE_OF_ROUNDING,
     LARGEST_COSINE_SQUARED,

@@ -7,8 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from geometries.common.arrays import Array
-from geometries.scene.joints import Joint
-from geometries.scene.poses import Pose, Transform, Vector3
+from geometries.scene.poses import Joint, Pose, Transform, Vector3
 from geometries.scene.shapes import Shape
 
 

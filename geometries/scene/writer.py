@@ -11,8 +11,7 @@ from typing import Any
 import tomli_w
 
 from geometries.scene.covers import cover_of, is_cover
-from geometries.scene.joints import Joint
-from geometries.scene.poses import AxisRotation, Pose
+from geometries.scene.poses import AxisRotation, Joint, Pose
 from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Reading, Room, Scene, Sensor
 from geometries.scene.person import Person
 from geometries.scene.shapes import (

@@ -8,8 +8,7 @@ import tomli_w
 
 from geometries.common.errors import InputError
 from geometries.scene import reader, rectangles
-from geometries.scene.joints import Mimic
-from geometries.scene.poses import AxisRotation, Pose, QuaternionRotation
+from geometries.scene.poses import AxisRotation, Mimic, Pose, QuaternionRotation
 from geometries.scene.scene import DistanceSensor, Link, Medium, Object, Plate, Reading, Room, Scene, Sensor
 from geometries.scene.shapes import PlateShape, Sphere
 from geometries.scene.writer import canonical, identity
