@@ -1,4 +1,4 @@
-# Writes the function that returns a digest of the library's sources (src/io/sources_digest.hpp): cmake -DFOLDER=… -DOUTPUT=… -P …
+# Writes the function that returns a digest of the library's sources (src/io/prepared_files.hpp): cmake -DFOLDER=… -DOUTPUT=… -P …
 file(GLOB_RECURSE sources RELATIVE ${FOLDER} ${FOLDER}/src/*.cpp ${FOLDER}/src/*.hpp ${FOLDER}/include/*.hpp)
 list(SORT sources)
 set(digests "")
@@ -7,7 +7,7 @@ foreach(source ${sources})
   string(APPEND digests "${source} ${digest}\n")
 endforeach()
 string(SHA256 digest "${digests}")
-file(WRITE ${OUTPUT} "#include \"io/sources_digest.hpp\"
+file(WRITE ${OUTPUT} "#include \"io/prepared_files.hpp\"
 
 namespace fringe::detail {
 

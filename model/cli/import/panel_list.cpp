@@ -13,7 +13,6 @@
 #include "import/model_file.hpp"
 #include "import/panel_statement.hpp"
 #include "io/input_file.hpp"
-#include "io/mesh_words.hpp"
 #include "unique_names.hpp"
 
 namespace fringe::cli {

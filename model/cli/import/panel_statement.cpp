@@ -8,8 +8,8 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
-#include "geometry/face_division.hpp"
-#include "io/mesh_words.hpp"
+#include "geometry/polygon.hpp"
+#include "io/input_file.hpp"
 
 namespace fringe::cli {
 namespace {

@@ -14,7 +14,7 @@
 #include "fringe/error.hpp"
 #include "import/archive.hpp"
 #include "import/link_tree.hpp"
-#include "io/mesh_words.hpp"
+#include "io/input_file.hpp"
 
 namespace fringe::cli {
 namespace {

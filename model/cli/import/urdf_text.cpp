@@ -13,7 +13,7 @@
 
 #include "fringe/error.hpp"
 #include "import/model_file.hpp"
-#include "io/mesh_words.hpp"
+#include "io/input_file.hpp"
 
 namespace fringe::cli {
 namespace {

@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 
 #include "bem/jacobi_basis.hpp"
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 #include "surface/panel.hpp"
 
 namespace fringe::detail {

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "bem/panel_quadrature.hpp"
-#include "geometry/median_split.hpp"
+#include "geometry/box_tree.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -11,7 +11,7 @@
 #include "bem/panel_pair.hpp"
 #include "bem/panel_quadrature.hpp"
 #include "numeric/parallel.hpp"
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 
 namespace fringe::detail {
 namespace {

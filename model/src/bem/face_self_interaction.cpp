@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "numeric/interruption.hpp"
-#include "numeric/lazy_array.hpp"
+#include "numeric/parallel.hpp"
 
 namespace fringe::detail {
 namespace {

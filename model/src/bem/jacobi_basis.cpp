@@ -8,7 +8,7 @@
 #include <Eigen/Eigenvalues>
 
 #include "bem/charge_kernels.hpp"
-#include "numeric/lazy_array.hpp"
+#include "numeric/parallel.hpp"
 
 namespace fringe::detail {
 namespace {

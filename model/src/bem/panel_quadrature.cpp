@@ -4,8 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "numeric/gauss_rule.hpp"
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -11,7 +11,7 @@
 #include "bem/single_layer_faces.hpp"
 #include "integral/batch/kernels.hpp"
 #include "numeric/parallel.hpp"
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {

@@ -10,7 +10,7 @@
 
 #include "bem/jacobi_basis.hpp"
 #include "bem/panel_pair.hpp"
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 #include "surface/face.hpp"
 #include "surface/panel.hpp"
 

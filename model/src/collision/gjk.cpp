@@ -4,7 +4,6 @@
 
 #include "collision/convex_pair.hpp"
 #include "collision/convex_shape_data.hpp"
-#include "collision/gjk_iteration.hpp"
 #include "collision/minkowski_difference.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"

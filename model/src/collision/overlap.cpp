@@ -3,7 +3,7 @@
 #include <limits>
 #include <type_traits>
 
-#include "collision/box_overlap.hpp"
+#include "collision/bounding_volume.hpp"
 #include "collision/gjk_filter.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "simd/dispatch.hpp"

@@ -6,11 +6,11 @@
 #include <utility>
 #include <vector>
 
-#include "collision/box_overlap.hpp"
+#include "collision/bounding_volume.hpp"
 #include "collision/convex_pieces.hpp"
 #include "collision/convex_shape_data.hpp"
 #include "geometry/link_motion.hpp"
-#include "geometry/winding_number.hpp"
+#include "geometry/surface_mesh.hpp"
 
 namespace fringe {
 namespace {

@@ -1,4 +1,4 @@
-#include "collision/box_axes.hpp"
+#include "collision/bounding_volume.hpp"
 
 #include <algorithm>
 #include <array>

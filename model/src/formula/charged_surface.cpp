@@ -11,7 +11,7 @@
 #include <Eigen/LU>
 #include <Eigen/QR>
 
-#include "geometry/median_split.hpp"
+#include "geometry/box_tree.hpp"
 #include "integral/kernel.hpp"
 
 namespace fringe::detail {

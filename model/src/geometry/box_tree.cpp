@@ -2,8 +2,6 @@
 
 #include <numeric>
 
-#include "geometry/median_split.hpp"
-
 namespace fringe::detail {
 namespace {
 

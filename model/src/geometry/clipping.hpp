@@ -6,10 +6,11 @@
 
 #include <Eigen/Core>
 
+#include "fringe/triangle.hpp"
 #include "geometry/plate_frame.hpp"
 
-/// Clipping of a triangle at the four border planes of a plate: those through an edge, normal to the plate
-/// (model/NUMERICS.md, section 6).
+/// Clipping of a triangle: at the four border planes of a plate, which are those through an edge, normal to
+/// the plate (model/NUMERICS.md, section 6), and along parallel lines.
 namespace fringe::detail {
 
 /// Position of a coordinate relative to the plate's extent [0, length].
@@ -70,5 +71,29 @@ Piece clip_to_strip(const Piece& piece, int axis, Strip strip, double length);
 
 /// Computes the area of the triangle of three corners as a share of the whole triangle's area, in [0, 1].
 double share_of_area(const PieceVertex& a, const PieceVertex& b, const PieceVertex& c);
+
+/// One of the parts into which two parallel lines cut a triangle, as at most three triangles.
+struct Slice {
+  std::array<Triangle, 3> triangles;
+  std::size_t size = 0;
+
+  const Triangle* begin() const { return triangles.data(); }
+  const Triangle* end() const { return triangles.data() + size; }
+};
+
+/// The three parts of a triangle by the values of an affine function.
+struct Slices {
+  Slice below;
+  Slice between;
+  Slice above;
+};
+
+/// Cuts a triangle along the lines on which an affine function, given by its values at the vertices, equals
+/// low and high, where low ≤ high. A triangle on which the function equals one of these values everywhere is
+/// not `between`.
+Slices slices(const Triangle& triangle, const Eigen::Vector3d& values, double low, double high);
+
+/// Bisects a triangle along the median onto its longest edge.
+std::array<Triangle, 2> halves(const Triangle& triangle);
 
 }  // namespace fringe::detail

@@ -9,8 +9,8 @@
 
 #include "integral/edge_moment.hpp"
 #include "numeric/compensated.hpp"
-#include "numeric/gauss_rule.hpp"
 #include "numeric/infinity.hpp"
+#include "numeric/quadrature_rules.hpp"
 
 namespace fringe::detail {
 namespace {

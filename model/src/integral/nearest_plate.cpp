@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "fringe/plate_integral.hpp"
-#include "geometry/triangle_slices.hpp"
+#include "geometry/clipping.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "fringe/triangle.hpp"
-#include "numeric/gauss_rule.hpp"
+#include "numeric/quadrature_rules.hpp"
 
 /// Computes ∫dA/d over a triangle by a sum over nodes, where d is a function of the point.
 namespace fringe::detail {

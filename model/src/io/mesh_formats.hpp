@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "fringe/triangle.hpp"
-#include "geometry/face_division.hpp"
+#include "geometry/polygon.hpp"
 
 /// The formats of mesh files. Each reader returns the triangles of a file's faces in their order, and throws
 /// InputError for whatever violates the format.

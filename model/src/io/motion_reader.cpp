@@ -8,7 +8,6 @@
 
 #include "fringe/error.hpp"
 #include "fringe/joint.hpp"
-#include "io/pose_reader.hpp"
 #include "io/table_reader.hpp"
 
 namespace fringe {

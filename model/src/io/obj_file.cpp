@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
+#include "io/input_file.hpp"
 #include "io/mesh_formats.hpp"
-#include "io/mesh_words.hpp"
 
 namespace fringe::detail {
 namespace {

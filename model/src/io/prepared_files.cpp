@@ -14,7 +14,6 @@
 #include "fringe/error.hpp"
 #include "fringe/version.hpp"
 #include "io/input_file.hpp"
-#include "io/sources_digest.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {

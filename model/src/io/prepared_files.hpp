@@ -9,6 +9,10 @@
 
 namespace fringe::detail {
 
+/// Returns a digest of the library's sources, made by the build: what one state of them has prepared may be
+/// something else to another.
+const char* sources_digest();
+
 /// A folder of data that take long to prepare, each in a file of its own. A file holds all that its data were
 /// prepared from, byte by byte, and is found by it; and which build of the library on which instruction set
 /// prepared them, as other ones come to other bits. A file that is damaged, incomplete or of another build

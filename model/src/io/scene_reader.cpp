@@ -15,7 +15,6 @@
 #include "geometry/polygon.hpp"
 #include "io/conductor_checks.hpp"
 #include "io/mesh_formats.hpp"
-#include "io/pose_reader.hpp"
 #include "io/table_reader.hpp"
 
 namespace fringe {

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <toml++/toml.h>
 
 /// Reader of a TOML table key by key, with errors that give file, line, key and reason.
@@ -107,5 +108,10 @@ void read_units(TableReader& root);
 /// Composes "FILE:LINE: KEY: REASON"; omits the line when it is 0 and the key when it is empty.
 std::string located_message(std::string_view file, unsigned line, std::string_view key,
                             std::string_view reason);
+
+/// Reads a pose from `translation` and `rotation` or `quaternion`. What the table leaves out is as in
+/// `otherwise`.
+Eigen::Isometry3d read_pose(TableReader& table,
+                            const Eigen::Isometry3d& otherwise = Eigen::Isometry3d::Identity());
 
 }  // namespace fringe::detail

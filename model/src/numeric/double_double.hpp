@@ -1,10 +1,14 @@
 #pragma once
 
+#include <array>
 #include <cmath>
 
-/// Double-double arithmetic: numbers of 106 bits as unevaluated sums of two doubles, for innermost loops
-/// where arbitrary precision would take ten times as long (T. J. Dekker, Numerische Mathematik 18, 1971;
-/// error bounds in Joldes, Muller and Popescu, ACM Transactions on Mathematical Software 44, 2017).
+#include <Eigen/Core>
+
+/// Double-double arithmetic, and vectors of it: numbers of 106 bits as unevaluated sums of two doubles, for
+/// innermost loops where arbitrary precision would take ten times as long (T. J. Dekker, Numerische
+/// Mathematik 18, 1971; error bounds in Joldes, Muller and Popescu, ACM Transactions on Mathematical Software
+/// 44, 2017).
 namespace fringe::detail {
 
 struct DoubleDouble {
@@ -81,6 +85,62 @@ inline DoubleDouble square_root(DoubleDouble a) {
 
 inline bool operator<(DoubleDouble a, DoubleDouble b) {
   return a.high < b.high || (a.high == b.high && a.low < b.low);
+}
+
+struct PreciseVector {
+  DoubleDouble x, y, z;
+};
+
+inline PreciseVector operator+(const PreciseVector& a, const PreciseVector& b) {
+  return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+
+inline PreciseVector operator-(const PreciseVector& a) {
+  return {-a.x, -a.y, -a.z};
+}
+
+inline PreciseVector operator-(const PreciseVector& a, const PreciseVector& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+inline PreciseVector operator*(DoubleDouble factor, const PreciseVector& a) {
+  return {factor * a.x, factor * a.y, factor * a.z};
+}
+
+inline PreciseVector operator*(double factor, const PreciseVector& a) {
+  return {factor * a.x, factor * a.y, factor * a.z};
+}
+
+inline DoubleDouble dot(const PreciseVector& a, const PreciseVector& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+inline PreciseVector cross(const PreciseVector& a, const PreciseVector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/// Computes a − b without error.
+inline PreciseVector exact_difference(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  return {exact_sum(a.x(), -b.x()), exact_sum(a.y(), -b.y()), exact_sum(a.z(), -b.z())};
+}
+
+inline Eigen::Vector3d rounded(const PreciseVector& a) {
+  return {a.x.high, a.y.high, a.z.high};
+}
+
+/// The length of a vector and its direction, a unit vector; a vector of length 0 has no direction.
+struct Polar {
+  DoubleDouble length;
+  PreciseVector direction;
+};
+
+/// Normalises a vector.
+inline Polar polar(const PreciseVector& a) {
+  const DoubleDouble square = dot(a, a);
+  if (!(square.high > 0))
+    return {{}, {}};
+  const DoubleDouble inverse = inverse_square_root(square);
+  return {square * inverse, inverse * a};
 }
 
 }  // namespace fringe::detail

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "fringe/interruption.hpp"
-#include "numeric/time_limit.hpp"
 
 namespace fringe {
 namespace {

@@ -9,7 +9,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
-#include "geometry/median_split.hpp"
+#include "geometry/box_tree.hpp"
 #include "surface/bodies.hpp"
 #include "surface/round_shape.hpp"
 

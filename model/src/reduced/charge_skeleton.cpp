@@ -12,7 +12,7 @@
 #include <Eigen/QR>
 
 #include "bem/panel_mesh.hpp"
-#include "geometry/winding_number.hpp"
+#include "geometry/surface_mesh.hpp"
 #include "numeric/interruption.hpp"
 #include "reduced/outside_charges.hpp"
 #include "simd/dispatch.hpp"

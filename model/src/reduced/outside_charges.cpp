@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include "geometry/winding_number.hpp"
+#include "geometry/surface_mesh.hpp"
 #include "numeric/interruption.hpp"
 
 namespace fringe::detail {

@@ -14,7 +14,7 @@
 #include "bem/panel_pair.hpp"
 #include "numeric/parallel.hpp"
 #include "numeric/progress.hpp"
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 #include "simd/dispatch.hpp"
 #include "surface/panel.hpp"
 

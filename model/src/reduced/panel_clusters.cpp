@@ -7,7 +7,7 @@
 #include <Eigen/Geometry>
 
 #include "fringe/bounding_volume.hpp"
-#include "geometry/median_split.hpp"
+#include "geometry/box_tree.hpp"
 
 namespace fringe::detail {
 namespace {

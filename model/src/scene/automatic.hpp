@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "fringe/evaluation.hpp"
-#include "numeric/time_limit.hpp"
+#include "numeric/interruption.hpp"
 #include "scene/expected_seconds.hpp"
 #include "scene/methods.hpp"
 

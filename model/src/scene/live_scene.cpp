@@ -14,7 +14,7 @@
 #include "fringe/reading.hpp"
 #include "geometry/link_motion.hpp"
 #include "io/prepared_files.hpp"
-#include "numeric/time_limit.hpp"
+#include "numeric/interruption.hpp"
 #include "scene/automatic.hpp"
 #include "scene/expected_seconds.hpp"
 #include "scene/methods.hpp"

@@ -12,7 +12,7 @@
 
 #include "fringe/pose.hpp"
 #include "fringe/triangulation.hpp"
-#include "geometry/winding_number.hpp"
+#include "geometry/surface_mesh.hpp"
 
 namespace fringe {
 namespace {

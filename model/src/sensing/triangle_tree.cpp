@@ -9,7 +9,6 @@
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "sensing/cone_bounds.hpp"
-#include "sensing/cone_shape.hpp"
 
 namespace fringe::detail {
 namespace {

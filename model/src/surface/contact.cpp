@@ -17,7 +17,7 @@
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "geometry/box_tree.hpp"
-#include "geometry/winding_number.hpp"
+#include "geometry/surface_mesh.hpp"
 #include "numeric/interruption.hpp"
 
 namespace fringe::detail {

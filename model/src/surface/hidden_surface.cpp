@@ -7,7 +7,6 @@
 
 #include "fringe/gjk.hpp"
 #include "geometry/surface_mesh.hpp"
-#include "geometry/winding_number.hpp"
 #include "numeric/interruption.hpp"
 
 namespace fringe::detail {

@@ -10,7 +10,7 @@
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
 #include "fringe/reading.hpp"
-#include "geometry/winding_number.hpp"
+#include "geometry/surface_mesh.hpp"
 #include "surface/charged_readings.hpp"
 #include "surface/contact.hpp"
 

@@ -6,15 +6,14 @@
 
 #include <gtest/gtest.h>
 
-#include "collision/box_axes.hpp"
+#include "collision/bounding_volume.hpp"
 #include "collision/convex_pieces.hpp"
-#include "collision/scaled_points.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/convex_shape.hpp"
 #include "fringe/error.hpp"
 #include "fringe/gjk.hpp"
 #include "fringe/triangulation.hpp"
-#include "geometry/winding_number.hpp"
+#include "geometry/surface_mesh.hpp"
 #include "real.hpp"
 #include "shape_pairs.hpp"
 

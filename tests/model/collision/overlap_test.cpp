@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "collision/box_overlap.hpp"
+#include "collision/bounding_volume.hpp"
 #include "collision/gjk_filter.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/convex_shape.hpp"

@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "collision/convex_pair.hpp"
-#include "collision/gjk_iteration.hpp"
 #include "collision/minkowski_difference.hpp"
 
 namespace fringe::test {

@@ -8,7 +8,6 @@
 #include <gtest/gtest.h>
 
 #include "geometry.hpp"
-#include "geometry/median_split.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {

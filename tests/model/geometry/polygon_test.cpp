@@ -7,7 +7,6 @@
 #include <gmock/gmock.h>
 
 #include "fringe/error.hpp"
-#include "geometry/face_division.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {

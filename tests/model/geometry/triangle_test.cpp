@@ -12,7 +12,6 @@
 #include "geometry.hpp"
 #include "geometry/clipping.hpp"
 #include "geometry/plate_frame.hpp"
-#include "geometry/triangle_slices.hpp"
 
 /// Triangles and rectangles; triangles cut by the levels of an affine function, and by the border planes of a
 /// plate into the nine cells: the parts make up the triangle, lie where their names say, and are as far from

@@ -11,7 +11,6 @@
 #include "fringe/triangulation.hpp"
 #include "geometry.hpp"
 #include "geometry/surface_mesh.hpp"
-#include "geometry/winding_number.hpp"
 
 /// The triangles of shapes, what they enclose, and which of them are neighbours.
 namespace fringe::detail::FRINGE_TEST_FILE {

@@ -8,11 +8,8 @@
 
 #include "geometry.hpp"
 #include "integral/edge_moment.hpp"
+#include "integral/tree/build.hpp"
 #include "integral/tree/compression.hpp"
-#include "integral/tree/monomial_rows.hpp"
-#include "integral/tree/monomials.hpp"
-#include "integral/tree/partition.hpp"
-#include "integral/tree/weighted_point.hpp"
 
 /// Moments of surfaces and the few points that stand for them in the tree, against quadrature in closed form;
 /// integrals of 1/distance along segments, against closed forms and what scales.

@@ -1,5 +1,5 @@
 #include "fringe/mesh_file.hpp"
-#include "io/mesh_words.hpp"
+#include "io/input_file.hpp"
 
 #include <algorithm>
 #include <string>

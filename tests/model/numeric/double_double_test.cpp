@@ -8,7 +8,6 @@
 
 #include "geometry.hpp"
 #include "numeric/compensated.hpp"
-#include "numeric/precise_vector.hpp"
 
 /// Double-doubles, vectors of them, and differences of products, against exact arithmetic.
 namespace fringe::detail::FRINGE_TEST_FILE {

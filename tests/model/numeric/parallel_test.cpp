@@ -11,9 +11,7 @@
 #include "fringe/interruption.hpp"
 #include "fringe/progress.hpp"
 #include "numeric/interruption.hpp"
-#include "numeric/lazy_array.hpp"
 #include "numeric/progress.hpp"
-#include "numeric/time_limit.hpp"
 
 /// Tests that work shared by threads is all done, that an interruption or an error ends it, and that none
 /// is lost. The scopes of a thread that end its computations or show how far these are, and values computed

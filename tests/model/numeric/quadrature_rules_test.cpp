@@ -9,9 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "numeric/gauss_node.hpp"
-#include "numeric/gauss_rule.hpp"
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 
 namespace fringe::detail::FRINGE_TEST_FILE {
 namespace {

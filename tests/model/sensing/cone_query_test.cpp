@@ -11,10 +11,8 @@
 #include "fringe/triangulation.hpp"
 #include "geometry.hpp"
 #include "sensing/cone_bounds.hpp"
-#include "sensing/cone_line.hpp"
 #include "sensing/cone_query.hpp"
-#include "sensing/cone_shape.hpp"
-#include "sensing/nearest_on_triangle.hpp"
+#include "sensing/precise_cone.hpp"
 #include "sensing/triangle_tree.hpp"
 
 /// Lines, triangles and many triangles in a cone: both of the thesis' methods against the definition.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 
 namespace fringe::detail {
 namespace {

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "integral/batch/kernels.hpp"
-#include "numeric/gauss_rule.hpp"
+#include "numeric/quadrature_rules.hpp"
 
 namespace fringe::detail {
 

@@ -5,7 +5,7 @@
 
 #include "integral/batch/kernels.hpp"
 #include "integral/batch/near_forms.hpp"
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 #include "simd/vector_math.hpp"
 
 /// The batch integrals for one instruction set, given by the template parameter `Lanes` (model/NUMERICS.md,

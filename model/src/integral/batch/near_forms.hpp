@@ -1,7 +1,7 @@
 #pragma once
 
 #include "integral/batch/kernels.hpp"
-#include "numeric/gauss_node.hpp"
+#include "numeric/quadrature_rules.hpp"
 #include "simd/vector_math.hpp"
 
 /// The closed forms of the kernel K and the Gauss rule along the height (model/NUMERICS.md, sections 3 to 5),

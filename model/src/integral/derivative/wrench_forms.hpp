@@ -2,8 +2,7 @@
 
 #include "integral/batch/kernels.hpp"
 #include "integral/batch/kernels_template.hpp"
-#include "numeric/gauss_node.hpp"
-#include "numeric/triangle_rules.hpp"
+#include "numeric/quadrature_rules.hpp"
 #include "simd/vector_math.hpp"
 
 /// The gradient of the kernel K, G_i = −∂K/∂v_i = ∫λ_i v/|v|³ dλ, one triangle per lane: by a quadrature

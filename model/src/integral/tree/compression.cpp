@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "integral/tree/kernels.hpp"
-#include "integral/tree/monomial_rows.hpp"
+#include "integral/tree/moments.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {

@@ -4,7 +4,7 @@
 
 #include <Eigen/Core>
 
-#include "integral/tree/weighted_point.hpp"
+#include "integral/tree/moments.hpp"
 
 namespace fringe::detail {
 

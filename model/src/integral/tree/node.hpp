@@ -8,7 +8,7 @@
 
 #include "fringe/triangle_batch.hpp"
 #include "integral/batch/chunks.hpp"
-#include "integral/tree/monomials.hpp"
+#include "integral/tree/moments.hpp"
 
 /// The data structures of the tree over a surface (model/NUMERICS.md, section 11).
 namespace fringe::detail {

@@ -11,7 +11,7 @@
 #include "geometry/plate_frame.hpp"
 #include "integral/tree/node.hpp"
 
-/// Bounds of the errors of a node's quadratures (model/NUMERICS.md, section 11).
+/// Bounds of the errors of the quadratures of a node and of its triangles (model/NUMERICS.md, section 11).
 namespace fringe::detail {
 
 /// Distances of a node's centre.
@@ -102,5 +102,13 @@ inline double trianglewise_error(const Placement& placement, const Node& leaf) {
   return leaf.area / centroids * ratio * ratio * ratio *
          (leaf.trianglewise.mismatch + leaf.trianglewise.remainder * leaf.radius / nearest);
 }
+
+/// Bounds, for each triangle of a leaf, the quadrature error (m) that the kinks of the distance in the
+/// plate's border planes cause: 0 where no border plane crosses the triangle. nearest_distance of the leaf
+/// must be positive.
+/// @param points quadrature points of all triangles of the tree
+/// @param errors one element per triangle of the leaf
+void border_errors(const PlateFrame& plate, const Placement& placement, const Node& leaf,
+                   const PointArrays& points, double* errors);
 
 }  // namespace fringe::detail

@@ -1,11 +1,11 @@
-#include "integral/tree/border_triangles.hpp"
+#include "integral/tree/node_bound.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "integral/tree/build.hpp"
 #include "integral/tree/kernels.hpp"
-#include "integral/tree/partition.hpp"
 #include "simd/dispatch.hpp"
 
 namespace fringe::detail {

@@ -3,9 +3,21 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <vector>
 
-/// Quadrature rules on a triangle with positive weights and interior points (model/NUMERICS.md, section 12).
+/// Quadrature rules: those of Gauss on an interval, and rules on a triangle with positive weights and
+/// interior points (model/NUMERICS.md, section 12).
 namespace fringe::detail {
+
+struct GaussNode {
+  double position;  ///< in (0, 1)
+  double weight;    ///< the weights of a rule add up to 1
+};
+
+using GaussRule = std::vector<GaussNode>;
+
+/// Returns the Gauss–Legendre rule on [0, 1].
+GaussRule gauss_rule(int points);
 
 /// A quadrature point at v₀ + second·(v₁ − v₀) + third·(v₂ − v₀), with its weight.
 struct TriangleNode {
