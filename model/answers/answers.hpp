@@ -8,6 +8,7 @@
 #include "fringe/boundary_elements.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/evaluation.hpp"
+#include "fringe/scene.hpp"
 #include "fringe/scene_collision.hpp"
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_sensing.hpp"
@@ -40,5 +41,10 @@ Json with_remarks(Json answer, const std::vector<std::string>& remarks);
 
 /// Describes the counts, the geometry and the electrical roles of a scene.
 Json info_answer(const SceneInfo& info, const Scene& scene);
+
+/// Describes "objects", by name: "potential" ("dielectric" with "relative_permittivity" for those that do not
+/// conduct), "conductor", "to_ground" (F; null: not connected) and "target"; and "readings", by name:
+/// "sense", "drive", "noise" and "threshold" (F or null). What the scene leaves out is filled in.
+Json scene_roles(const Scene& scene);
 
 }  // namespace fringe::answers

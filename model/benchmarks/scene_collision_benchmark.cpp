@@ -11,7 +11,7 @@
 
 #include "fringe/convex_shape.hpp"
 #include "fringe/scene_collision.hpp"
-#include "peers/fcl_scene.hpp"
+#include "peers/peer.hpp"
 #include "random.hpp"
 
 /// Measures the milliseconds per frame of a scene in which every object moves: fringe's detector, all pairs

@@ -7,7 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "answers/scene_roles.hpp"
+#include "answers/answers.hpp"
 #include "fringe/batch_integral.hpp"
 #include "fringe/capacitance.hpp"
 #include "fringe/error.hpp"

@@ -4,6 +4,11 @@
 
 namespace fringe::cli {
 
+/// Picofarads in one farad; tables give capacitances in pF.
+inline constexpr double picofarads_per_farad = 1e12;
+/// Femtofarads in one farad, for the changes of readings and their noise.
+inline constexpr double femtofarads_per_farad = 1e15;
+
 /// Returns the number of decimals that an error leaves: two of its digits. Zero for errors of ten and more,
 /// at most 9.
 int decimals(double error);

@@ -20,10 +20,10 @@
 #include "fringe/scene_reader.hpp"
 #include "fringe/version.hpp"
 #include "interruption.hpp"
+#include "measured.hpp"
 #include "numeric/infinity.hpp"
 #include "program.hpp"
 #include "sweep_table.hpp"
-#include "units.hpp"
 #include "whole_files.hpp"
 
 namespace fringe::cli {

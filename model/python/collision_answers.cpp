@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "python_object.hpp"
+#include "conversion.hpp"
 
 namespace py = pybind11;
 

@@ -10,7 +10,7 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include "arrays.hpp"
+#include "conversion.hpp"
 #include "fringe/bounding_volume.hpp"
 #include "fringe/distance_sensor.hpp"
 #include "fringe/error.hpp"

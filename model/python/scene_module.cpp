@@ -21,8 +21,7 @@
 #include <pybind11/stl/filesystem.h>
 
 #include "answers/answers.hpp"
-#include "answers/scene_roles.hpp"
-#include "arrays.hpp"
+#include "conversion.hpp"
 #include "fringe/conductors.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"
@@ -34,9 +33,7 @@
 #include "fringe/scene_info.hpp"
 #include "fringe/scene_reader.hpp"
 #include "fringe/surface_charges.hpp"
-#include "python_object.hpp"
 #include "readings.hpp"
-#include "scene_text.hpp"
 #include "shared_scene.hpp"
 
 namespace py = pybind11;

@@ -7,7 +7,6 @@
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpa2.h>
 #include <LinearMath/btConvexHullComputer.h>
 
-#include "hull_faces.hpp"
 #include "peer.hpp"
 
 namespace fringe::benchmarks {

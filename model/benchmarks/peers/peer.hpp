@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <Eigen/Core>
 #include <Eigen/Geometry>
 
 /// The same queries answered by other libraries, each called as its documentation shows for two convex
@@ -56,5 +57,31 @@ std::unique_ptr<Peer> fcl_peer(const PeerShapes& shapes, const PeerPairs& pairs)
 std::unique_ptr<Peer> libccd_gjk_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 std::unique_ptr<Peer> libccd_mpr_peer(const PeerShapes& shapes, const PeerPairs& pairs);
 std::unique_ptr<Peer> bullet_peer(const PeerShapes& shapes, const PeerPairs& pairs);
+
+/// The surface of a convex hull.
+struct HullFaces {
+  std::vector<Eigen::Vector3d> vertices;
+  std::vector<std::vector<int>> faces;  ///< indices of vertices, anticlockwise from outside
+};
+
+/// Computes the hull by Bullet's hull computer; FCL needs the faces of a convex shape and cannot compute
+/// them.
+HullFaces hull_faces(const std::vector<Eigen::Vector3d>& points);
+
+/// Moving objects in FCL's dynamic tree of axis-aligned boxes, with FCL's solver for pairs.
+class FclScene {
+ public:
+  explicit FclScene(const PeerShapes& shapes);
+  ~FclScene();
+  FclScene(const FclScene&) = delete;
+  FclScene& operator=(const FclScene&) = delete;
+
+  /// Moves all objects and counts the pairs that collide.
+  std::size_t collide(const std::vector<Eigen::Isometry3d>& poses);
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
 
 }  // namespace fringe::benchmarks

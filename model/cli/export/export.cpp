@@ -6,8 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
-#include "export/circuit.hpp"
-#include "export/matrix_csv.hpp"
+#include "export/matrix_files.hpp"
 #include "export/panel_files.hpp"
 #include "fringe/error.hpp"
 #include "fringe/evaluation.hpp"

@@ -1,4 +1,4 @@
-#include "import/collada.hpp"
+#include "import/formats.hpp"
 
 #include <algorithm>
 #include <optional>

@@ -1,4 +1,3 @@
-#include "import/model_file.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -7,9 +6,8 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
-#include "import/collada.hpp"
+#include "import/formats.hpp"
 #include "import/link_tree.hpp"
-#include "import/three_mf.hpp"
 #include "io/input_file.hpp"
 #include "io/mesh_formats.hpp"
 

@@ -1,4 +1,4 @@
-#include "import/panel_list.hpp"
+#include "import/formats.hpp"
 
 #include <algorithm>
 #include <map>
@@ -10,7 +10,6 @@
 #include <fmt/format.h>
 
 #include "fringe/error.hpp"
-#include "import/model_file.hpp"
 #include "import/panel_statement.hpp"
 #include "io/input_file.hpp"
 #include "unique_names.hpp"

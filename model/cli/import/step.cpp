@@ -1,4 +1,4 @@
-#include "import/step.hpp"
+#include "import/formats.hpp"
 
 #include <algorithm>
 #include <array>
@@ -40,7 +40,6 @@
 
 #include "fringe/error.hpp"
 #include "import/link_tree.hpp"
-#include "import/model_file.hpp"
 #include "import/surface_distance.hpp"
 
 namespace fringe::cli {

@@ -1,4 +1,4 @@
-#include "import/three_mf.hpp"
+#include "import/formats.hpp"
 
 #include <algorithm>
 #include <array>

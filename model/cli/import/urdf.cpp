@@ -1,4 +1,4 @@
-#include "import/urdf.hpp"
+#include "import/formats.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -16,9 +16,7 @@
 
 #include "fringe/error.hpp"
 #include "fringe/pose.hpp"
-#include "import/gltf.hpp"
 #include "import/link_tree.hpp"
-#include "import/model_file.hpp"
 #include "import/urdf_text.hpp"
 #include "io/mesh_formats.hpp"
 #include "unique_names.hpp"

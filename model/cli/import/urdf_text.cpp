@@ -12,7 +12,7 @@
 #include <pugixml.hpp>
 
 #include "fringe/error.hpp"
-#include "import/model_file.hpp"
+#include "import/formats.hpp"
 #include "io/input_file.hpp"
 
 namespace fringe::cli {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "export/circuit.hpp"
+#include "export/matrix_files.hpp"
 
 /// Reads Maxwell matrices and writes their subcircuits, by the function of `fringe export`. A matrix is its
 /// name, its size, and for each conductor its name, 1 if it is grounded or else 0, and its row in F; words

@@ -1,15 +1,19 @@
 #pragma once
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include <Eigen/Core>
 #include <fmt/format.h>
+#include <nlohmann/json_fwd.hpp>
 #include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
 
 #include "fringe/error.hpp"
 #include "fringe/triangle.hpp"
 
+/// What the module takes from Python, and what it gives back.
 namespace fringe::python {
 
 /// Any array of numbers. Its shape is checked here, so that a wrong one raises ValueError.
@@ -38,5 +42,15 @@ inline Array array_of(const std::vector<Triangle>& triangles) {
       target = std::copy(vertex.begin(), vertex.end(), target);
   return array;
 }
+
+/// Converts a JSON value to Python's types, and arrays of doubles, or of equally long arrays of doubles, to
+/// NumPy arrays.
+pybind11::object python_object(const nlohmann::ordered_json& value);
+
+/// Returns the text of a scene file: a text as it is, or that of a dictionary with the keys of the format,
+/// whose lists of dictionaries are its arrays of tables. NumPy's arrays and numbers stand for lists and
+/// numbers.
+/// @throws InputError for a value of another type, with its key.
+std::string scene_text(const pybind11::handle& description);
 
 }  // namespace fringe::python

@@ -1,4 +1,4 @@
-#include "export/circuit.hpp"
+#include "export/matrix_files.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "csv_text.hpp"
 #include "fringe/error.hpp"
 #include "unique_names.hpp"
 
@@ -127,6 +128,17 @@ std::string spice_subcircuit(const MaxwellMatrix& matrix, const std::vector<bool
   if (count == 0)
     throw InputError("all conductors are grounded: a circuit needs a sensor or an electrode");
   return text + head + '\n' + capacitors(matrix, nodes) + ".ends\n";
+}
+
+std::string matrix_csv(const MaxwellMatrix& matrix) {
+  require_finite(matrix);
+  std::string text = "row,column,value_F,error_F\n";
+  for (Eigen::Index i = 0; i < matrix.values.rows(); ++i)
+    for (Eigen::Index j = 0; j < matrix.values.cols(); ++j)
+      text += fmt::format("{},{},{},{}\n", csv_field(matrix.conductors[static_cast<std::size_t>(i)]),
+                          csv_field(matrix.conductors[static_cast<std::size_t>(j)]),
+                          matrix.values(i, j) + 0.0, matrix.errors(i, j));
+  return text;
 }
 
 }  // namespace fringe::cli

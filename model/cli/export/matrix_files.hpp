@@ -6,6 +6,7 @@
 #include "fringe/boundary_elements.hpp"
 #include "fringe/scene.hpp"
 
+/// A Maxwell matrix in the formats of other programs: a circuit of SPICE, and comma-separated values.
 namespace fringe::cli {
 
 /// Throws InputError, with the names of its row and column, for an entry of a Maxwell matrix that is not
@@ -23,5 +24,9 @@ std::vector<bool> grounded_conductors(const Scene& scene, const MaxwellMatrix& m
 /// that is not finite and if all conductors are grounded.
 std::string spice_subcircuit(const MaxwellMatrix& matrix, const std::vector<bool>& grounded,
                              const std::string& name, const std::string& remark);
+
+/// Writes a Maxwell matrix as comma-separated values: a line for each entry with the names of its row and
+/// column, the value and the stated error in F. Throws InputError for an entry that is not finite.
+std::string matrix_csv(const MaxwellMatrix& matrix);
 
 }  // namespace fringe::cli

@@ -1,7 +1,9 @@
-#include "table_text.hpp"
+#include "answer_tables.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
+#include <string>
 #include <variant>
 #include <vector>
 
@@ -9,7 +11,7 @@
 #include <fmt/ranges.h>
 
 #include "fringe/reading.hpp"
-#include "units.hpp"
+#include "measured.hpp"
 
 namespace fringe::cli {
 namespace {
@@ -147,6 +149,123 @@ std::string info_table(const SceneInfo& info, const Scene& scene) {
       text += defect_lines(*object.defects);
   }
   return text;
+}
+
+namespace {
+
+/// Width of an entry, as `entry` writes it.
+constexpr std::size_t entry_width = 26;
+
+/// Formats a value with its error (F) in `entry_width` columns.
+std::string entry(double value, double error) {
+  return fmt::format("{:>{}}", measured(value * picofarads_per_farad, error * picofarads_per_farad),
+                     entry_width);
+}
+
+/// Returns the width of the columns: no name runs into the next one.
+std::size_t column_width(const std::vector<std::string>& names, std::size_t least) {
+  constexpr std::size_t between = 2;
+  std::size_t width = least;
+  for (const std::string& name : names)
+    width = std::max(width, name.size() + between);
+  return width;
+}
+
+}  // namespace
+
+std::string maxwell_table(const Evaluation& answer, const EvaluationOptions& options, double seconds) {
+  const MaxwellMatrix& matrix = answer.matrix.value();
+  const std::size_t width = column_width(matrix.conductors, entry_width);
+  const std::size_t names_width = column_width(matrix.conductors, 12);
+  std::string text =
+      fmt::format("Maxwell matrix by {}, pF: charge on the row's conductor per volt on the column's\n"
+                  "rtol {} {}{}, {} unknowns, {:.3g} s\n\n{:<{}}",
+                  answer.answered_by, rtol_of(options), answer.reached ? "reached" : "NOT reached",
+                  options.entries == Entries::of_readings ? " in the readings" : "", matrix.unknowns, seconds,
+                  "", names_width);
+  for (const std::string& name : matrix.conductors)
+    text += fmt::format("{:>{}}", name, width);
+  text += '\n';
+  for (Eigen::Index i = 0; i < matrix.values.rows(); ++i) {
+    text += fmt::format("{:<{}}", matrix.conductors[static_cast<std::size_t>(i)], names_width);
+    for (Eigen::Index j = 0; j < matrix.values.cols(); ++j)
+      text += std::string(width - entry_width, ' ') + entry(matrix.values(i, j), matrix.errors(i, j));
+    text += '\n';
+  }
+  text += "\ndelta_self, pF: the sensor's own entry less what it is without the objects\n";
+  for (Eigen::Index s = 0; s < matrix.delta_self.size(); ++s)
+    text += fmt::format("{:<{}}{}\n", matrix.conductors[static_cast<std::size_t>(s)], names_width,
+                        entry(matrix.delta_self[s], matrix.delta_self_errors[s]));
+  text += "The errors are estimates.";
+  const bool any_bound =
+      std::find(matrix.lower_bounds.begin(), matrix.lower_bounds.end(), true) != matrix.lower_bounds.end();
+  for (std::size_t k = 0; k < matrix.conductors.size(); ++k)
+    if (any_bound && !matrix.lower_bounds[k])
+      text += fmt::format(" The diagonal entry of {} may be above the truth.", matrix.conductors[k]);
+  text += any_bound ? " Entries of the diagonal are otherwise not above the truth.\n" : "\n";
+  for (const std::string& name : matrix.floating)
+    text += fmt::format("floating, without charge and so without a row: {}\n", name);
+  return text;
+}
+
+namespace {
+
+std::string text_of(const Estimate& estimate) {
+  if (!estimate.value)
+    return "-";
+  const double value = *estimate.value * picofarads_per_farad;
+  if (!estimate.error)
+    return unmeasured(value);
+  return measured(value, *estimate.error * picofarads_per_farad);
+}
+
+/// Appends blanks up to a width; "±" is one character of two bytes.
+std::string padded(const std::string& text, std::size_t width) {
+  const std::size_t length = text.find("±") == std::string::npos ? text.size() : text.size() - 1;
+  return text + std::string(std::max(width, length + 1) - length, ' ');
+}
+
+/// Formats a derivative that is given in F/m or F/rad.
+std::string text_of(double derivative, std::optional<double> error) {
+  if (std::isnan(derivative))
+    return "-";
+  const double value = derivative * picofarads_per_farad;
+  return error ? measured(value, *error * picofarads_per_farad) : unmeasured(value);
+}
+
+/// Formats the derivatives of the changes, a row for each reading and link; empty if there are none.
+std::string derivative_table(const std::vector<ReadingAnswer>& readings, std::size_t names_width) {
+  std::string rows;
+  for (const ReadingAnswer& reading : readings)
+    for (const LinkDerivatives& of_link : reading.derivatives) {
+      rows += fmt::format("  {:<{}}{:<14}", reading.name, names_width, of_link.link);
+      for (Eigen::Index k = 0; k < of_link.change.size(); ++k)
+        rows += padded(
+            text_of(of_link.change[k], of_link.error ? std::optional((*of_link.error)[k]) : std::nullopt),
+            of_link.error ? 24 : 14);
+      rows.erase(rows.find_last_not_of(' ') + 1);
+      rows += '\n';
+    }
+  if (rows.empty())
+    return {};
+  return "\nDerivatives of the changes by the pose of each link: pF/m along x, y, z, pF/rad about x, y, z\n" +
+         rows;
+}
+
+}  // namespace
+
+std::string reading_table(const std::vector<ReadingAnswer>& readings) {
+  constexpr std::size_t width = 26;
+  if (readings.empty())
+    return {};
+  std::string text = "\nReadings, pF: value, background (without the targets) and change, their difference\n";
+  std::size_t names_width = 12;
+  for (const ReadingAnswer& reading : readings)
+    names_width = std::max(names_width, reading.name.size() + 2);
+  for (const ReadingAnswer& reading : readings)
+    text += fmt::format("  {:<{}}{}{}{}\n", reading.name, names_width, padded(text_of(reading.value), width),
+                        padded(text_of(reading.background), width), text_of(reading.change));
+  return text + derivative_table(readings, names_width);
 }
 
 }  // namespace fringe::cli
