@@ -10,12 +10,12 @@
 #include <string_view>
 #include <vector>
 
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #ifdef __GLIBC__
 #include <malloc.h>
 #endif
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -312,9 +312,6 @@ int run(int argument_count, char** arguments) {
 }  // namespace
 
 int main(int argument_count, char** arguments) {
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 #ifdef __GLIBC__
   // Each level of boundary elements needs the memory that the last one has freed. If the allocator gave it
   // back to the system in between, up to a third of the time would go into page faults.

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "bem/box_self_interaction.hpp"
 #include "bem/face_self_interaction.hpp"
 #include "bem/single_layer_faces.hpp"
 #include "readings/readings.hpp"

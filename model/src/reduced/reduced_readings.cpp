@@ -5,6 +5,7 @@
 
 #include <Eigen/Cholesky>
 
+#include "bem/panel_mesh.hpp"
 #include "readings/maxwell_matrix.hpp"
 #include "readings/readings.hpp"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include "bem/panel_mesh.hpp"
 #include "numeric/interruption.hpp"
 #include "simd/dispatch.hpp"
 
