@@ -123,12 +123,32 @@ MaxwellMatrix solve_with_insulators(const Scene& scene, const BoundaryElementOpt
   std::vector<Eigen::AlignedBox3d> insulators;
   for (const detail::Insulator& insulator : bodies.insulators)
     insulators.push_back(insulator.box);
-  const Simplification simplification(bodies.conductors, simplification_part * options.rtol,
-                                      detail::most_triangles_beside_insulators(options),
-                                      std::move(insulators));
-  bodies.conductors = simplification.bodies();
-  MaxwellMatrix answer = detail::insulated_maxwell(bodies, simplification, options);
-  answer.reached = detail::largest_error(answer, bodies.conductors) <= options.rtol;
+  /// Part of the triangles that are allowed, with which most machines are solved in less time.
+  constexpr std::size_t first_part = 3;
+  const std::size_t most = detail::most_triangles_beside_insulators(options);
+  const auto simplified = [&](std::size_t most_triangles) {
+    return Simplification(bodies.conductors, simplification_part * options.rtol, most_triangles, insulators);
+  };
+  const auto solve = [&](const Simplification& simplification) {
+    detail::InsulatedBodies simple = bodies;
+    simple.conductors = simplification.bodies();
+    MaxwellMatrix answer = detail::insulated_maxwell(simple, simplification, options);
+    answer.reached = detail::largest_error(answer, simple.conductors) <= options.rtol;
+    return answer;
+  };
+  const Simplification first = simplified(most / first_part);
+  MaxwellMatrix answer = solve(first);
+  if (answer.reached || !first.is_changed())
+    return answer;
+  try {
+    const Simplification second = simplified(most);
+    if (second.triangles() > first.triangles())
+      if (MaxwellMatrix other = solve(second);
+          detail::largest_error(other, bodies.conductors) < detail::largest_error(answer, bodies.conductors))
+        return other;
+  } catch (const Interrupted&) {
+    // The first answer is the best one.
+  }
   return answer;
 }
 

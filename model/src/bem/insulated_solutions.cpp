@@ -8,6 +8,7 @@
 
 #include <Eigen/LU>
 
+#include "fringe/interruption.hpp"
 #include "numeric/gmres.hpp"
 #include "numeric/interruption.hpp"
 #include "numeric/parallel.hpp"
@@ -210,14 +211,16 @@ class TwoLevels {
 };
 
 /// Returns the values at the places of a space; by iteration from so many functions on, and for each right
-/// side so many.
+/// side so many. Throws Interrupted if that does not converge and factorisation would take minutes.
 MatrixXd solved_in(const InsulatedUnknowns& unknowns, const InsulatedMatrix& matrix,
                    const CombinedFunctions& space, const MatrixXd& right_sides, Index least_functions,
                    std::size_t threads) {
   constexpr Index least_per_column = 60;
   /// Largest residual, relative to the right side: far below the accuracy that can be asked for.
   constexpr double residual = 1e-7;
-  constexpr int most_steps = 150;
+  constexpr int most_steps = 400;
+  /// Largest number of functions that are factorised, in seconds, where the iteration does not converge.
+  constexpr Index most_instead = 6000;
   const MatrixXd means = space.means(right_sides);
   if (space.size >= std::max(least_functions, least_per_column * right_sides.cols())) {
     const Index together = (unknowns.coarse.size + most_factorised - 1) / most_factorised;
@@ -231,6 +234,8 @@ MatrixXd solved_in(const InsulatedUnknowns& unknowns, const InsulatedMatrix& mat
         most_steps);
     if (solution)
       return *solution;
+    if (space.size > most_instead)
+      throw Interrupted();
   }
   return matrix.combined(space).partialPivLu().solve(means);
 }

@@ -38,6 +38,9 @@ class Simplification {
   /// Tells whether a surface was replaced.
   bool is_changed() const { return !surfaces_.empty(); }
 
+  /// Returns the number of triangles of all surfaces.
+  std::size_t triangles() const;
+
   /// Tells whether all surfaces that differ lie within their bodies, so that capacitances are bounded from
   /// below.
   bool is_within() const;
@@ -68,7 +71,6 @@ class Simplification {
   };
 
   void simplify(const ChargedBodies& original, double tolerance);
-  std::size_t triangles() const;
 
   ChargedBodies bodies_;
   std::vector<Eigen::AlignedBox3d> others_;
