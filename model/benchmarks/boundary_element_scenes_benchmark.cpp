@@ -57,7 +57,7 @@ auto in_own_process(const Computation& compute) {
   std::array<int, 2> pipe_ends{};
   if (pipe(pipe_ends.data()) != 0)
     throw std::runtime_error("no pipe to a process that computes");
-  // What is not printed yet would be printed by both.
+  // Both processes would print what is still in the buffer.
   std::fflush(nullptr);
   const pid_t child = fork();
   if (child < 0)

@@ -13,7 +13,7 @@
 #include "fringe/error.hpp"
 #include "fringe/triangle.hpp"
 
-/// What the module takes from Python, and what it gives back.
+/// Conversion of arguments from Python, and of results to it.
 namespace fringe::python {
 
 /// Any array of numbers. Its shape is checked here, so that a wrong one raises ValueError.

@@ -96,6 +96,8 @@ DoubleLayer double_layer_of(std::span<const Panel> targets, std::span<const Pane
   const auto place = [&](std::size_t panel) { return known.places.empty() ? -1 : known.places[panel]; };
   const auto size = static_cast<Index>(sources.size());
   result.elements.resize(static_cast<Index>(targets.size()), size);
+  if (sources.empty())
+    return result;
   /// Number of rows that one thread evaluates at a time.
   constexpr std::size_t together = 16;
   parallel_for((targets.size() + together - 1) / together, threads, [&](std::size_t block) {

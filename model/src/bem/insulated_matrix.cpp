@@ -60,7 +60,9 @@ MatrixXd InsulatedMatrix::times(const MatrixXd& values) const {
     charges.row(places_[static_cast<std::size_t>(k)]) = values.row(k);
   MatrixXd result = single_layer.apply(charges)(places_, Eigen::all);
   const MatrixXd potentials = values(interfaces_, Eigen::all);
-  parallel_for(static_cast<std::size_t>((result.rows() + together - 1) / together), threads_,
+  // Eigen cannot take rows of a matrix without columns.
+  const Index rows_of_dipoles = interfaces_.empty() ? 0 : result.rows();
+  parallel_for(static_cast<std::size_t>((rows_of_dipoles + together - 1) / together), threads_,
                [&](std::size_t part) {
                  const Index first = index_of(part) * together;
                  const Index rows = std::min(together, result.rows() - first);

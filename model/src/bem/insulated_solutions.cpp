@@ -76,7 +76,7 @@ CombinedFunctions clusters_of(const InsulatedUnknowns& unknowns, const Insulated
   return result;
 }
 
-/// The functions of a coarser space as combinations of those of a space.
+/// Returns the functions of a coarser space as combinations of those of a space.
 CombinedFunctions within(const CombinedFunctions& space, const CombinedFunctions& coarser) {
   CombinedFunctions result{std::vector<Index>(static_cast<std::size_t>(space.size)),
                            VectorXd::Zero(space.size), VectorXd::Zero(space.size), coarser.size};
@@ -161,6 +161,8 @@ class TwoLevels {
     const MatrixXd left = residuals - times(result);
     parallel_for(leaves_.size(), threads_, [&](std::size_t k) {
       const Leaf& leaf = leaves_[k];
+      if (leaf.own.count == 0)
+        return;
       const MatrixXd around = left(leaf.places, Eigen::all);
       add_product(MatrixReference<double>(leaf.inverse), around,
                   result.middleRows(leaf.own.first, leaf.own.count));

@@ -94,7 +94,7 @@ CellLists direction_cells(std::span<const Vector3d> vertices, double bounding_ra
   CellLists cells;
   if (vertices.size() <= SupportShape::few_vertices)
     return cells;
-  // With this resolution a square of a sphere's hull lists about fifteen vertices.
+  // A square of a sphere's hull lists about fifteen vertices with this resolution.
   const double wished = std::sqrt(static_cast<double>(vertices.size())) / vertices_per_square_root;
   const double affordable = std::sqrt(most_work / (6 * static_cast<double>(vertices.size())));
   cells.resolution = std::max(2, static_cast<int>(std::lround(std::min(wished, affordable))));

@@ -39,7 +39,7 @@ std::optional<std::string> defect_of_polygon(std::span<const Eigen::Vector2d> ve
 /// order that geometries/SCENE.md fixes. Throws InputError for a polygon with a defect.
 std::vector<Triangle> triangles_of_polygon(std::span<const Eigen::Vector2d> vertices);
 
-/// What is remarkable about the faces of a mesh.
+/// Remarks on the faces of a mesh.
 struct FaceDefects {
   std::size_t bent = 0;      ///< number of faces whose corners are not in a plane
   double bend = 0;           ///< how far these are from being in a plane, at most, in the mesh's unit
