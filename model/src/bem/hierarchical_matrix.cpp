@@ -17,7 +17,8 @@ using Eigen::MatrixXf;
 MatrixXd restricted_rows(const MatrixXd& factor, ClusterRange range, const Restriction& restriction,
                          Index first, Index count) {
   MatrixXd result = MatrixXd::Zero(count, factor.cols());
-  for (Index k = 0; k < range.count; ++k) {
+  // Eigen cannot take rows of a matrix without columns.
+  for (Index k = 0; k < (factor.cols() > 0 ? range.count : 0); ++k) {
     const Index unknown = range.first + k, target = restriction.target[static_cast<std::size_t>(unknown)];
     if (target >= 0)
       result.row(target - first) += restriction.weights[unknown] * factor.row(k);
