@@ -116,7 +116,7 @@ def wait_until_nothing_is_left(folder: Path) -> None:
     left: list[object] = []
 
     def is_empty() -> bool:
-        left[:] = [*marked(folder).items(), *folder.rglob("*")]
+        left[:] = [*marked(folder).items(), *folder.iterdir()]
         return not left
 
     try:
