@@ -12,7 +12,7 @@ namespace fringe::detail {
 /// within rtol or the matrices too large (model/BOUNDARY_ELEMENTS.md, section 13). In metres, to be
 /// multiplied by 4πε. No entry is a lower bound. The surfaces of the conductors are those of a
 /// simplification. Throws InputError if these have too many panels.
-MaxwellMatrix insulated_maxwell(const InsulatedBodies& bodies, const Simplification& simplification,
+MaxwellMatrix insulated_maxwell(const InsulatedBodies& given, const Simplification& simplification,
                                 const BoundaryElementOptions& options);
 
 /// Returns the largest number of triangles of simplified conductors beside dielectric bodies.

@@ -120,6 +120,7 @@ std::vector<Index> around_leaf(const InsulatedUnknowns& unknowns, const Insulate
       }
   }
   std::vector<std::pair<double, Index>> chosen;
+  chosen.reserve(nearest.size());
   for (const auto& [place, own_distance] : nearest)
     chosen.emplace_back(own_distance, place);
   std::sort(chosen.begin(), chosen.end());

@@ -356,9 +356,9 @@ std::vector<PanelMesh::Division> PanelMesh::cracks() const {
 }
 
 MatrixXd PanelMesh::refine(const std::vector<int>& steps, const MatrixXd& charges, const MatrixXd& carried) {
-  std::vector<Division> divisions;
-  for (const int count : steps)
-    divisions.push_back({count});
+  std::vector<Division> divisions(steps.size());
+  for (std::size_t k = 0; k < steps.size(); ++k)
+    divisions[k].steps = steps[k];
   MatrixXd moved = divide(divisions, charges, carried);
   for (divisions = cracks(); !divisions.empty(); divisions = cracks()) {
     const std::vector<Index> before = std::move(places_before_);

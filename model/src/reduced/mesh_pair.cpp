@@ -295,7 +295,8 @@ void MeshNodes::lay(const PanelClusters& panels, const Eigen::Matrix3f& axes, co
   count = 0;
   for (const MeshPart& part : parts)
     count += part.count();
-  for (std::vector<float>* array : {&coordinates[0], &coordinates[1], &coordinates[2], &charges, &potentials})
+  for (std::vector<float>* array :
+       {coordinates.data(), &coordinates[1], &coordinates[2], &charges, &potentials})
     array->resize(std::max(array->size(), static_cast<std::size_t>(count)));
   std::ptrdiff_t at = 0;
   for (const MeshPart& part : parts) {
