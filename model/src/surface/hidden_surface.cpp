@@ -47,6 +47,7 @@ HiddenSurface::HiddenSurface(const ChargedBodies& bodies)
       continue;
     Body& body = bodies_[k];
     body.is_target = bodies.bodies[k].is_target;
+    body.is_round = round_shape_of(bodies.bodies[k].surface) != nullptr;
     body.triangles.assign(triangles.begin(), triangles.end());
     const std::vector<std::uint32_t> shells = SurfaceMesh(body.triangles).shells();
     shell_counts[k] = 1 + *std::max_element(shells.begin(), shells.end());
@@ -92,6 +93,15 @@ HiddenSurface::Place HiddenSurface::place(const Triangle& shifted, const Body& b
   return is_in_polyhedron(body.closed, centre_of(shifted)) ? Place::inside : Place::outside;
 }
 
+/// Returns where the outer and the inner side of a part of a surface are, seen from a body.
+std::array<HiddenSurface::Place, 2> HiddenSurface::places(const std::array<Triangle, 2>& sides,
+                                                          std::size_t of, std::size_t body) const {
+  // Parts of a hollow wall move into the polyhedron that stands for their body, but stay its surface.
+  if (of == body && bodies_[body].is_round)
+    return {Place::outside, Place::inside};
+  return {place(sides[0], bodies_[body]), place(sides[1], bodies_[body])};
+}
+
 bool HiddenSurface::contains(const Triangle& part, std::size_t body) const {
   if (around_[body].empty())
     return false;
@@ -99,7 +109,7 @@ bool HiddenSurface::contains(const Triangle& part, std::size_t body) const {
   const std::array<Triangle, 2> sides{beside(part, 1), beside(part, -1)};
   std::array<bool, 2> is_inside{false, false};
   for (const std::size_t k : around_[body]) {
-    const Place one = place(sides[0], bodies_[k]), other = place(sides[1], bodies_[k]);
+    const auto [one, other] = places(sides, body, k);
     is_inside[0] = is_inside[0] || one == Place::inside;
     is_inside[1] = is_inside[1] || other == Place::inside;
     if (is_inside[0] && is_inside[1])

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -30,10 +31,12 @@ class HiddenSurface {
     BoxTree boxes;            ///< of `closed`
     Eigen::AlignedBox3d box;  ///< around `closed`
     bool is_target = false;
+    bool is_round = false;  ///< whether parts that are divided move from `triangles` to a round shape
   };
   enum class Place { inside, outside, unknown };
 
   static Place place(const Triangle& shifted, const Body& body);
+  std::array<Place, 2> places(const std::array<Triangle, 2>& sides, std::size_t of, std::size_t body) const;
 
   std::vector<Body> bodies_;
   std::vector<std::vector<std::size_t>> around_;  ///< for each body those that may hide parts of it

@@ -3,6 +3,8 @@
 #include "bem/panel_mesh.hpp"
 
 #include <array>
+#include <memory>
+#include <numbers>
 #include <set>
 #include <utility>
 #include <vector>
@@ -13,11 +15,14 @@
 #include "fringe/triangulation.hpp"
 #include "scenes.hpp"
 #include "surface/bodies.hpp"
+#include "surface/hidden_surface.hpp"
+#include "surface/round_shape.hpp"
 
 namespace fringe::FRINGE_TEST_FILE {
 namespace {
 
 using detail::PanelMesh;
+using namespace test;
 using Corner = std::array<double, 3>;
 
 std::set<std::pair<Corner, Corner>> sides_of(const PanelMesh& mesh) {
@@ -51,6 +56,24 @@ TEST(PanelMesh, KeepsABodyClosedWhereOnePartIsDividedFarMoreThanTheRest) {
 detail::ChargedBodies plate_at(double gap) {
   return detail::charged_bodies(test::scene_of(
       test::square(0.1, 0), {test::object("plate", Plate{0.2, 0.09}, test::at(0.01, 0, gap))}));
+}
+
+TEST(PanelMesh, KeepsTheHollowWallOfAnArcThatTouchesAnotherBodyWhenItsPartsMoveOntoTheRoundShape) {
+  const Arc arc{.inner_radius = 0.08, .outer_radius = 0.09, .height = 0.02, .degrees = 60, .segments = 4};
+  const Cuboid foot{0.004, 0.004, 0.01};
+  const detail::ChargedBodies bodies = detail::charged_bodies(
+      above_sensor({object("arc", arc, at(0, 0, 0.05)), object("foot", foot, at(0.085, 0, 0.035))}));
+  const detail::BodySurface& surface = bodies.bodies[1].surface;
+  PanelMesh mesh(std::make_shared<detail::HiddenSurface>(bodies));
+  mesh.add(1, detail::triangles_of(surface), {}, detail::round_shape_of(surface));
+  for (int time = 0; time < 2; ++time)
+    mesh.refine(std::vector<int>(mesh.groups().size(), 2), Eigen::MatrixXd(mesh.panels().size(), 0));
+  double visible = 0;
+  for (const detail::Panel& panel : mesh.panels())
+    visible += panel.area;
+  const double angle = arc.degrees * std::numbers::pi / 180, r = arc.inner_radius, s = arc.outer_radius;
+  const double whole = angle * ((s + r) * arc.height + s * s - r * r) + 2 * (s - r) * arc.height;
+  EXPECT_NEAR(visible, whole, foot.size_x * foot.size_y);
 }
 
 TEST(MeshSize, TheFunctionsInAllAreThoseOfTheFaces) {
