@@ -199,6 +199,8 @@ std::vector<Triangle> cleaned(const std::string& name, std::span<const Triangle>
 }
 
 std::vector<Triangle> surface_triangles(const Object& object) {
+  if (const auto round = RoundShape::of(object.shape, Eigen::Isometry3d::Identity()))
+    return round->triangles();
   const std::vector<Triangle> triangles = triangulate(object.shape);
   return std::holds_alternative<Mesh>(object.shape)
              ? cleaned(fmt::format("object \"{}\"", object.name), triangles)

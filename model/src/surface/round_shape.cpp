@@ -151,12 +151,32 @@ struct Displacement {
   }
 };
 
+/// Tells if each wall of an arc stays clear of the other while its panels move from the polyhedron onto it.
+bool are_walls_apart(const Arc& arc) {
+  const double step = arc.degrees * std::numbers::pi / 180 / arc.segments;
+  return arc.outer_radius - arc.inner_radius > 2 * arc.outer_radius * (1 - std::cos(step / 2));
+}
+
+/// Returns an arc with as many segments as keep its walls apart, if these are not too many.
+Arc with_walls_apart(Arc arc) {
+  /// Largest number of segments. Beyond, the facets themselves hardly differ from the round walls.
+  constexpr int most_segments = 360;
+  const int given = arc.segments;
+  while (arc.segments < most_segments && !are_walls_apart(arc))
+    ++arc.segments;
+  if (!are_walls_apart(arc))
+    arc.segments = given;
+  return arc;
+}
+
 }  // namespace
 
 std::optional<RoundShape> RoundShape::of(const Shape& shape, const Eigen::Isometry3d& pose) {
   if (std::holds_alternative<Plate>(shape) || std::holds_alternative<Cuboid>(shape) ||
       std::holds_alternative<Mesh>(shape) || std::holds_alternative<Polygon>(shape))
     return std::nullopt;
+  if (const auto* const arc = std::get_if<Arc>(&shape))
+    return RoundShape(with_walls_apart(*arc), pose);
   return RoundShape(shape, pose);
 }
 
@@ -197,10 +217,7 @@ std::vector<Triangle> RoundShape::triangles() const {
 
 bool RoundShape::is_followed() const {
   const auto* const arc = std::get_if<Arc>(&shape_);
-  if (arc == nullptr)
-    return true;
-  const double step = arc->degrees * std::numbers::pi / 180 / arc->segments;
-  return arc->outer_radius - arc->inner_radius > 2 * arc->outer_radius * (1 - std::cos(step / 2));
+  return arc == nullptr || are_walls_apart(*arc);
 }
 
 bool RoundShape::is_lack_added() const {

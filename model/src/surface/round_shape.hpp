@@ -23,7 +23,8 @@ constexpr double error_per_added_facet_effect = 0.2;
 /// A round shape in the frame of a body.
 class RoundShape {
  public:
-  /// Returns nothing for a shape that its triangles have exactly.
+  /// Returns nothing for a shape that its triangles have exactly. A thin arc gets the segments that it needs
+  /// to be followed.
   static std::optional<RoundShape> of(const Shape& shape, const Eigen::Isometry3d& pose);
 
   RoundShape moved(const Eigen::Isometry3d& pose) const;
