@@ -13,6 +13,7 @@ nowhere else. Between plane faces c is larger than 1, since the potential there 
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -21,7 +22,7 @@ import numpy as np
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.round_bodies import Cone, Ellipsoid
+from fem_reference.bodies.round_bodies import Arc, Cone, Ellipsoid
 from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Rectangle
 from fem_reference.mesh.body_distances import (
     ClosedFormBody,
@@ -223,6 +224,11 @@ def _sizes_of_body(
         curved = sizing.curvature / sizing.refinement**0.5 * radius
         if isinstance(body, Ellipsoid):
             curved = _on_ellipsoid(body, curved, sizing, tape)
+        if isinstance(body, Arc):
+            # Chords of one wall come a quarter of the way to the other at most, so that the meshes of both do not cross.
+            curved = np.minimum(
+                curved, math.sqrt(2 * body.outer_radius * (body.outer_radius - body.inner_radius))
+            )
         away = curved_distance(body, tape.point)
         sizes.append(least + curved + sizing.growth * (surface if away is None else away))
     return sizes

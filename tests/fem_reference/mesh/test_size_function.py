@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from fem_reference.bodies.distances import distance
 from fem_reference.bodies.polyhedron import polyhedron
+from fem_reference.bodies.round_bodies import Arc
 from fem_reference.bodies.shapes import Cuboid, Rectangle
 from fem_reference.mesh.body_distances import (
     ClosedFormBody,
@@ -21,9 +22,9 @@ from fem_reference.mesh.body_distances import (
 )
 from fem_reference.mesh.marks import ORDER_ACROSS_GAPS, Marks, adapted_sizes
 from fem_reference.mesh.tape import SizeFunction, Tape, smallest
-from fem_reference.mesh.sizing import Sizing, _in_gap, _is_wide, sizing_for
+from fem_reference.mesh.sizing import Sizing, _in_gap, _is_wide, size_function, sizing_for
 from geometries.scene import shapes
-from tests.fem_reference.problems import BODIES, CENTRE, TURNED
+from tests.fem_reference.problems import BODIES, CENTRE, TURNED, conductors_of
 
 BOX = BODIES[0]
 assert isinstance(BOX, Cuboid)
@@ -49,6 +50,15 @@ def test_any_step_may_be_the_result_and_equal_steps_are_recorded_once() -> None:
     np.testing.assert_array_equal(SizeFunction(total)(POINTS), POINTS[:, 0] + POINTS[:, 1])
     inside = wall_distance(Cuboid("room", np.zeros(3), np.eye(3), (4.0, 5.0, 6.0)), tape.point)
     np.testing.assert_allclose(SizeFunction(inside)(np.array([[3.5, -1.0, 2.0]])), 0.5)
+
+
+def test_the_cells_on_a_thin_ring_keep_its_walls_apart() -> None:
+    """Far from its edges, the chord of a cell is nearer to its own wall than to the other one."""
+    ring = Arc("ring", np.zeros(3), np.eye(3), 0.99, 1.0, 2.0, np.pi)
+    problem = conductors_of([ring])
+    on_wall = np.array([[np.cos(angle), np.sin(angle), 0.0] for angle in (0.3, 2.0)])
+    sizes = problem.unit * size_function(problem, Sizing())(on_wall / problem.unit)
+    assert (sizes**2 / 8 < 0.01 / 2).all()
 
 
 def test_what_a_tape_cannot_record_is_an_error() -> None:

@@ -103,7 +103,8 @@ TEST(RoundShapes, BodiesOfFewSegmentsHaveTheCapacitancesOfTheRoundOnes) {
                                     {Cylinder{0.1, 0.01, 12}, 1e-2, 7.6717e-12, 6e-4},
                                     {Cone{0.05, 0.1, 12}, 1e-2, 4.8563e-12, 6e-4},
                                     {Arc{0.03, 0.05, 0.01, 360, 12}, 1e-2, 3.9939e-12, 6e-4},
-                                    {Arc{0.03, 0.05, 0.01, 120, 12}, 1e-2, 2.3547e-12, 6e-4}};
+                                    {Arc{0.03, 0.05, 0.01, 120, 12}, 1e-2, 2.3547e-12, 6e-4},
+                                    {Arc{0.0495, 0.05, 0.1, 360, 6}, 1e-2, 6.4188e-12, 2e-4}};
   for (const auto& [shape, rtol, capacitance, known_to] : known) {
     Scene scene;
     scene.objects = {object("body", shape, at(0, 0, 0), Electrode{})};
