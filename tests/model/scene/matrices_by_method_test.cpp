@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <map>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -45,6 +46,11 @@ struct Way {
   /// Returns the accuracy at which properties are tested that hold at any.
   double rtol() const { return rtols.size() > 1 ? rtols[1] : rtols[0]; }
 };
+
+/// GoogleTest would print the bytes, of which some have no value.
+void PrintTo(const Way& way, std::ostream* out) {
+  *out << way.name;
+}
 
 class MatricesByMethod : public testing::TestWithParam<Way> {
  protected:
