@@ -295,9 +295,12 @@ void MeshNodes::lay(const PanelClusters& panels, const Eigen::Matrix3f& axes, co
   count = 0;
   for (const MeshPart& part : parts)
     count += part.count();
-  for (std::vector<float>* array :
-       {coordinates.data(), &coordinates[1], &coordinates[2], &charges, &potentials})
-    array->resize(std::max(array->size(), static_cast<std::size_t>(count)));
+  const auto enlarge = [&](std::vector<float>& array) {
+    array.resize(std::max(array.size(), static_cast<std::size_t>(count)));
+  };
+  std::ranges::for_each(coordinates, enlarge);
+  enlarge(charges);
+  enlarge(potentials);
   std::ptrdiff_t at = 0;
   for (const MeshPart& part : parts) {
     const NodePoints points = part.points(panels);

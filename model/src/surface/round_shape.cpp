@@ -159,13 +159,10 @@ bool are_walls_apart(const Arc& arc) {
 
 /// Returns an arc with as many segments as keep its walls apart, if these are not too many.
 Arc with_walls_apart(Arc arc) {
-  /// Largest number of segments. Beyond, the facets themselves hardly differ from the round walls.
+  /// Largest number of segments, at which the facets themselves hardly differ from the round walls.
   constexpr int most_segments = 360;
-  const int given = arc.segments;
   while (arc.segments < most_segments && !are_walls_apart(arc))
     ++arc.segments;
-  if (!are_walls_apart(arc))
-    arc.segments = given;
   return arc;
 }
 

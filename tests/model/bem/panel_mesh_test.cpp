@@ -54,8 +54,8 @@ TEST(PanelMesh, KeepsABodyClosedWhereOnePartIsDividedFarMoreThanTheRest) {
 }
 
 detail::ChargedBodies plate_at(double gap) {
-  return detail::charged_bodies(test::scene_of(
-      test::square(0.1, 0), {test::object("plate", Plate{0.2, 0.09}, test::at(0.01, 0, gap))}));
+  return detail::charged_bodies(
+      scene_of(square(0.1, 0), {object("plate", Plate{0.2, 0.09}, at(0.01, 0, gap))}));
 }
 
 TEST(PanelMesh, KeepsTheHollowWallOfAnArcThatTouchesAnotherBodyWhenItsPartsMoveOntoTheRoundShape) {
