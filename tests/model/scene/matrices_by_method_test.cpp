@@ -89,8 +89,9 @@ TEST_P(MatricesByMethod, AreWithinTheirErrorsOfTheTruth) {
     EXPECT_TRUE(answer.reached);
     EXPECT_TRUE(covers(answer, truth()));
     for (Eigen::Index i = 0; i < answer.values.rows(); ++i)
-      if (answer.lower_bounds[static_cast<std::size_t>(i)])
+      if (answer.lower_bounds[static_cast<std::size_t>(i)]) {
         EXPECT_LE(answer.values(i, i), truth().values(i, i) + truth().errors(i, i));
+      }
   }
 }
 
