@@ -298,7 +298,8 @@ void MeshNodes::lay(const PanelClusters& panels, const Eigen::Matrix3f& axes, co
   const auto enlarge = [&](std::vector<float>& array) {
     array.resize(std::max(array.size(), static_cast<std::size_t>(count)));
   };
-  std::ranges::for_each(coordinates, enlarge);
+  for (std::vector<float>& array : coordinates)
+    enlarge(array);
   enlarge(charges);
   enlarge(potentials);
   std::ptrdiff_t at = 0;
