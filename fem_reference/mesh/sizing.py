@@ -6,9 +6,9 @@ Hence the size at a point x is
     h(x) = min( edge_i + growth · distance to the edges of body i,  c·(distance to body i + distance to body j) )
 
 over all bodies i and all pairs i, j. `edge_i` is a fraction of the body's size, or of the local gap where that is smaller; for a body of a
-conductor that is always grounded it is at least a fraction of the distance from those that are driven. The sum of
-the distances to two bodies is the local width of the gap between them: two plates at an angle are resolved where they are close, and
-nowhere else. Between plane faces c is larger than 1, since the potential there is nearly linear except near edges.
+conductor that is always grounded it is at least a fraction of the distance from those that are driven. The sum of the distances to two
+bodies is the local width of the gap between them: two plates at an angle are resolved where they are close. Between plane faces c is
+larger than 1, since the potential there is nearly linear except near edges.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.bodies.distances import distance, in_contact
 from fem_reference.bodies.polyhedron import Polyhedron
-from fem_reference.bodies.round_bodies import Arc, Cone, Ellipsoid
+from fem_reference.bodies.round_bodies import Arc, Cone, Cylinder, Ellipsoid
 from fem_reference.bodies.shapes import SHEETS, Body, Cuboid, Rectangle
 from fem_reference.mesh.body_distances import (
     ClosedFormBody,
@@ -38,6 +38,8 @@ from geometries.common.arrays import Array
 
 SIDES_ALONG_RIM = 800
 """Number of cells along the rim of an ellipsoid on the coarsest level, from which on they may be larger than the radius of curvature there."""
+OF_LENGTH = 0.2
+"""Size at the edges of a thin wall over that at a sheet's edges, for a sheet as broad as the wall is long."""
 AT_APEX = 0.1
 """Size of the cells at the apex of a cone over the size at its edge. It has to end the refinement by curvature, since the radius of
 curvature falls to 0 towards the apex."""
@@ -61,6 +63,8 @@ class Sizing:
 
     edge: float = 0.1
     """Size at a body's edges over the body's size, on the coarsest level."""
+    thin: float = 1.0
+    """Largest size at the edges of a thin wall over its thickness, on the coarsest level."""
     edge_in_gap: float = 0.3
     """Size at an edge over the width of the gap there, on the coarsest level. With 0.4 or more the first level may lie outside the
     range in which the errors fall as in theory."""
@@ -96,10 +100,18 @@ def sizing_for(rtol: float, refinement: float) -> Sizing:
     growth of 0.6, and a fourth to a sixth of it at 0.4. With more than 0.6 cells are of bad shapes.
     """
     growth = float(0.6 * min(1.0, rtol / 1e-3) ** 0.25)
-    if rtol >= COARSE_RTOL:
-        return Sizing(edge=0.2, far=0.2, curvature=0.6, growth=growth, refinement=refinement)
-    edge = 0.2 if rtol >= COARSE_EDGES_RTOL else Sizing.edge
-    return Sizing(edge=edge, growth=growth, refinement=refinement)
+    if rtol < COARSE_EDGES_RTOL:
+        return Sizing(growth=growth, refinement=refinement)
+    far, curved = (0.2, 0.6) if rtol >= COARSE_RTOL else (Sizing.far, Sizing.curvature)
+    return Sizing(edge=0.2, thin=4.0, far=far, curvature=curved, growth=growth, refinement=refinement)
+
+
+def size_at_edges(body: Body, sizing: Sizing) -> float:
+    """The size at the edges of a conductor's body, before gaps and refinement. A thin wall acts like a sheet: its thickness does not count."""
+    length = body.size
+    if isinstance(body, (Cuboid, Cylinder, Cone, Arc)):
+        length = float(np.linalg.norm(body.corners[[1, 2, 4]] - body.corners[0], axis=1).max())
+    return max(sizing.edge * body.size, min(sizing.thin * body.size, OF_LENGTH * sizing.edge * length))
 
 
 def size_function(problem: Conductors, sizing: Sizing) -> SizeFunction:
@@ -133,13 +145,13 @@ def size_function(problem: Conductors, sizing: Sizing) -> SizeFunction:
         across = [
             known[i] + known[k + j - i]
             for k, j in gaps
-            if i in (k, j) and sizing.edge_in_gap * widths[k, j] < sizing.edge * body.size
+            if i in (k, j) and sizing.edge_in_gap * widths[k, j] < size_at_edges(body, sizing)
         ]
         if room is not None and i not in grounded:
             across.append(known[i] + wall_distance(room, tape.point))
             sizes.append(_in_gap(body, room, sizing) * across[-1])
-        own = sizing.edge_in_layer if i in dielectrics else sizing.edge
-        edge: list[Quantity] = [own * body.size, *(sizing.edge_in_gap * gap for gap in across)]
+        own = sizing.edge_in_layer * body.size if i in dielectrics else size_at_edges(body, sizing)
+        edge: list[Quantity] = [own, *(sizing.edge_in_gap * gap for gap in across)]
         for j in (k + j - i for k, j in contacts if i in (k, j)):
             thin = sizing.edge_in_layer if {i, j} & {*dielectrics} else sizing.edge
             edge.append(thin * bodies[j].size + sizing.edge_in_gap * known[j])
@@ -192,9 +204,8 @@ def _is_wide(body: Body, width: float, in_gap: float, sizing: Sizing) -> bool:
         farthest = sorted(body.half_widths)[1]
     else:
         return False
-    return (
-        in_gap - sizing.growth
-    ) * width >= sizing.edge * body.size / sizing.refinement + sizing.growth * farthest
+    at_edges = size_at_edges(body, sizing) / sizing.refinement
+    return (in_gap - sizing.growth) * width >= at_edges + sizing.growth * farthest
 
 
 def _is_plane_faced(body: Body) -> bool:
@@ -260,6 +271,5 @@ def _sizes_of_polyhedron(
         # A triangle with two equal corners is a segment.
         sizes.append(at_edges + sizing.growth * surface.tape.distance(edges[:, [0, 1, 1]]))
     if facet is not None:
-        on_facets = np.maximum(facet, least) / sizing.refinement**0.5
-        sizes.append(on_facets + sizing.growth * surface)
+        sizes.append(np.maximum(facet, least) / sizing.refinement**0.5 + sizing.growth * surface)
     return sizes

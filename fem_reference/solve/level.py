@@ -19,7 +19,7 @@ from fem_reference.common.limits import peak_memory, stage
 from fem_reference.mesh.tagged_mesh import tagged_mesh
 from fem_reference.bodies.conductors import Conductors
 from fem_reference.mesh.marks import Marks, marks
-from fem_reference.mesh.sizing import Sizing
+from fem_reference.mesh.sizing import Sizing, size_at_edges
 from fem_reference.solve.field_problem import Charges, FieldProblem, charges, release_unused, with_floating
 from fem_reference.bodies.polyhedron import Polyhedron
 from fem_reference.bodies.shapes import Body
@@ -163,7 +163,7 @@ def _edge_size(problem: Conductors, sizing: Sizing) -> float:
     """The size of the cells, in the scene's unit, at the edges of the smallest body, or the smallest adapted one."""
     if sizing.adapted is not None and len(sizing.adapted.sizes):
         return float(sizing.adapted.sizes.min())
-    return sizing.edge * min(body.size for body in problem.bodies) / sizing.refinement
+    return min(size_at_edges(body, sizing) for body in problem.bodies) / sizing.refinement
 
 
 def _bounded(problem: Conductors, system: FieldProblem, found: Charges, narrow: bool) -> Bounded:

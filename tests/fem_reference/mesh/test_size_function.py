@@ -22,7 +22,7 @@ from fem_reference.mesh.body_distances import (
 )
 from fem_reference.mesh.marks import ORDER_ACROSS_GAPS, Marks, adapted_sizes
 from fem_reference.mesh.tape import SizeFunction, Tape, smallest
-from fem_reference.mesh.sizing import Sizing, _in_gap, _is_wide, size_function, sizing_for
+from fem_reference.mesh.sizing import Sizing, _in_gap, _is_wide, size_at_edges, size_function, sizing_for
 from geometries.scene import shapes
 from tests.fem_reference.problems import BODIES, CENTRE, TURNED, conductors_of
 
@@ -59,6 +59,17 @@ def test_the_cells_on_a_thin_ring_keep_its_walls_apart() -> None:
     on_wall = np.array([[np.cos(angle), np.sin(angle), 0.0] for angle in (0.3, 2.0)])
     sizes = problem.unit * size_function(problem, Sizing())(on_wall / problem.unit)
     assert (sizes**2 / 8 < 0.01 / 2).all()
+
+
+@pytest.mark.parametrize(
+    "thickness, fine, coarse", [(0.8, 0.08, 0.16), (0.02, 0.02, 0.04), (0.002, 0.002, 0.008)]
+)
+def test_the_cells_at_the_edges_of_a_thin_wall_are_those_of_a_sheet_as_far_as_it_is_thick_enough(
+    thickness: float, fine: float, coarse: float
+) -> None:
+    wall = Cuboid("wall", np.zeros(3), np.eye(3), (0.5, thickness / 2, 0.4))
+    found = [size_at_edges(wall, sizing_for(rtol, 1.0)) for rtol in (1e-3, 1e-2)]
+    np.testing.assert_allclose(found, (fine, coarse))
 
 
 def test_what_a_tape_cannot_record_is_an_error() -> None:
@@ -106,7 +117,7 @@ def test_in_a_wide_gap_the_growth_from_edges_is_smaller_everywhere() -> None:
         points = np.concatenate([random.uniform(-5, 5, (500, 3)), random.normal(size=(500, 3))])
         edges = edge_distance(body, points.T)
         assert edges is not None
-        grown = sizing.edge * body.size + sizing.growth * edges
+        grown = size_at_edges(body, sizing) + sizing.growth * edges
         in_gap = ratio * (surface_distance(body, points.T) + surface_distance(other, points.T))
         assert np.all(grown <= in_gap)
     assert left_out > 50
