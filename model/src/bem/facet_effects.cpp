@@ -150,16 +150,20 @@ FacetEffects facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
       continue;
     const Panel& panel = mesh.panels()[facets.panels[k]];
     const Ratios& ratios = unknowns.states[static_cast<std::size_t>(own)].ratios;
-    root << (values.row(own) - potentials.row(index_of(k))) * std::sqrt(ratios.before / ratios.behind),
+    // Conductors at 1 V and 0 V leave no potential beyond: where there is one, the sum of solid angles
+    // failed, and the jump of the permittivity multiplies what it lacks.
+    const RowVectorXd fall = values.row(own) - potentials.row(index_of(k));
+    const bool is_known = fall.cwiseAbs().maxCoeff() <= 1;
+    root << fall.cwiseMax(-1.0).cwiseMin(1.0) * std::sqrt(ratios.before / ratios.behind),
         falls_along(mesh, unknowns, place, mesh.groups()[facets.groups[k]], panel, values);
     root *= std::sqrt(std::abs(ratios.behind - ratios.before) / (4 * std::numbers::pi) * facets.depths[k] *
                       panel.area) /
             step_beside(panel);
-    if (facets.are_added[k])
+    if (facets.are_added[k] && is_known)
       result.added += (ratios.behind > ratios.before ? 1 : -1) * root.transpose() * root;
     const bool is_followed = mesh.follows_shape(mesh.groups()[facets.groups[k]].body);
-    root *=
-        std::sqrt(facets.are_added[k] && is_followed ? error_per_followed_interface : error_per_facet_effect);
+    root *= std::sqrt(facets.are_added[k] && is_known && is_followed ? error_per_followed_interface
+                                                                     : error_per_facet_effect);
   }
   result.errors.resize(BesideFacets::rows * index_of(roots.size()), values.cols());
   result.lasting = MatrixXd::Zero(result.errors.rows(), values.cols());
