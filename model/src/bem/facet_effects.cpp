@@ -24,6 +24,11 @@ constexpr double steps_per_size = 0.7;
 /// balls of 8 segments, 2 mm apart and of permittivity 30, missed 1.4 times what was added.
 constexpr double error_per_followed_interface = 0.6;
 
+/// Largest fall of a potential beside a panel that is believed. Conductors at 1 V and 0 V leave at most one;
+/// more than coarse panels miss of it is a sum of solid angles that failed, which the jump of a high
+/// permittivity multiplies.
+constexpr double most_fall = 10;
+
 Panel shifted(const Panel& panel, const Vector3d& by) {
   Panel result = panel;
   for (Vector3d& corner : result.corners)
@@ -150,11 +155,11 @@ FacetEffects facet_effects(const PanelMesh& mesh, const InsulatedBodies& bodies,
       continue;
     const Panel& panel = mesh.panels()[facets.panels[k]];
     const Ratios& ratios = unknowns.states[static_cast<std::size_t>(own)].ratios;
-    // Conductors at 1 V and 0 V leave no potential beyond: where there is one, the sum of solid angles
-    // failed, and the jump of the permittivity multiplies what it lacks.
-    const RowVectorXd fall = values.row(own) - potentials.row(index_of(k));
-    const bool is_known = fall.cwiseAbs().maxCoeff() <= 1;
-    root << fall.cwiseMax(-1.0).cwiseMin(1.0) * std::sqrt(ratios.before / ratios.behind),
+    RowVectorXd fall = values.row(own) - potentials.row(index_of(k));
+    const bool is_known = fall.cwiseAbs().maxCoeff() <= most_fall;
+    if (!is_known)
+      fall = fall.cwiseMax(-1.0).cwiseMin(1.0);
+    root << fall * std::sqrt(ratios.before / ratios.behind),
         falls_along(mesh, unknowns, place, mesh.groups()[facets.groups[k]], panel, values);
     root *= std::sqrt(std::abs(ratios.behind - ratios.before) / (4 * std::numbers::pi) * facets.depths[k] *
                       panel.area) /
