@@ -107,7 +107,7 @@ def sizing_for(rtol: float, refinement: float) -> Sizing:
 
 
 def size_at_edges(body: Body, sizing: Sizing) -> float:
-    """The size at the edges of a conductor's body, before gaps and refinement. A thin wall acts like a sheet: its thickness does not count."""
+    """The size at the edges of a conductor's body, before gaps and refinement: along thin walls that of a sheet, up to some thicknesses."""
     length = body.size
     if isinstance(body, (Cuboid, Cylinder, Cone, Arc)):
         length = float(np.linalg.norm(body.corners[[1, 2, 4]] - body.corners[0], axis=1).max())
@@ -153,8 +153,8 @@ def size_function(problem: Conductors, sizing: Sizing) -> SizeFunction:
         own = sizing.edge_in_layer * body.size if i in dielectrics else size_at_edges(body, sizing)
         edge: list[Quantity] = [own, *(sizing.edge_in_gap * gap for gap in across)]
         for j in (k + j - i for k, j in contacts if i in (k, j)):
-            thin = sizing.edge_in_layer if {i, j} & {*dielectrics} else sizing.edge
-            edge.append(thin * bodies[j].size + sizing.edge_in_gap * known[j])
+            part = sizing.edge_in_layer if {i, j} & {*dielectrics} else sizing.edge
+            edge.append(part * bodies[j].size + sizing.edge_in_gap * known[j])
         least = 0.0
         if i in grounded and driven:
             least = sizing.far * smallest([known[k] for k in driven])

@@ -24,9 +24,9 @@ constexpr double steps_per_size = 0.7;
 /// balls of 8 segments, 2 mm apart and of permittivity 30, missed 1.4 times what was added.
 constexpr double error_per_followed_interface = 0.6;
 
-/// Largest fall of a potential beside a panel that is believed. Conductors at 1 V and 0 V leave at most one;
-/// more than coarse panels miss of it is a sum of solid angles that failed, which the jump of a high
-/// permittivity multiplies.
+/// Largest fall of a potential (V) beside a panel that is believed. Between conductors at 1 V and 0 V it is
+/// at most 1, and coarse panels miss little of that. Where more is found, the sum of solid angles has failed,
+/// and the jump of a high permittivity has multiplied its error.
 constexpr double most_fall = 10;
 
 Panel shifted(const Panel& panel, const Vector3d& by) {

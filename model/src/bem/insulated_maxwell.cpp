@@ -47,9 +47,9 @@ constexpr double coarsest_tolerance = 1e-3;
 /// Estimated error of an extrapolated value, per change from the coarse to the whole space.
 constexpr double error_per_extrapolated_change = 1;
 
-/// The same for what targets change. Held against finer solutions, the third solutions of 76 scenes with
-/// covers and dielectric bodies used at most .32 of the change in 73 readings, the second ones .62 in 107.
-constexpr double error_of_change_per_extrapolated_change = 0.7;
+/// The same for what targets change. With 1 it was exceeded once by a third, by a wet film, among 150 changes
+/// that the field solver enclosed.
+constexpr double error_of_change_per_extrapolated_change = 1.4;
 
 /// Growth of the error per change, for a change of the energies by all of them: where panels are far too
 /// coarse, the next change is not the last one's half. Between two plates whose own entries changed by 19 and
